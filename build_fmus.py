@@ -1,0 +1,49 @@
+"""Build the FMUs, all or the named ones: `python build_fmus.py [NAME ...] [--out DIR] [--segments N] [--shape-points K]`."""
+
+import argparse
+import sys
+import traceback
+
+from tetherfmu.build import SLAVES, build, platforms
+from tetherfmu.layout import MAX_SEGMENTS
+
+MAX_SHAPE_POINTS = 1001
+
+
+def parse(arguments):
+    """Command line options; wrong ones end the program with status 2."""
+    parser = argparse.ArgumentParser(description="Build tether FMUs.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"FMUs to build: {', '.join(SLAVES)}; none: all")
+    parser.add_argument("--out", default="dist", metavar="DIR", help="output folder (default: dist)")
+    parser.add_argument("--segments", type=int, default=20, metavar="N", help="start value of segments (default: 20)")
+    parser.add_argument(
+        "--shape-points", type=int, default=21, metavar="K", help="points of the output shape, 0 for none (default: 21)"
+    )
+    options = parser.parse_args(arguments)
+    for name in options.names:
+        if name not in SLAVES:
+            parser.error(f"no FMU is called {name}; choose from {', '.join(SLAVES)}")
+    if not 1 <= options.segments <= MAX_SEGMENTS:
+        parser.error(f"--segments is {options.segments}; it must be from 1 to {MAX_SEGMENTS}")
+    if options.shape_points not in (0, *range(2, MAX_SHAPE_POINTS + 1)):
+        parser.error(f"--shape-points is {options.shape_points}; it must be 0, or from 2 to {MAX_SHAPE_POINTS}")
+    return options
+
+
+def main(arguments=None):
+    """Build what was asked for; returns the number of FMUs that failed."""
+    options = parse(arguments)
+    failed = 0
+    for name in options.names or SLAVES:
+        try:
+            path = build(name, options.out, options.segments, options.shape_points)
+            print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(platforms(path))}")
+        except Exception:
+            traceback.print_exc()
+            print(f"{name} was not built", file=sys.stderr)
+            failed += 1
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(min(main(), 1))

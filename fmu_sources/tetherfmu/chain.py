@@ -1,0 +1,174 @@
+"""The chain of lumped masses: node forces, node masses, and the matrices of an implicit step.
+
+Node 0 is at the ground, node n at the kite; segment s joins nodes s and s + 1. Half of the mass, of the weight and of
+the drag of a segment sits on each of its nodes:
+
+    m_i = sum over its segments of 1/2 mu l0  +  point mass of the node
+    F_i = T_i e_i - T_(i-1) e_(i-1) + half drags - m_i g e_z
+
+The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
+only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. Theory: docs/theory.md, "The chain".
+"""
+
+from . import layout as at
+from . import segment
+from .compilation import kernel
+from .vectors import add, dot, get, put, scale, sub
+
+
+@kernel
+def rest_length(s, length, parameters):
+    """Unstretched length [m] of segment s when that of the tether is `length` [m]."""
+    return parameters[at.PARAMETER_SCALARS + s] * length
+
+
+@kernel
+def node_masses(n, length, parameters, mass):
+    """Masses of all nodes [kg] into `mass` (modified) at the unstretched length of the tether [m]."""
+    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
+    points = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
+    for i in range(n + 1):
+        mass[i] = parameters[points + i]
+    for s in range(n):
+        half = 0.5 * parameters[line + s] * rest_length(s, length, parameters)
+        mass[s] += half
+        mass[s + 1] += half
+
+
+@kernel
+def node_forces(n, x, v, length, reeling, wind, mass, parameters, force):
+    """Forces of tension, drag and weight on all nodes [N] into `force` (modified).
+
+    Positions x [m], velocities v [m/s], unstretched length of the tether [m] and its rate [m/s], wind at the
+    reference height [m/s] as a tuple, node masses [kg].
+    """
+    gravity = parameters[at.GRAVITY]
+    from_below = (0.0, 0.0, 0.0)
+    x_p = get(x, 0)
+    v_p = get(v, 0)
+    for s in range(n):
+        x_q = get(x, s + 1)
+        v_q = get(v, s + 1)
+        rest = rest_length(s, length, parameters)
+        rest_rate = rest_length(s, reeling, parameters)
+        pull, drag, _, _ = segment.forces(s, n, x_p, x_q, v_p, v_q, rest, rest_rate, wind, parameters)
+        total = add(add(from_below, pull), drag)
+        put(force, s, (total[0], total[1], total[2] - mass[s] * gravity))
+        from_below = sub(drag, pull)
+        x_p = x_q
+        v_p = v_q
+    put(force, n, (from_below[0], from_below[1], from_below[2] - mass[n] * gravity))
+
+
+@kernel
+def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
+    """Force of the tether on what holds its ground end (or its kite end) [N], and the tension there [N].
+
+    Force of the end segment plus half of its drag plus weight of the end node; without inertia (INTERFACE.md).
+    """
+    s = n - 1 if kite_end else 0
+    rest = rest_length(s, length, parameters)
+    rest_rate = rest_length(s, reeling, parameters)
+    pull, drag, tension, _ = segment.forces(
+        s, n, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+    )
+    if kite_end:
+        pull = scale(-1.0, pull)
+    total = add(pull, drag)
+    weight = mass[n if kite_end else 0] * parameters[at.GRAVITY]
+    return (total[0], total[1], total[2] - weight), tension
+
+
+@kernel
+def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
+    """Derivatives of all segment forces into `records` (modified); rate of the forces from reeling into `force_rate`.
+
+    `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
+    """
+    size = at.SEGMENT_RECORD
+    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
+    gravity = parameters[at.GRAVITY]
+    put(force_rate, 0, (0.0, 0.0, 0.0))
+    for s in range(n):
+        record = records[size * s : size * (s + 1)]
+        rest = rest_length(s, length, parameters)
+        rest_rate = rest_length(s, reeling, parameters)
+        x_p = get(x, s)
+        x_q = get(x, s + 1)
+        v_p = get(v, s)
+        v_q = get(v, s + 1)
+        r = sub(x_q, x_p)
+        slope = segment.linearize_tension(s, n, r, sub(v_q, v_p), rest, rest_rate, parameters, record)
+        height = 0.5 * (x_p[2] + x_q[2])
+        segment.linearize_drag(s, n, r, height, scale(0.5, add(v_p, v_q)), wind, parameters, record)
+        half_weight = 0.5 * parameters[line + s] * rest_rate * gravity
+        for i in range(3):
+            pull = slope * rest_rate * record[segment.DIRECTION + i]
+            weight = half_weight if i == 2 else 0.0
+            force_rate[3 * s + i] += pull - weight
+            force_rate[3 * s + 3 + i] = -pull - weight
+
+
+@kernel
+def add_end_motion(n, kite_end, dx, dv, records, force):
+    """Add to `force` (modified) the change of node forces [N] when one end moves by dx [m] and dv [m/s]."""
+    size = at.SEGMENT_RECORD
+    still = (0.0, 0.0, 0.0)
+    s = n - 1 if kite_end else 0
+    record = records[size * s : size * (s + 1)]
+    if kite_end:
+        axial, drag = segment.force_change(record, still, dx, still, dv)
+    else:
+        axial, drag = segment.force_change(record, dx, still, dv, still)
+    put(force, s, add(get(force, s), add(axial, drag)))
+    put(force, s + 1, add(get(force, s + 1), sub(drag, axial)))
+
+
+@kernel
+def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, diagonal, lower, upper):
+    """Blocks of the matrix mass_factor M - damping_factor B - stiffness_factor K (modified: the three block arrays).
+
+    Block i of `lower` stands left of diagonal block i, block i of `upper` right of it; 9 numbers each, row by row.
+    """
+    size = at.SEGMENT_RECORD
+    for k in range(9 * (n + 1)):
+        diagonal[k] = 0.0
+    for i in range(n + 1):
+        for j in range(3):
+            diagonal[9 * i + 4 * j] = mass_factor * mass[i]
+    for s in range(n):
+        record = records[size * s : size * (s + 1)]
+        damper = damping_factor * record[segment.DAMPER]
+        p = 9 * s
+        q = p + 9
+        for i in range(3):
+            damper_i = damper * record[segment.DIRECTION + i]
+            for j in range(3):
+                k = 3 * i + j
+                axial = stiffness_factor * record[segment.K + k] + damper_i * record[segment.DIRECTION + j]
+                drag = stiffness_factor * record[segment.G + k]
+                both = -0.5 * damping_factor * record[segment.A + k]
+                if j == 2:
+                    both += 0.5 * stiffness_factor * record[segment.HEIGHT + i]
+                diagonal[p + k] += axial + drag - both
+                upper[p + k] = -axial - drag - both
+                lower[q + k] = -axial + drag - both
+                diagonal[q + k] += axial - drag - both
+
+
+@kernel
+def add_damping_product(n, sign, u, records, result):
+    """Add sign B u to `result` (modified); u and result are flat arrays of node vectors."""
+    size = at.SEGMENT_RECORD
+    for s in range(n):
+        record = records[size * s : size * (s + 1)]
+        u_p = get(u, s)
+        u_q = get(u, s + 1)
+        e = (record[segment.DIRECTION], record[segment.DIRECTION + 1], record[segment.DIRECTION + 2])
+        axial = scale(sign * record[segment.DAMPER] * dot(e, sub(u_q, u_p)), e)
+        both = add(u_p, u_q)
+        for i in range(3):
+            a = segment.A + 3 * i
+            drag = -0.5 * sign * (record[a] * both[0] + record[a + 1] * both[1] + record[a + 2] * both[2])
+            result[3 * s + i] += drag + axial[i]
+            result[3 * s + 3 + i] += drag - axial[i]

@@ -1,0 +1,258 @@
+"""Equilibrium of the chain between two given ends: the initial shape.
+
+Unknown are the positions of the inner nodes. Every node moves as a point of a body that turns about the ground end with
+omega and stretches with the rate s; at rest both are zero:
+
+    T_i e_i - T_(i-1) e_(i-1) + f_i(x, v) = 0,       f_i = half drags + weight - m_i a_i
+    T = EA (l - l0)/l0,   v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
+
+There is no damping: nothing changes but the direction. A chain in equilibrium has no slack segment.
+
+1. Start: the hanging chain (`hanging.py`) under the mean load.
+2. Newton's method with the tensions as unknowns beside the positions. They are eliminated from its linear system, which
+   stays block tridiagonal; what they change is that the lateral stiffness T/l comes from the tension of the last iteration
+   and not from the length of the segment, whose error is amplified by EA/l0.
+3. If that fails: hang the chain again and again under its own loads, which follow the shape only in part; then 2.
+"""
+
+from math import inf, sqrt
+
+from . import catenary, chain, hanging, segment
+from . import layout as at
+from .block_tridiagonal import factorize, solve
+from .compilation import kernel
+from .status import NO_EQUILIBRIUM, OK
+from .vectors import add, along, cross, dot, get, norm, put, scale, sub
+
+MOST_ITERATIONS = 30
+ROUNDING = 2.3e-16
+ACCURACY = 1e-12  # residual over the size of the forces
+SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
+FOLLOWING = (0.5, 0.2, 0.1)  # parts of step 3
+
+
+@kernel
+def straighten(n, parameters, x):
+    """Put the inner nodes of x (modified) on the straight line between its ends, at equal strain."""
+    ground = get(x, 0)
+    chord = sub(get(x, n), ground)
+    part = 0.0
+    for i in range(1, n):
+        part += parameters[at.PARAMETER_SCALARS + i - 1]
+        put(x, i, along(ground, part, chord))
+
+
+@kernel
+def rigid_motion(r, u):
+    """Angular velocity [rad/s] and rate of stretch [1/s] of a body about the ground end that carries the kite.
+
+    omega = r x u/|r|^2, s = r . u/|r|^2 with the vector r [m] from the ground end to the kite and its rate u [m/s].
+    """
+    square = max(dot(r, r), segment.SHORTEST**2)
+    return scale(1.0 / square, cross(r, u)), dot(r, u) / square
+
+
+@kernel
+def rigid_velocity(n, spin, stretching, x, v):
+    """Velocities [m/s] of the inner nodes into v (modified): v_0 + omega x r + s r at the positions x [m]."""
+    ground = get(x, 0)
+    for i in range(1, n):
+        r = sub(get(x, i), ground)
+        put(v, i, add(get(v, 0), along(cross(spin, r), stretching, r)))
+
+
+@kernel
+def node_loads(n, spin, stretching, wind, parameters, x, v, mass, load):
+    """Drag, weight and inertia f of all nodes [N] into `load` (modified); v gets the velocities of the inner nodes."""
+    rigid_velocity(n, spin, stretching, x, v)
+    ground = get(x, 0)
+    for i in range(n + 1):
+        acceleration = cross(spin, cross(spin, sub(get(x, i), ground)))
+        put(load, i, along((0.0, 0.0, -mass[i] * parameters[at.GRAVITY]), -mass[i], acceleration))
+    for s in range(n):
+        x_p = get(x, s)
+        x_q = get(x, s + 1)
+        length, e = segment.geometry(sub(x_q, x_p))
+        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
+        drag = segment.half_drag(s, n, length, e, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters)
+        put(load, s, add(get(load, s), drag))
+        put(load, s + 1, add(get(load, s + 1), drag))
+
+
+@kernel
+def add_tensions(n, length, parameters, x, force):
+    """Add the taut springs' pull on the nodes to `force` [N] (modified)."""
+    for s in range(n):
+        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rest = chain.rest_length(s, length, parameters)
+        pull = scale(parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] * (distance / rest - 1.0), e)
+        put(force, s, add(get(force, s), pull))
+        put(force, s + 1, sub(get(force, s + 1), pull))
+
+
+@kernel
+def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+    """Records of all segments into w.records (modified), at velocities that follow the positions.
+
+    K = (EA/l0 - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
+    """
+    for s in range(n):
+        record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
+        x_p = get(x, s)
+        x_q = get(x, s + 1)
+        r = sub(x_q, x_p)
+        distance, e = segment.geometry(r)
+        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
+        segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
+        rest = chain.rest_length(s, length, parameters)
+        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        stretch = tension[s] / distance
+        for i in range(3):
+            for j in range(3):
+                record[segment.K + 3 * i + j] = (stiffness - stretch) * e[i] * e[j]
+            record[segment.K + 4 * i] += stretch
+            record[segment.DIRECTION + i] = e[i]
+            a = get(record[segment.A + 3 * i : segment.A + 3 * i + 3], 0)
+            put(record[segment.A + 3 * i : segment.A + 3 * i + 3], 0, sub(scale(stretching, a), cross(spin, a)))
+        record[segment.DAMPER] = 0.0
+
+
+@kernel
+def newton_step(n, spin, w):
+    """Change of the positions [m] into w.b (modified) from the residual in w.force and w.records; False if singular."""
+    chain.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    square = dot(spin, spin)
+    for i in range(1, n):
+        for j in range(3):
+            for k in range(3):
+                w.diagonal[9 * i + 3 * j + k] += w.mass[i] * spin[j] * spin[k]
+            w.diagonal[9 * i + 4 * j] -= w.mass[i] * square
+    for k in range(3 * (n + 1)):
+        w.b[k] = w.force[k]
+    if not factorize(1, n - 1, w.diagonal, w.lower, w.upper):
+        return False
+    solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
+    put(w.b, 0, (0.0, 0.0, 0.0))
+    put(w.b, n, (0.0, 0.0, 0.0))
+    return True
+
+
+@kernel
+def apply_step(n, length, parameters, x, tension, change):
+    """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps."""
+    part = 1.0
+    for s in range(n):
+        rest = chain.rest_length(s, length, parameters)
+        part = min(part, rest / max(norm(sub(get(change, s + 1), get(change, s))), rest))
+    for s in range(n):
+        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rest = chain.rest_length(s, length, parameters)
+        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
+        tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
+    for i in range(1, n):
+        put(x, i, along(get(x, i), part, get(change, i)))
+
+
+@kernel
+def smallest_residual(n, length, parameters, x, tension, mass):
+    """Norm of the residual [N] that is as good as zero: a part of the forces, or the rounding error of the springs."""
+    reach = 0.0
+    for k in range(3 * (n + 1)):
+        reach = max(reach, abs(x[k]))
+    size = 0.0
+    rounding = 0.0
+    for s in range(n):
+        size = max(size, tension[s] + mass[s] * parameters[at.GRAVITY])
+        rest = chain.rest_length(s, length, parameters)
+        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        rounding = max(rounding, stiffness * ROUNDING * (reach + rest))
+    return ACCURACY * size + 4.0 * sqrt(n) * rounding
+
+
+@kernel
+def relax(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified).
+
+    Returns (True, iterations) or (False, iterations); w.force holds the residual.
+    """
+    for iteration in range(MOST_ITERATIONS):
+        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
+        add_tensions(n, length, parameters, x, w.force)
+        square = 0.0
+        for i in range(1, n):
+            square += dot(get(w.force, i), get(w.force, i))
+        if sqrt(square) <= smallest_residual(n, length, parameters, x, tension, w.mass):
+            return True, iteration
+        if not square < inf:
+            return False, iteration
+        linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+        if not newton_step(n, spin, w):
+            return False, iteration
+        apply_step(n, length, parameters, x, tension, w.b)
+    return False, MOST_ITERATIONS
+
+
+@kernel
+def first_tension_guess(n, chord, load, length, parameters):
+    """First tension vector [N] of the catenary with the chord [m] under the mean load per unstretched length [N/m]."""
+    size = norm(load)
+    compliance = 0.0
+    for s in range(n):
+        compliance += parameters[at.PARAMETER_SCALARS + s] / parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s]
+    if not size * length * compliance > 1e-12:
+        distance, e = segment.geometry(chord)
+        return scale(max(distance / length - 1.0, 1e-9) / compliance, e)
+    down = scale(1.0 / size, load)
+    across = along(chord, -dot(chord, down), down)
+    span = norm(across)
+    horizontal, vertical, iterations = catenary.solve(span, -dot(chord, down), size, length, 1.0 / compliance)
+    if iterations < 0:
+        return chord
+    sideways = scale(horizontal / max(span, segment.SHORTEST), across)
+    return along(sideways, 0.5 * size * length - vertical, down)
+
+
+@kernel
+def hang_under_mean_load(n, length, parameters, x, tension, load):
+    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified); returns iterations."""
+    mean = (0.0, 0.0, 0.0)
+    for i in range(n + 1):
+        mean = add(mean, get(load, i))
+    mean = scale(1.0 / length, mean)
+    for i in range(1, n):
+        share = 0.5 * (parameters[at.PARAMETER_SCALARS + i - 1] + parameters[at.PARAMETER_SCALARS + i])
+        put(load, i, scale(share * length, mean))
+    guess = first_tension_guess(n, sub(get(x, n), get(x, 0)), mean, length, parameters)
+    return hanging.hang(n, guess, length, load, parameters, x, tension)
+
+
+@kernel
+def find(n, spin, stretching, length, wind, parameters, x, v, w):
+    """Equilibrium between the ends that x [m] and v [m/s] hold (inner nodes of both modified).
+
+    Angular velocity [rad/s] about the ground end, rate of stretch [1/s], unstretched length [m], wind at the reference
+    height [m/s]. Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
+    """
+    chain.node_masses(n, length, parameters, w.mass)
+    tension = w.rx[:n]
+    load = w.x_stage
+    straighten(n, parameters, x)
+    node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
+    first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
+    found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+    for attempt in range(len(FOLLOWING)):
+        if found:
+            break
+        part = FOLLOWING[attempt]
+        straighten(n, parameters, x)
+        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
+        first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
+        for _ in range(int(10.0 / part)):
+            node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
+            for k in range(3 * (n + 1)):
+                load[k] += part * (w.force[k] - load[k])
+            first_tension, _ = hanging.hang(n, first_tension, length, load, parameters, x, tension)
+        found, more = relax(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+        iterations += more
+    return OK if found else NO_EQUILIBRIUM, iterations

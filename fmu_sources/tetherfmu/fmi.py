@@ -1,0 +1,318 @@
+"""The FMI shell: one base slave for every tether. The only module that knows PythonFMU.
+
+What it must never do (docs/fmi.md): let an exception escape, except the guarded one that stops a wrong initialization; log
+while it is being made; pass a `%` to the log unescaped.
+"""
+
+import ctypes
+import json
+import struct
+import zlib
+from array import array
+from pathlib import Path
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.default_experiment import DefaultExperiment
+from pythonfmu.enums import Fmi2Status
+
+from . import __version__, interface, status
+from . import layout as at
+from .compiled import kernels
+from .model_description import complete
+from .parameters import DEFAULT_TOLERANCE, pack
+from .quantities import checked
+
+OPTIONS_FILE = "options.json"
+DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
+
+_BLOB = struct.Struct("<8sIIIId")  # magic, length of the rest, checksum, phase, segments, importer's tolerance
+_MAGIC = b"tether01"
+_BEFORE, _INITIALIZING, _STEPPING = range(3)
+
+
+def hold_globals(module_globals):
+    """Keep the globals of a slave script alive: PythonFMU gives one of their references away per instance."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(module_globals))
+
+
+class TetherSlave(Fmi2Slave):
+    """A tether as a PythonFMU slave. A variant is a subclass that sets `variant` and `description`."""
+
+    variant = None
+    author = "TetherFMU developers"
+    license = "MIT"
+    version = __version__
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=0.02, tolerance=1e-4)
+        options = dict(DEFAULT_OPTIONS)
+        file = Path(self.resources or ".") / OPTIONS_FILE
+        if file.is_file():
+            options.update(json.loads(file.read_text(encoding="utf-8")))
+        self._shape_points = options["shape_points"]
+        self._kernels = kernels(self.variant)
+        self._table = interface.variables(self._shape_points, [("segments", options["segments"])])
+        self._make_values()
+        self._phase = _BEFORE
+        self._importer_tolerance = 0.0
+        self._refusal = None
+        self._segments = 0
+        self._state = array("d")
+
+    def _make_values(self):
+        """One array of all values: inputs, outputs, parameters. The value reference of a variable is its place there."""
+        self._outputs_at = at.INPUTS
+        self._parameters_at = at.INPUTS + at.outputs_size(self._shape_points)
+        first = {"input": 0, "output": self._outputs_at, "parameter": self._parameters_at}
+        self._references = [first[variable.causality] + variable.place for variable in self._table]
+        self._values = array("d", bytes(8 * (self._parameters_at + len(interface.parameter_names()))))
+        for reference, variable in zip(self._references, self._table, strict=True):
+            if variable.start is not None:
+                self._values[reference] = variable.start
+        pairs = list(zip(self._references, self._table, strict=True))
+        self._reals = frozenset(reference for reference, variable in pairs if variable.kind == "Real")
+        self._integers = frozenset(self._references) - self._reals
+        self._inputs = frozenset(reference for reference, variable in pairs if variable.causality == "input")
+        self._outputs = frozenset(reference for reference, variable in pairs if variable.causality == "output")
+        self._address = self._values.buffer_info()[0]
+
+    # --- model description
+
+    def to_xml(self, model_options=None):
+        """Model description of PythonFMU, completed with units, limits, enumerations and dependencies."""
+        options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
+        root = super().to_xml(options)
+        root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
+        complete(root, self._table, self._references)
+        return root
+
+    # --- life cycle
+
+    def setup_experiment(self, start_time, stop_time, tolerance):
+        """Remember the importer's tolerance, if it gives a sensible one."""
+        if tolerance is not None and 0.0 < tolerance <= 0.1:
+            self._importer_tolerance = tolerance
+
+    def enter_initialization_mode(self):
+        """From here on outputs are calculated on demand."""
+        self._phase = _INITIALIZING
+
+    def exit_initialization_mode(self):
+        """Check the parameters and find the first shape; the only place where an exception leaves the slave."""
+        problem = self._refusal or self._start()
+        if problem:
+            self._say(problem, Fmi2Status.error)
+            for kept in (self, type(self), self.log_queue):
+                ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
+            raise ValueError(problem.replace("%", "%%"))
+        self._phase = _STEPPING
+
+    def do_step(self, current_time, step_size):
+        """One communication step. False (fmi2Discard), a message and the state of before if it cannot be done."""
+        if self._refusal:
+            self._say(self._refusal, Fmi2Status.discard)
+            self._refusal = None
+            return False
+        if self._phase != _STEPPING:
+            self._say("a step was asked for before the initialization ended", Fmi2Status.discard)
+            return False
+        result = self._kernels.advance(
+            self._segments, self._parameters_address, self._address, step_size, self._state_address, self._work_address
+        )
+        if result != status.OK:
+            self._say(self._sentence(result, step_size), Fmi2Status.discard)
+            return False
+        self._observe()
+        return True
+
+    def terminate(self):
+        """Nothing to do: an instance holds memory only."""
+
+    # --- values
+
+    def get_real(self, vrs):
+        """Values of Real variables."""
+        return self._get(vrs, self._reals)
+
+    def set_real(self, vrs, values):
+        """Store values of Real variables; they are checked when they are used."""
+        if self._inputs.issuperset(vrs):
+            store = self._values
+            for reference, value in zip(vrs, values, strict=True):
+                store[reference] = value
+        else:
+            self._set_parameters(vrs, values, self._reals)
+
+    def get_integer(self, vrs):
+        """Values of Integer and Enumeration variables."""
+        return [int(value) for value in self._get(vrs, self._integers)]
+
+    def set_integer(self, vrs, values):
+        """Store values of Integer and Enumeration parameters; they are checked when initialization ends."""
+        self._set_parameters(vrs, values, self._integers)
+
+    def get_boolean(self, vrs):
+        """There are no Boolean variables."""
+        return [bool(value) for value in self._get(vrs, frozenset())]
+
+    def set_boolean(self, vrs, values):
+        """There are no Boolean variables."""
+        self._set_parameters(vrs, values, frozenset())
+
+    def get_string(self, vrs):
+        """There are no String variables."""
+        return [str(value) for value in self._get(vrs, frozenset())]
+
+    def set_string(self, vrs, values):
+        """There are no String variables."""
+        self._set_parameters(vrs, values, frozenset())
+
+    def _get(self, vrs, allowed):
+        if not allowed.issuperset(vrs):
+            unknown = [reference for reference in vrs if reference not in allowed]
+            self._say(f"value references {unknown} are not of the type that was asked for", Fmi2Status.error)
+            return [0.0 if reference in unknown else self._values[reference] for reference in vrs]
+        if self._phase == _INITIALIZING and not self._outputs.isdisjoint(vrs):
+            problem = self._start()
+            if problem:
+                self._say(problem, Fmi2Status.warning)
+        store = self._values
+        return [store[reference] for reference in vrs]
+
+    def _set_parameters(self, vrs, values, allowed):
+        for reference, value in zip(vrs, values, strict=True):
+            if reference not in allowed or reference in self._outputs:
+                self._refuse(
+                    f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
+                )
+            elif reference >= self._parameters_at and self._phase == _STEPPING:
+                name = interface.parameter_names()[reference - self._parameters_at]
+                self._refuse(f"{name} cannot be set to {value!r} now; it is fixed when the initialization ends")
+            else:
+                self._values[reference] = value
+
+    # --- the tether
+
+    def _start(self):
+        """Check the parameters, make the arrays, find the first shape. Returns what is wrong, or None."""
+        try:
+            problem = self._allocate()
+        except (ValueError, OverflowError) as error:
+            return str(error)
+        if problem:
+            return problem
+        result = self._kernels.initialize(
+            self._segments, self._parameters_address, self._address, self._state_address, self._work_address
+        )
+        if result != status.OK:
+            return self._sentence(result, 0.0)
+        self._observe()
+        return None
+
+    def _allocate(self):
+        """Arrays for the parameters, the state and the work; ValueError if a parameter is out of range."""
+        names = interface.parameter_names()
+        values = dict(zip(names, self._values[self._parameters_at :], strict=True))
+        for variable in self._table:
+            if variable.causality == "parameter":
+                checked(variable.name, values[variable.name], variable.quantity)
+                if variable.kind != "Real":
+                    values[variable.name] = int(values[variable.name])
+        tether, environment, solver = interface.records(values)
+        self._tolerance = solver.relative_tolerance or self._importer_tolerance or DEFAULT_TOLERANCE
+        self._parameters = pack((tether,), environment, solver, self._tolerance)
+        if self._segments != tether.segments:
+            self._state = array("d", bytes(8 * at.state_size(tether.segments)))
+            self._work = array("d", bytes(8 * at.work_size(tether.segments)))
+        self._segments = tether.segments
+        self._fixed_step = solver.fixed_step
+        self._parameters_address = self._parameters.buffer_info()[0]
+        self._state_address = self._state.buffer_info()[0]
+        self._work_address = self._work.buffer_info()[0]
+
+    def _observe(self):
+        self._kernels.observe(
+            self._segments,
+            self._parameters_address,
+            self._state_address,
+            self._shape_points,
+            self._address + 8 * self._outputs_at,
+            self._work_address,
+        )
+
+    def _sentence(self, result, step):
+        place = status.index(result)
+        return status.sentence(
+            result,
+            name=interface.INPUT_NAMES.get(place, ""),
+            value=self._values[place],
+            step=step,
+            reel_out_speed=self._values[at.REEL_OUT_SPEED],
+            length=self._state[at.LENGTH],
+            shortest=at.MIN_SEGMENT_LENGTH,
+            relative_tolerance=self._tolerance,
+            fixed_step=self._fixed_step,
+            budget=at.WORK_BUDGET // self._segments,
+        )
+
+    # --- state
+
+    def _get_fmu_state(self):
+        """The whole state as bytes: all FMI values and, once initialized, the state array."""
+        body = self._values.tobytes()
+        if self._phase == _STEPPING:
+            body += self._state.tobytes()
+        head = _BLOB.pack(_MAGIC, len(body), zlib.crc32(body), self._phase, self._segments, self._importer_tolerance)
+        return head + body
+
+    def _set_fmu_state(self, blob):
+        """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
+        problem = self._problem_of_blob(blob)
+        if problem:
+            self._refuse(problem)
+            return
+        _, _, _, phase, _, tolerance = _BLOB.unpack_from(blob)
+        values_end = _BLOB.size + 8 * len(self._values)
+        memory = memoryview(blob)
+        self._values[:] = array("d", memory[_BLOB.size : values_end].tobytes())
+        self._importer_tolerance = tolerance
+        self._phase = phase
+        self._refusal = None
+        if phase == _STEPPING:
+            self._allocate()
+            self._state[:] = array("d", memory[values_end:].tobytes())
+
+    def _problem_of_blob(self, blob):
+        """What is wrong with a state, in words, or None."""
+        sentence = "the FMU state that was set {}; the state of before is kept"
+        if not isinstance(blob, bytes) or len(blob) < _BLOB.size:
+            return sentence.format("is no state of a tether")
+        magic, length, checksum, phase, segments, _ = _BLOB.unpack_from(blob)
+        body = blob[_BLOB.size :]
+        if magic != _MAGIC:
+            return sentence.format("is no state of a tether, or of another version")
+        if length != len(body) or zlib.crc32(body) != checksum:
+            return sentence.format("is damaged")
+        expected = 8 * (len(self._values) + (at.state_size(segments) if phase == _STEPPING else 0))
+        if phase > _STEPPING or length != expected:
+            return sentence.format("belongs to another tether FMU")
+        return None
+
+    @staticmethod
+    def _fmu_state_to_bytes(state):
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state):
+        return bytes(state)
+
+    # --- messages
+
+    def _refuse(self, message):
+        """Remember why the next step cannot be done, and say it now."""
+        self._refusal = message
+        self._say(message, Fmi2Status.error)
+
+    def _say(self, message, level):
+        self.log(f"{self.instance_name}: {message}".replace("%", "%%"), level)

@@ -1,0 +1,148 @@
+"""The plug: the table of FMI variables, made from the records. One table for every tether.
+
+A variable lives at one place of the flat arrays (`layout.py`): an input, an output, or a parameter of a record. Its value
+reference is its place in `variables()`. Standard library only: finished FMUs ship this file.
+"""
+
+from dataclasses import dataclass, fields
+
+from . import layout as at
+from .parameters import Environment, Solver, Tether
+from .quantities import Quantity, quantities
+
+INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
+RECORDS = (Tether, Environment, Solver)
+KITE_AT_START = (300.0, 0.0, 400.0)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One FMI variable.
+
+    name, causality : as in the model description.  kind : "Real", "Integer" or "Enumeration".  quantity : unit, meaning,
+    limits.  place : in the `inputs` or `outputs` array; of a parameter, its number.  start : of inputs and parameters.
+    depends_on : of an output, names of what it depends on when initialization ends; None: all but the solver's parameters.
+    """
+
+    name: str
+    causality: str
+    kind: str
+    quantity: Quantity
+    place: int
+    start: float = None
+    depends_on: tuple = None
+
+
+def _vector(name, causality, place, unit, meaning, start=(0.0, 0.0, 0.0)):
+    axes = ("x", "y", "z")
+    starts = start if causality == INPUT else (None, None, None)
+    return [
+        Variable(f"{name}[{i + 1}]", causality, "Real", Quantity(unit, f"{meaning}, {axes[i]}"), place + i, starts[i])
+        for i in range(3)
+    ]
+
+
+def _input_variables():
+    reel_out = Quantity("m/s", "rate of change of the unstretched length; positive pays out")
+    return [
+        *_vector("kite_position", INPUT, at.KITE_POSITION, "m", "position of the kite attachment point", KITE_AT_START),
+        *_vector("kite_velocity", INPUT, at.KITE_VELOCITY, "m/s", "velocity of the kite attachment point"),
+        *_vector("ground_position", INPUT, at.GROUND_POSITION, "m", "position of the ground end"),
+        *_vector("ground_velocity", INPUT, at.GROUND_VELOCITY, "m/s", "velocity of the ground end"),
+        Variable("reel_out_speed", INPUT, "Real", reel_out, at.REEL_OUT_SPEED, 0.0),
+        *_vector("wind_velocity", INPUT, at.WIND_VELOCITY, "m/s", "wind at wind_reference_height"),
+    ]
+
+
+def _scalar_output(name, place, unit, meaning, kind="Real", depends_on=None, **limits):
+    return Variable(name, OUTPUT, kind, Quantity(unit, meaning, **limits), place, depends_on=depends_on)
+
+
+def _output_variables(shape_points):
+    vector_outputs = [
+        *_vector("ground_force", OUTPUT, at.GROUND_FORCE, "N", "force of the tether on the ground station"),
+        *_vector("kite_force", OUTPUT, at.KITE_FORCE, "N", "force of the tether on the kite"),
+    ]
+    mass_of = ("segments", "initial_length", "diameter", "density")
+    scalar = _scalar_output
+    points = []
+    for k in range(shape_points):
+        for i, axis in enumerate(("x", "y", "z")):
+            meaning = f"point {k + 1} of {shape_points} on the tether at equal unstretched length, {axis}"
+            points.append(scalar(f"shape[{k + 1},{i + 1}]", at.SHAPE + 3 * k + i, "m", meaning))
+    return [
+        *vector_outputs,
+        scalar("ground_tension", at.GROUND_TENSION, "N", "tension of the first segment"),
+        scalar("kite_tension", at.KITE_TENSION, "N", "tension of the last segment"),
+        scalar("max_tension", at.MAX_TENSION, "N", "largest tension of all segments now"),
+        scalar("tether_length", at.TETHER_LENGTH, "m", "unstretched length now", depends_on=("initial_length",)),
+        scalar("ground_elevation", at.GROUND_ELEVATION, "rad", "elevation at which the tether leaves the ground end"),
+        scalar(
+            "ground_azimuth",
+            at.GROUND_AZIMUTH,
+            "rad",
+            "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above",
+        ),
+        scalar(
+            "slack_segments",
+            at.SLACK_SEGMENTS,
+            "",
+            "number of segments that are shorter than unstretched",
+            kind="Integer",
+            minimum=0,
+            maximum=at.MAX_SEGMENTS,
+        ),
+        scalar("kite_end_mass", at.KITE_END_MASS, "kg", "tether mass lumped at the kite end", depends_on=mass_of),
+        scalar(
+            "kite_stiffness",
+            at.KITE_STIFFNESS,
+            "N/m",
+            "stiffness along the tether that the kite feels, all segments taut",
+            depends_on=("initial_length", "axial_stiffness"),
+        ),
+        scalar(
+            "kite_damping",
+            at.KITE_DAMPING,
+            "N.s/m",
+            "damping along the tether that the kite feels, all segments taut",
+            depends_on=("initial_length", "axial_damping"),
+        ),
+        scalar("wave_time", at.WAVE_TIME, "s", "travel time of a transverse wave over the tether", minimum=0.0),
+        scalar("sag", at.SAG, "m", "largest distance of the tether from its chord", minimum=0.0),
+        *points,
+    ]
+
+
+def parameter_names():
+    """Names of all parameters, in the order of their numbers."""
+    return [name for record in RECORDS for name, _ in quantities(record)]
+
+
+def _parameter_variables(starts):
+    variables = []
+    for record in RECORDS:
+        defaults = {item.name: item.default for item in fields(record)}
+        for name, declared in quantities(record):
+            kind = "Enumeration" if declared.choices else "Integer" if isinstance(defaults[name], int) else "Real"
+            start = starts.get(name, defaults[name])
+            variables.append(Variable(name, PARAMETER, kind, declared, len(variables), start))
+    return variables
+
+
+def variables(shape_points, starts=()):
+    """The table of all variables: inputs, outputs, parameters; the place in it is the value reference.
+
+    shape_points : number of points of the output `shape`.  starts : pairs (parameter, start value) that replace defaults.
+    """
+    return _input_variables() + _output_variables(shape_points) + _parameter_variables(dict(starts))
+
+
+INPUT_NAMES = {variable.place: variable.name for variable in _input_variables()}
+
+
+def records(values):
+    """Records (Tether, Environment, Solver) from a dict of all parameters; ValueError names what is out of range."""
+    made = []
+    for record in RECORDS:
+        made.append(record(**{name: values[name] for name, _ in quantities(record)}))
+    return tuple(made)

@@ -1,0 +1,118 @@
+"""Where each number lives in the flat arrays that travel between the shells and the kernels.
+
+All arrays hold 64-bit floats. Three-vectors take three consecutive places (x, y, z).
+
+=============  ======================================================================
+`parameters`   scalars of the whole chain, then one array per segment property
+`inputs`       what the importer sets before a communication step
+`state`        everything needed to continue: saving a tether is saving this array
+`outputs`      what the importer reads after a communication step, then the shape
+`work`         scratch space of the kernels; its content has no meaning between calls
+=============  ======================================================================
+
+Standard library only: finished FMUs ship this file, the kernels freeze its numbers.
+"""
+
+# parameters: scalars
+GRAVITY = 0
+AIR_DENSITY = 1
+AIR_DENSITY_SCALE_HEIGHT = 2
+WIND_PROFILE = 3
+WIND_REFERENCE_HEIGHT = 4
+WIND_EXPONENT = 5
+SURFACE_ROUGHNESS = 6
+SLACK_STIFFNESS_RATIO = 7
+SLACK_DAMPING_RATIO = 8
+DAMPING_LAW = 9
+RELATIVE_TOLERANCE = 10
+FIXED_STEP = 11
+INITIAL_SHAPE = 12
+INITIAL_LENGTH = 13
+GROUND_IS_FREE = 14
+KITE_IS_FREE = 15
+# parameters: one array of n numbers per property of a segment, in this order ...
+PARAMETER_SCALARS = 16
+SHARE = 0  # of the unstretched length [-]
+STIFFNESS = 1  # E A [N]
+DAMPING = 2  # damping constant times length [N s]
+LINE_DENSITY = 3  # mass per unstretched length [kg/m]
+DRAG_WIDTH = 4  # drag coefficient times diameter [m]
+SEGMENT_PROPERTIES = 5
+# ... and last the n + 1 extra point masses of the nodes [kg]
+
+# inputs
+KITE_POSITION = 0
+KITE_VELOCITY = 3
+GROUND_POSITION = 6
+GROUND_VELOCITY = 9
+REEL_OUT_SPEED = 12
+WIND_VELOCITY = 13
+KITE_LOAD = 16
+INPUTS = 19
+
+# state: header, then node positions, then node velocities
+LENGTH = 0  # unstretched [m]
+REELING = 1  # rate of the unstretched length in the last step [m/s]
+WIND = 2  # wind of the last step [m/s]
+SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before the first
+SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule
+LAST_STEP = 7  # last communication step [s], 0 before the first
+LAST_KITE_VELOCITY = 8  # input at the start of the last communication step
+LAST_GROUND_VELOCITY = 11
+STEPS = 14  # internal steps accepted since the start
+REJECTIONS = 15  # internal steps rejected since the start
+ITERATIONS = 16  # Newton iterations of the initial shape
+STATE_HEADER = 17
+
+# outputs
+GROUND_FORCE = 0
+KITE_FORCE = 3
+GROUND_TENSION = 6
+KITE_TENSION = 7
+MAX_TENSION = 8
+TETHER_LENGTH = 9
+GROUND_ELEVATION = 10
+GROUND_AZIMUTH = 11
+SLACK_SEGMENTS = 12
+KITE_END_MASS = 13
+KITE_STIFFNESS = 14
+KITE_DAMPING = 15
+WAVE_TIME = 16
+SAG = 17
+SHAPE = 18
+
+# enumerations of the parameters
+STRAIN_RATE, STRETCH_RATE = 1, 2
+UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
+STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
+
+# work of the solver, in arrays of 3 (n + 1) numbers and of segment records
+STAGES = 6
+NODE_ARRAYS = 8 + 2 * STAGES
+BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
+SEGMENT_RECORD = 34  # derivatives of one segment, see `segment.py`
+
+MAX_SEGMENTS = 300
+WORK_BUDGET = 2_000_000  # segments times internal steps in one communication step: about a second
+MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
+
+
+def parameters_size(segments):
+    """Length of the `parameters` array [-] of a tether with so many segments."""
+    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + segments + 1
+
+
+def state_size(segments):
+    """Length of the `state` array [-] of a tether with so many segments."""
+    return STATE_HEADER + 6 * (segments + 1)
+
+
+def outputs_size(shape_points):
+    """Length of the `outputs` array [-] with so many points of the shape."""
+    return SHAPE + 3 * shape_points
+
+
+def work_size(segments):
+    """Length of the `work` array [-] of a tether with so many segments."""
+    nodes = segments + 1
+    return STATE_HEADER + (2 + NODE_ARRAYS) * 3 * nodes + BLOCK_ARRAYS * 9 * nodes + SEGMENT_RECORD * segments + nodes

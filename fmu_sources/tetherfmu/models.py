@@ -1,0 +1,189 @@
+"""The Python face: tethers without FMI. Four verbs: initialize, step, get_state, set_state."""
+
+from collections import namedtuple
+
+import numpy as np
+
+from . import dynamic, status
+from . import layout as at
+from .interface import INPUT_NAMES, KITE_AT_START
+from .parameters import DEFAULT_TOLERANCE, Environment, Solver, Tether, pack
+
+Outputs = namedtuple(
+    "Outputs",
+    "ground_force kite_force ground_tension kite_tension max_tension tether_length ground_elevation ground_azimuth "
+    "slack_segments kite_end_mass kite_stiffness kite_damping wave_time sag shape",
+)
+Outputs.__doc__ = (
+    """Outputs of a tether (INTERFACE.md), in SI units; forces are arrays of 3, `shape` has one row per node or point."""
+)
+
+_NOTHING = (0.0, 0.0, 0.0)
+
+
+class StepRefused(ValueError):
+    """A step or an initialization that cannot be done; the tether keeps the state of before."""
+
+
+class TetherDynamic:
+    """Lumped masses joined by non-linear spring-damper segments, with drag and reel-out; both ends driven or free.
+
+    Parameters
+    ----------
+    tether : Tether, or a sequence of them
+        Several are joined in series, from the ground to the kite.
+    environment, solver : Environment, Solver
+    point_masses : dict
+        Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground.
+    free_ends : (bool, bool)
+        Whether the ground end and the kite end move freely after the start, instead of following the inputs.
+    shape_points : int or None
+        Points of the output `shape`; None: one at each node of a uniform tether.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range; the message names it, its value and what is allowed.
+    """
+
+    def __init__(
+        self,
+        tether=Tether(),  # noqa: B008 (a constant record)
+        environment=Environment(),  # noqa: B008
+        solver=Solver(),  # noqa: B008
+        *,
+        point_masses=None,
+        free_ends=(False, False),
+        shape_points=None,
+    ):
+        tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
+        self.segments = sum(each.segments for each in tethers)
+        self._tolerance = solver.relative_tolerance or DEFAULT_TOLERANCE
+        self._solver = solver
+        masses = dict(point_masses or {})
+        for node, mass in masses.items():
+            if node not in range(self.segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
+                raise ValueError(
+                    f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from "
+                    f"0 to {self.segments}"
+                )
+        flat = pack(tethers, environment, solver, self._tolerance, masses.items(), free_ends)
+        self._parameters = np.array(flat)
+        self._points = self.segments + 1 if shape_points is None else shape_points
+        self._inputs = np.zeros(at.INPUTS)
+        self._state = np.zeros(at.state_size(self.segments))
+        self._outputs = np.zeros(at.outputs_size(self._points))
+        self._work = np.zeros(at.work_size(self.segments))
+
+    def initialize(
+        self,
+        kite_position=KITE_AT_START,
+        kite_velocity=_NOTHING,
+        ground_position=_NOTHING,
+        ground_velocity=_NOTHING,
+        reel_out_speed=0.0,
+        wind_velocity=_NOTHING,
+    ):
+        """Start with the shape of `initial_shape` between two ends (SI units); returns the `Outputs` of the start.
+
+        Raises StepRefused if an input is not finite or no equilibrium is found.
+        """
+        self._set_inputs(
+            kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
+        )
+        result = dynamic.initialize(self.segments, self._parameters, self._inputs, self._state, self._work)
+        self._raise_unless_ok(result, 0.0)
+        return self.outputs()
+
+    def step(
+        self,
+        step,
+        kite_position=KITE_AT_START,
+        kite_velocity=_NOTHING,
+        ground_position=_NOTHING,
+        ground_velocity=_NOTHING,
+        reel_out_speed=0.0,
+        wind_velocity=_NOTHING,
+        kite_load=_NOTHING,
+    ):
+        """Advance by a communication step [s] with the inputs at its start (SI units); returns the `Outputs` at its end.
+
+        `kite_load` is an external force on a free kite end. Raises StepRefused and keeps the state of before if the step
+        cannot be done.
+        """
+        self._set_inputs(
+            kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
+        )
+        result = dynamic.advance(self.segments, self._parameters, self._inputs, step, self._state, self._work)
+        self._raise_unless_ok(result, step)
+        return self.outputs()
+
+    def get_state(self):
+        """Copy of the whole state, one flat array; see `layout.py`."""
+        return self._state.copy()
+
+    def set_state(self, state):
+        """Go back to a state of `get_state`, bit for bit; ValueError if it belongs to another number of segments."""
+        state = np.asarray(state, dtype=float)
+        if state.shape != self._state.shape:
+            raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
+        self._state[:] = state
+
+    def outputs(self):
+        """`Outputs` that belong to the present state."""
+        dynamic.observe(self.segments, self._parameters, self._state, self._points, self._outputs, self._work)
+        values = self._outputs
+        return Outputs(
+            values[at.GROUND_FORCE : at.GROUND_FORCE + 3].copy(),
+            values[at.KITE_FORCE : at.KITE_FORCE + 3].copy(),
+            *(float(value) for value in values[at.GROUND_TENSION : at.SHAPE]),
+            values[at.SHAPE :].reshape(-1, 3).copy(),
+        )
+
+    @property
+    def positions(self):
+        """Node positions [m], array (segments + 1, 3)."""
+        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)[0].copy()
+
+    @property
+    def velocities(self):
+        """Node velocities [m/s], array (segments + 1, 3)."""
+        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)[1].copy()
+
+    @property
+    def counters(self):
+        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations of the initial shape."""
+        return {
+            "steps": int(self._state[at.STEPS]),
+            "rejections": int(self._state[at.REJECTIONS]),
+            "iterations": int(self._state[at.ITERATIONS]),
+        }
+
+    def _set_inputs(self, kite, kite_velocity, ground, ground_velocity, reel_out_speed, wind, load):
+        inputs = self._inputs
+        inputs[at.KITE_POSITION : at.KITE_POSITION + 3] = kite
+        inputs[at.KITE_VELOCITY : at.KITE_VELOCITY + 3] = kite_velocity
+        inputs[at.GROUND_POSITION : at.GROUND_POSITION + 3] = ground
+        inputs[at.GROUND_VELOCITY : at.GROUND_VELOCITY + 3] = ground_velocity
+        inputs[at.REEL_OUT_SPEED] = reel_out_speed
+        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+        inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = load
+
+    def _raise_unless_ok(self, result, step):
+        if result == status.OK:
+            return
+        place = status.index(result)
+        raise StepRefused(
+            status.sentence(
+                result,
+                name=INPUT_NAMES.get(place, "kite_load"),
+                value=self._inputs[place],
+                step=step,
+                reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
+                length=self._state[at.LENGTH],
+                shortest=at.MIN_SEGMENT_LENGTH,
+                relative_tolerance=self._tolerance,
+                fixed_step=self._solver.fixed_step,
+                budget=at.WORK_BUDGET // self.segments,
+            )
+        )

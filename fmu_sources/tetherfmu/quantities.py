@@ -1,0 +1,74 @@
+"""Declaration of a physical quantity: unit, meaning, default, limits. Each is declared once; all else is made from it.
+
+Standard library only: finished FMUs ship this file.
+"""
+
+from dataclasses import dataclass, field, fields
+from math import inf, isfinite
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number with its meaning.
+
+    unit : of the number; "" for none.  meaning : one line for people.  minimum, maximum : allowed range, both included
+    unless `above` is set (then the minimum itself is not allowed).  choices : names of an enumeration, in the order of
+    its numbers 1, 2, ...  display : (unit, factor) for people, shown value = factor times value.
+    """
+
+    unit: str
+    meaning: str
+    minimum: float = -inf
+    maximum: float = inf
+    above: bool = False
+    choices: tuple = ()
+    display: tuple = ()
+
+    def range(self):
+        """The allowed range in words."""
+        if self.choices:
+            return "one of " + ", ".join(f"{number} ({name})" for number, name in enumerate(self.choices, start=1))
+        unit = f" {self.unit}" if self.unit else ""
+        lower = f"{'greater than' if self.above else 'at least'} {self.minimum:g}{unit}"
+        upper = f"at most {self.maximum:g}{unit}"
+        if self.minimum == -inf:
+            return upper if self.maximum < inf else "a finite number"
+        return lower if self.maximum == inf else f"{lower} and {upper}"
+
+    def allows(self, value):
+        """Whether a value lies in the allowed range; never for NaN, infinities and what is no number."""
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            return False
+        if not isfinite(number):
+            return False
+        if self.choices:
+            return number in range(1, len(self.choices) + 1)
+        return (self.minimum < number if self.above else self.minimum <= number) and number <= self.maximum
+
+
+def checked(name, value, quantity):
+    """The value, or ValueError that names the variable, the value and what is allowed."""
+    if not quantity.allows(value):
+        raise ValueError(f"{name} is {value!r}; it must be {quantity.range()}")
+    return value
+
+
+def quantity(default, unit, meaning, **limits):
+    """Field of a record of quantities, with its default."""
+    return field(default=default, metadata={"quantity": Quantity(unit, meaning, **limits)})
+
+
+def quantities(record):
+    """Pairs (name, Quantity) of a record or its class, in order of declaration."""
+    return [(item.name, item.metadata["quantity"]) for item in fields(record) if "quantity" in item.metadata]
+
+
+def check(record):
+    """Check every quantity of a record; ValueError names the first one out of range."""
+    for name, declared in quantities(record):
+        checked(name, getattr(record, name), declared)
+        whole = declared.choices or isinstance(record.__dataclass_fields__[name].default, int)
+        if whole and int(getattr(record, name)) != getattr(record, name):
+            raise ValueError(f"{name} is {getattr(record, name)!r}; it must be a whole number")

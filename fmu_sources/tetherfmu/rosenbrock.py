@@ -1,0 +1,239 @@
+"""Rodas4P: a Rosenbrock method of order 4 with 6 stages, L-stable, without order reduction at driven ends.
+
+    u_i = y0 + sum_j a_ij U_j
+    (1/(h gamma) - J) U_i = f(t0 + alpha_i h, u_i) + sum_j c_ij/h U_j + gamma_i h df/dt
+    y1 = u_6 + U_6,   error estimate U_6 (embedded method u_6 of order 3)
+
+Source: G. Steinebach, Order-reduction of ROW-methods for DAEs and method of lines applications, TH Darmstadt preprint
+1741 (1995), in the transformed form of Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7.
+
+For the chain y = (x, v), f = (v, F/m). With d = h gamma and q = U_v + r_x the positions are eliminated:
+
+    (M/d - B - d K) q = M r_v + M r_x/d - B r_x,   U_x = d q,   U_v = q - r_x
+
+where r_x, r_v are the right-hand sides above: one block tridiagonal system with 3x3 blocks per stage.
+"""
+
+from math import ceil, inf, sqrt
+
+from . import chain
+from . import layout as at
+from .block_tridiagonal import factorize, solve
+from .compilation import kernel
+from .end_motion import acceleration_at, velocity_at
+from .status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+from .vectors import add, dot, get, put
+from .workspace import place_ends
+
+GAMMA = 0.25
+A = (
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (3.0, 0.0, 0.0, 0.0, 0.0),
+    (1.831036793486759, 0.4955183967433795, 0.0, 0.0, 0.0),
+    (2.304376582692669, -0.05249275245743001, -1.176798761832782, 0.0, 0.0),
+    (-7.170454962423024, -4.741636671481785, -16.31002631330971, -1.062004044111401, 0.0),
+    (-7.170454962423024, -4.741636671481785, -16.31002631330971, -1.062004044111401, 1.0),
+)
+C = (
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (-12.0, 0.0, 0.0, 0.0, 0.0),
+    (-8.791795173947035, -2.207865586973518, 0.0, 0.0, 0.0),
+    (10.81793056857153, 6.780270611428266, 19.5348594464241, 0.0, 0.0),
+    (34.19095006749676, 15.49671153725963, 54.7476087596413, 14.16005392148534, 0.0),
+    (34.62605830930532, 15.30084976114473, 56.99955578662667, 18.40807009793095, -5.714285714285717),
+)
+ALPHA = (0.0, 0.75, 0.21, 0.63, 1.0, 1.0)
+GAMMA_I = (0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0)
+
+SAFETY = 0.9
+LARGEST_GROWTH = 5.0
+STRONGEST_CUT = 0.2
+SMALLEST_STEP = 1e-10  # part of the communication step
+
+
+@kernel
+def prepare(n, drive, time, h, x, v, parameters, w):
+    """Matrix of the step, factorized, and the explicit time derivative of M v' [N/s]; False if it is singular.
+
+    Modifies w.mass, w.records, w.force_rate and the block arrays.
+    """
+    length = drive.length + drive.reeling * time
+    chain.node_masses(n, length, parameters, w.mass)
+    chain.linearize(n, x, v, length, drive.reeling, drive.wind, parameters, w.records, w.force_rate)
+    if drive.first == 1:
+        chain.add_end_motion(
+            n, False, velocity_at(drive.ground, time), acceleration_at(drive.ground, time), w.records, w.force_rate
+        )
+    if drive.last == n - 1:
+        chain.add_end_motion(
+            n, True, velocity_at(drive.kite, time), acceleration_at(drive.kite, time), w.records, w.force_rate
+        )
+    d = GAMMA * h
+    chain.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    return factorize(drive.first, drive.last, w.diagonal, w.lower, w.upper)
+
+
+@kernel
+def stage_force(n, drive, time, parameters, w):
+    """Forces at a stage, times the mass of the start over the mass of now, into w.b (modified)."""
+    length = drive.length + drive.reeling * time
+    if drive.reeling == 0.0:
+        chain.node_forces(n, w.x_stage, w.v_stage, length, 0.0, drive.wind, w.mass, parameters, w.b)
+        put(w.b, n, add(get(w.b, n), drive.load))
+        return
+    mass = w.force  # free here: only n + 1 of its places are used
+    chain.node_masses(n, length, parameters, mass)
+    chain.node_forces(n, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, mass, parameters, w.b)
+    put(w.b, n, add(get(w.b, n), drive.load))
+    for i in range(n + 1):
+        ratio = w.mass[i] / mass[i]
+        for j in range(3 * i, 3 * i + 3):
+            w.b[j] *= ratio
+
+
+@kernel
+def correct_rate_for_mass(n, drive, time, parameters, w):
+    """Complete w.force_rate (modified): d(F/m)/dt = (dF/dt - F/m dm/dt)/m; w.b holds F at the start of the step."""
+    length = drive.length + drive.reeling * time
+    points = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
+    for i in range(n + 1):
+        growth = (w.mass[i] - parameters[points + i]) / w.mass[i] * drive.reeling / length
+        for j in range(3 * i, 3 * i + 3):
+            w.force_rate[j] -= growth * w.b[j]
+
+
+@kernel
+def step(n, drive, time, h, x, v, parameters, w):
+    """One step of h [s] from (x, v) at a time [s] of the communication step; False if the matrix is singular.
+
+    The result stands in w.x_stage, w.v_stage, its error estimate in the last stage of w.stage_x, w.stage_v.
+    """
+    if not prepare(n, drive, time, h, x, v, parameters, w):
+        return False
+    nodes = 3 * (n + 1)
+    begin = 3 * drive.first
+    end = 3 * drive.last + 3
+    d = GAMMA * h
+    for i in range(at.STAGES):
+        row = nodes * i
+        for k in range(nodes):
+            w.x_stage[k] = x[k]
+            w.v_stage[k] = v[k]
+            w.rx[k] = 0.0
+            w.stage_x[row + k] = 0.0
+            w.stage_v[row + k] = 0.0
+        for j in range(i):
+            a = A[i][j]
+            for k in range(begin, end):
+                w.x_stage[k] += a * w.stage_x[nodes * j + k]
+                w.v_stage[k] += a * w.stage_v[nodes * j + k]
+        place_ends(n, drive, time + ALPHA[i] * h, w.x_stage, w.v_stage)
+        stage_force(n, drive, time + ALPHA[i] * h, parameters, w)
+        if i == 0 and drive.reeling != 0.0:
+            correct_rate_for_mass(n, drive, time, parameters, w)
+        for k in range(begin, end):
+            w.rx[k] = w.v_stage[k]
+        for j in range(i):
+            c = C[i][j] / h
+            for k in range(begin, end):
+                w.rx[k] += c * w.stage_x[nodes * j + k]
+                w.stage_v[row + k] += c * w.stage_v[nodes * j + k]
+        rate = GAMMA_I[i] * h
+        for k in range(begin, end):
+            w.b[k] += rate * w.force_rate[k] + w.mass[k // 3] * (w.stage_v[row + k] + w.rx[k] / d)
+        chain.add_damping_product(n, -1.0, w.rx, w.records, w.b)
+        solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
+        for k in range(begin, end):
+            w.stage_x[row + k] = d * w.b[k]
+            w.stage_v[row + k] = w.b[k] - w.rx[k]
+    row = nodes * (at.STAGES - 1)
+    for k in range(begin, end):
+        w.x_stage[k] += w.stage_x[row + k]
+        w.v_stage[k] += w.stage_v[row + k]
+    place_ends(n, drive, time + h, w.x_stage, w.v_stage)
+    return True
+
+
+@kernel
+def error_norm(n, drive, position_scale, velocity_scale, w):
+    """Root mean square of the error estimate of `step` over the allowed error of positions [m] and velocities [m/s]."""
+    row = 3 * (n + 1) * (at.STAGES - 1)
+    total = 0.0
+    for k in range(row + 3 * drive.first, row + 3 * drive.last + 3):
+        total += (w.stage_x[k] / position_scale) ** 2 + (w.stage_v[k] / velocity_scale) ** 2
+    return sqrt(total / (6 * (drive.last - drive.first + 1)))
+
+
+@kernel
+def allowed_errors(n, drive, v, parameters):
+    """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
+
+    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed and the speed
+    after falling freely over one segment.
+    """
+    tolerance = parameters[at.RELATIVE_TOLERANCE]
+    segment_length = drive.length / n
+    square = max(2.0 * parameters[at.GRAVITY] * segment_length, dot(drive.wind, drive.wind))
+    for i in range(n + 1):
+        square = max(square, dot(get(v, i), get(v, i)))
+    return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
+
+
+@kernel
+def growth(error, last_error):
+    """Factor for the next step [-] from the error estimates of the last two accepted steps (PI rule).
+
+    Source: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2.
+    """
+    factor = SAFETY * max(error, 1e-10) ** -0.175 * max(last_error, 1e-4) ** 0.1
+    return min(LARGEST_GROWTH, max(STRONGEST_CUT, factor))
+
+
+@kernel
+def integrate(n, drive, duration, state, x, v, parameters, w):
+    """Advance (x, v) (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
+
+    Solver memory and counters in `state` are modified. Returns a status: OK, STEP_BUDGET_SPENT or STEP_TOO_SMALL.
+    """
+    time = 0.0
+    h = state[at.SOLVER_STEP]
+    last_error = state[at.SOLVER_ERROR]
+    if h <= 0.0:
+        h = duration
+        last_error = 1.0
+    budget = at.WORK_BUDGET // n
+    tried = 0
+    rejected_before = False
+    while time < duration:
+        if tried >= budget:
+            return STEP_BUDGET_SPENT
+        if h < SMALLEST_STEP * duration:
+            return STEP_TOO_SMALL
+        tried += 1
+        rest = duration - time
+        left = ceil(rest / h - 1e-6)
+        h_now = rest / left if left > 1.0 else rest
+        position_scale, velocity_scale = allowed_errors(n, drive, v, parameters)
+        error = inf
+        if step(n, drive, time, h_now, x, v, parameters, w):
+            error = error_norm(n, drive, position_scale, velocity_scale, w)
+        if error <= 1.0:
+            time = time + h_now if left > 1.0 else duration
+            for k in range(3 * (n + 1)):
+                x[k] = w.x_stage[k]
+                v[k] = w.v_stage[k]
+            proposal = h_now * growth(error, last_error)
+            if rejected_before:
+                proposal = min(proposal, h_now)
+            h = max(proposal, h) if h_now < h and not rejected_before else proposal
+            last_error = error
+            rejected_before = False
+            state[at.STEPS] += 1.0
+        else:
+            rejected_before = True
+            cut = 0.1 if not error < inf else max(STRONGEST_CUT, SAFETY * error**-0.25)
+            h = h_now * min(cut, 0.9)
+            state[at.REJECTIONS] += 1.0
+    state[at.SOLVER_STEP] = h
+    state[at.SOLVER_ERROR] = last_error
+    return OK

@@ -1,0 +1,163 @@
+"""One segment: length, direction, tension, drag, and their derivatives.
+
+A segment joins node p (towards the ground) to node q (towards the kite):
+
+    r = x_q - x_p,  u = v_q - v_p,  l = |r|,  e = r/l,  dl/dt = e . u
+
+    T = k (l - l0) + c (dl/dt - (l/l0) dl0/dt)                                                      (tension)
+        k = EA/l0 if l > l0, else slack_stiffness_ratio EA/l0
+        c = D/l0  if l > l0, else slack_damping_ratio D/l0
+        stretch_rate law: without the term of dl0/dt, as Tethers.jl writes it
+
+    F = 1/4 rho cd d l |w| w,  w = W - (W . e) e,  W = air - (v_p + v_q)/2                          (half drag)
+
+Node p feels T e + F, node q feels -T e + F. Theory: docs/theory.md, "One segment".
+
+The derivatives of these forces travel in a record of `layout.SEGMENT_RECORD` numbers. With the symmetric
+A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
+
+    dF_axial = K dr + c e (e . du),                    K = e g + (T/l) (1 - e e),  g = dT/dr
+    dF_drag  = G dr - A (dv_p + dv_q)/2 + a (dz_p + dz_q)/2
+"""
+
+from math import sqrt
+
+from . import layout as at
+from .atmosphere import air_density, wind_factor
+from .compilation import kernel
+from .vectors import add, along, apply, dot, scale, sub
+
+# places in the record of derivatives
+K = 0  # 3x3
+G = 9  # 3x3
+A = 18  # 3x3
+HEIGHT = 27  # a: change of the half drag with the height of the segment, through wind and density
+DIRECTION = 30  # e
+DAMPER = 33  # c
+
+SHORTEST = 1e-9  # floor of |r| [m]: coincident nodes have no direction
+STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exists in still air
+
+
+@kernel
+def geometry(r):
+    """Length [m] and direction of a segment from the vector [m] between its nodes."""
+    length = max(sqrt(dot(r, r)), SHORTEST)
+    return length, scale(1.0 / length, r)
+
+
+@kernel
+def stiffness(length, rest_length, segment, n, parameters):
+    """Stiffness k [N/m] and damping c [N s/m] of a segment of this length [m] and unstretched length [m]."""
+    k = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + segment] / rest_length
+    c = parameters[at.PARAMETER_SCALARS + at.DAMPING * n + segment] / rest_length
+    if length > rest_length:
+        return k, c
+    return parameters[at.SLACK_STIFFNESS_RATIO] * k, parameters[at.SLACK_DAMPING_RATIO] * c
+
+
+@kernel
+def tension(length, length_rate, rest_length, rest_rate, k, c, parameters):
+    """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
+
+    Lengths [m], their rates [m/s], k [N/m], c [N s/m]. Source: docs/theory.md, "One segment".
+    """
+    strain_rate_term = 0.0
+    if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
+        strain_rate_term = length / rest_length * rest_rate
+    return k * (length - rest_length) + c * (length_rate - strain_rate_term)
+
+
+@kernel
+def apparent_wind(e, height, velocity, wind, parameters):
+    """Wind across a segment w [m/s], wind along it W . e [m/s] and air density [kg/m3].
+
+    Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s], wind at the reference height [m/s].
+    """
+    factor, _ = wind_factor(height, parameters)
+    density, _ = air_density(height, parameters)
+    relative = sub(scale(factor, wind), velocity)
+    lengthwise = dot(relative, e)
+    return along(relative, -lengthwise, e), lengthwise, density
+
+
+@kernel
+def half_drag(segment, n, length, e, height, velocity, wind, parameters):
+    """Half of the drag of a segment [N], equation "half drag" of this file.
+
+    Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes, wind at the reference height [m/s].
+    """
+    w, _, density = apparent_wind(e, height, velocity, wind, parameters)
+    drag_width = parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
+    return scale(0.25 * density * drag_width * length * sqrt(dot(w, w) + STILLEST), w)
+
+
+@kernel
+def forces(segment, n, x_p, x_q, v_p, v_q, rest_length, rest_rate, wind, parameters):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment."""
+    length, e = geometry(sub(x_q, x_p))
+    k, c = stiffness(length, rest_length, segment, n, parameters)
+    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, rest_rate, k, c, parameters)
+    height = 0.5 * (x_p[2] + x_q[2])
+    drag = half_drag(segment, n, length, e, height, scale(0.5, add(v_p, v_q)), wind, parameters)
+    return scale(pull, e), drag, pull, length
+
+
+@kernel
+def linearize_tension(segment, n, r, u, rest_length, rest_rate, parameters, record):
+    """Derivatives of the tension vector into K, DIRECTION and DAMPER of the record (modified); returns dT/dl0 [N/m].
+
+    Vector r [m] between the nodes and its rate u [m/s], unstretched length [m] and its rate [m/s].
+    """
+    length, e = geometry(r)
+    k, c = stiffness(length, rest_length, segment, n, parameters)
+    length_rate = dot(e, u)
+    stretch = tension(length, length_rate, rest_length, rest_rate, k, c, parameters) / length
+    strain_rate = 0.0
+    if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
+        strain_rate = rest_rate / rest_length
+    across = along(u, -length_rate, e)
+    for i in range(3):
+        g = (k - c * strain_rate) * e[i] + c * across[i] / length
+        for j in range(3):
+            record[K + 3 * j + i] = e[j] * (g - stretch * e[i])
+        record[K + 4 * i] += stretch
+        record[DIRECTION + i] = e[i]
+    record[DAMPER] = c
+    # at constant l, dl/dt, dl0/dt; k and c fall as 1/l0
+    return -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+
+
+@kernel
+def linearize_drag(segment, n, r, height, velocity, wind, parameters, record):
+    """Derivatives of the half drag into G, A and HEIGHT of the record (modified).
+
+    Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s], wind at the reference height [m/s].
+    """
+    length, e = geometry(r)
+    w, lengthwise, density = apparent_wind(e, height, velocity, wind, parameters)
+    speed = sqrt(dot(w, w) + STILLEST)
+    width = 0.25 * parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
+    for i in range(3):
+        for j in range(3):
+            bend = w[i] * w[j] / speed - speed * e[i] * e[j]
+            record[A + 3 * i + j] = width * density * length * bend
+            record[G + 3 * i + j] = width * density * (speed * (w[i] * e[j] - e[i] * w[j]) - lengthwise * bend)
+        record[A + 4 * i] += width * density * length * speed
+        record[G + 4 * i] -= width * density * lengthwise * speed
+    _, wind_slope = wind_factor(height, parameters)
+    _, density_slope = air_density(height, parameters)
+    shear = apply(record, A, scale(wind_slope, wind))
+    for i in range(3):
+        record[HEIGHT + i] = shear[i] + width * density_slope * length * speed * w[i]
+
+
+@kernel
+def force_change(record, dx_p, dx_q, dv_p, dv_q):
+    """Changes of the axial force and of the half drag [N] for changes of node positions [m] and velocities [m/s]."""
+    dr = sub(dx_q, dx_p)
+    e = (record[DIRECTION], record[DIRECTION + 1], record[DIRECTION + 2])
+    a = (record[HEIGHT], record[HEIGHT + 1], record[HEIGHT + 2])
+    axial = along(apply(record, K, dr), record[DAMPER] * dot(e, sub(dv_q, dv_p)), e)
+    drag = along(apply(record, G, dr), 0.5 * (dx_p[2] + dx_q[2]), a)
+    return axial, along(drag, -0.5, apply(record, A, add(dv_p, dv_q)))

@@ -1,0 +1,57 @@
+"""Status codes of the kernels, and the sentence that each of them says.
+
+A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input, for example).
+Standard library only: finished FMUs ship this file.
+"""
+
+OK = 0
+INPUT_NOT_FINITE = 1
+STEP_NOT_POSITIVE = 2
+REELED_TOO_SHORT = 3
+STEP_BUDGET_SPENT = 4
+STEP_TOO_SMALL = 5
+STATE_NOT_FINITE = 6
+NO_EQUILIBRIUM = 7
+FIXED_STEPS_TOO_MANY = 8
+
+SENTENCES = {
+    OK: "done",
+    INPUT_NOT_FINITE: "the input {name} is {value}; it must be a finite number",
+    STEP_NOT_POSITIVE: "the communication step is {step} s; it must be finite and greater than 0",
+    REELED_TOO_SHORT: (
+        "the reel_out_speed {reel_out_speed} m/s over a step of {step} s would leave segments shorter than "
+        "{shortest} m (tether_length {length} m); stop reeling in earlier or use fewer segments"
+    ),
+    STEP_BUDGET_SPENT: (
+        "the solver needs more than its budget of internal steps for a communication step of {step} s; use a shorter "
+        "communication step, a larger relative_tolerance or fewer segments"
+    ),
+    STEP_TOO_SMALL: (
+        "the solver cannot reach the relative_tolerance {relative_tolerance} with any internal step; the motion of an "
+        "end (kite_position, ground_position) jumps too far in this step of {step} s, or the tolerance is too small"
+    ),
+    STATE_NOT_FINITE: "the motion leaves the range of numbers in a step of {step} s; check the inputs and parameters",
+    NO_EQUILIBRIUM: (
+        "no static equilibrium was found for the given ends; check kite_position, ground_position and initial_length, "
+        "or use initial_shape = straight"
+    ),
+    FIXED_STEPS_TOO_MANY: (
+        "a communication step of {step} s needs more than {budget} internal steps of fixed_step {fixed_step} s; use a "
+        "longer fixed_step or a shorter communication step"
+    ),
+}
+
+
+def code(status):
+    """Code [-] of a kernel's return value."""
+    return status & 0xFF
+
+
+def index(status):
+    """Index [-] that a kernel's return value carries (0 without one)."""
+    return status >> 8
+
+
+def sentence(status, **facts):
+    """What a status says, with the facts that its sentence asks for."""
+    return SENTENCES[code(status)].format(**facts)

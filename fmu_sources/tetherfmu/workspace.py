@@ -1,0 +1,75 @@
+"""Views of the caller's work array, and what drives a chain within one communication step."""
+
+from collections import namedtuple
+
+from . import layout as at
+from .compilation import kernel
+from .end_motion import position_at, velocity_at
+from .vectors import put
+
+Workspace = namedtuple(
+    "Workspace",
+    "trial x v x_stage v_stage force force_rate rx b stage_x stage_v diagonal lower upper records mass",
+)
+Workspace.__doc__ = """Scratch arrays of the kernels.
+
+trial : a whole state.  x, v, x_stage, v_stage, force, force_rate, rx, b : 3 (n + 1) each.
+stage_x, stage_v : `layout.STAGES` times 3 (n + 1).  diagonal, lower, upper : 9 (n + 1).
+records : n derivative records of `segment.py`.  mass : n + 1.
+"""
+
+Drive = namedtuple("Drive", "ground kite first last length reeling wind load")
+Drive.__doc__ = """What acts on the chain during one communication step.
+
+ground, kite : curves of the driven ends, see `end_motion.curve`.
+first, last : first and last node that moves freely.
+length, reeling : unstretched length at the start [m] and its constant rate [m/s].
+wind : at the reference height [m/s].  load : force on a free kite end [N].
+"""
+
+
+parameters_size = kernel(at.parameters_size)
+state_size = kernel(at.state_size)
+outputs_size = kernel(at.outputs_size)
+work_size = kernel(at.work_size)
+
+
+@kernel
+def workspace(n, work):
+    """Cut the work array into the arrays of `Workspace`."""
+    nodes = 3 * (n + 1)
+    blocks = 9 * (n + 1)
+    a = at.STATE_HEADER + 2 * nodes
+    b = a + 8 * nodes
+    c = b + 2 * at.STAGES * nodes
+    d = c + at.BLOCK_ARRAYS * blocks
+    e = d + at.SEGMENT_RECORD * n
+    return Workspace(
+        work[:a],
+        work[a : a + nodes],
+        work[a + nodes : a + 2 * nodes],
+        work[a + 2 * nodes : a + 3 * nodes],
+        work[a + 3 * nodes : a + 4 * nodes],
+        work[a + 4 * nodes : a + 5 * nodes],
+        work[a + 5 * nodes : a + 6 * nodes],
+        work[a + 6 * nodes : a + 7 * nodes],
+        work[a + 7 * nodes : a + 8 * nodes],
+        work[b : b + at.STAGES * nodes],
+        work[b + at.STAGES * nodes : c],
+        work[c : c + blocks],
+        work[c + blocks : c + 2 * blocks],
+        work[c + 2 * blocks : d],
+        work[d:e],
+        work[e : e + n + 1],
+    )
+
+
+@kernel
+def place_ends(n, drive, time, x, v):
+    """Put the driven ends into x [m] and v [m/s] (both modified) at a time [s] of the communication step."""
+    if drive.first == 1:
+        put(x, 0, position_at(drive.ground, time))
+        put(v, 0, velocity_at(drive.ground, time))
+    if drive.last == n - 1:
+        put(x, n, position_at(drive.kite, time))
+        put(v, n, velocity_at(drive.kite, time))
