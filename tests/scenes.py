@@ -1,0 +1,45 @@
+"""Scenes that several tests share."""
+
+from pathlib import Path
+
+import numpy as np
+
+from tetherfmu.parameters import Tether
+
+REFERENCE = Path(__file__).parent / "reference"
+CIRCLE_TETHER = Tether(initial_length=525.0)
+CIRCLE_RATE = 0.05
+REVOLUTION = 2.0 * np.pi / CIRCLE_RATE
+
+
+def circle(time, rate=CIRCLE_RATE, distance=500.0, half_angle=np.radians(10.0), tilt=np.radians(70.0)):
+    """Position [m] and velocity [m/s] of a kite on a cone about an axis turned by `tilt` from the zenith about x."""
+    phase = rate * time
+    radius = distance * np.sin(half_angle)
+    position = np.array([radius * np.cos(phase), radius * np.sin(phase), distance * np.cos(half_angle)])
+    velocity = radius * rate * np.array([-np.sin(phase), np.cos(phase), 0.0])
+    turn = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
+    return turn @ position, turn @ velocity
+
+
+def fly_circle(tether, step, duration, wind=(0.1, 0.0, 0.0), rate=CIRCLE_RATE):
+    """Fly a Python face along the circle; returns the times [s] and the list of outputs after each step."""
+    position, velocity = circle(0.0, rate)
+    tether.initialize(kite_position=position, kite_velocity=velocity, wind_velocity=wind)
+    outputs = []
+    count = round(duration / step)
+    for k in range(count):
+        position, velocity = circle(k * step, rate)
+        outputs.append(tether.step(step, kite_position=position, kite_velocity=velocity, wind_velocity=wind))
+    return step * np.arange(1, count + 1), outputs
+
+
+def read(name):
+    """Columns of a reference file as a dict of arrays."""
+    table = np.genfromtxt(REFERENCE / name, delimiter=",", names=True, deletechars="")
+    return {column: table[column] for column in table.dtype.names}
+
+
+def nodes(columns, n):
+    """Node positions of a reference file, array (rows, n + 1, 3)."""
+    return np.stack([np.stack([columns[f"p{i}_{axis}"] for axis in "xyz"], axis=-1) for i in range(n + 1)], axis=1)
