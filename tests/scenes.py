@@ -12,11 +12,12 @@ CIRCLE_RATE = 0.05
 REVOLUTION = 2.0 * np.pi / CIRCLE_RATE
 
 
-def circle(time, rate=CIRCLE_RATE, distance=500.0, half_angle=np.radians(10.0), tilt=np.radians(70.0)):
-    """Position [m] and velocity [m/s] of a kite on a cone about an axis turned by `tilt` from the zenith about x."""
+def circle(time, rate=CIRCLE_RATE):
+    """Position [m] and velocity [m/s] of a kite on a cone of half angle 10 deg, 500 m long, tilted by 70 deg about x."""
     phase = rate * time
-    radius = distance * np.sin(half_angle)
-    position = np.array([radius * np.cos(phase), radius * np.sin(phase), distance * np.cos(half_angle)])
+    half_angle, tilt = np.radians([10.0, 70.0])
+    radius = 500.0 * np.sin(half_angle)
+    position = np.array([radius * np.cos(phase), radius * np.sin(phase), 500.0 * np.cos(half_angle)])
     velocity = radius * rate * np.array([-np.sin(phase), np.cos(phase), 0.0])
     turn = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
     return turn @ position, turn @ velocity

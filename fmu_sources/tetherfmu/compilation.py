@@ -1,8 +1,10 @@
-"""How kernels are compiled: numba without exceptions, cached on disk by the content of the sources.
+"""How kernels are compiled: by numba, without exceptions and without allocation.
 
 Rules of a kernel, so that its machine code can stand alone without Python: arguments are numbers, tuples and flat
 arrays; work space comes from the caller; a failure is a status code; other kernels are called by name only. Nothing
 is allocated, raised or received as a function.
+
+Kernels are compiled into the entry points (`entry.py`), and only those are cached on disk.
 """
 
 import hashlib
@@ -14,6 +16,16 @@ from numba import cfunc, config, njit
 _PACKAGE = Path(__file__).parent
 
 
+def kernel(function):
+    """Compile a function for other kernels (and for tests) at its first call."""
+    return njit(error_model="numpy")(function)
+
+
+def view(function):
+    """Compile a kernel that only cuts arrays into views; it is always inlined, so that no reference is ever counted."""
+    return njit(error_model="numpy", forceinline=True)(function)
+
+
 def source_digest():
     """Hash of all sources of the package: 12 hexadecimal digits."""
     digest = hashlib.sha256()
@@ -22,31 +34,18 @@ def source_digest():
     return digest.hexdigest()[:12]
 
 
-_CACHE_FOLDER = str(_PACKAGE / "__pycache__" / f"kernels_{source_digest()}")
-
-
 @contextmanager
-def _cache_folder():
-    """Point numba's cache at a folder of these sources only: numba does not see an edit in another file."""
+def _cache_of_these_sources():
+    """Point numba's cache at a folder named by the sources: numba itself does not see an edit in another file."""
     users_choice = config.CACHE_DIR
-    config.CACHE_DIR = users_choice or _CACHE_FOLDER
+    config.CACHE_DIR = users_choice or str(_PACKAGE / "__pycache__" / f"kernels_{source_digest()}")
     try:
         yield
     finally:
         config.CACHE_DIR = users_choice
 
 
-def kernel(function):
-    """Compile a function for other kernels (and for tests) at its first call."""
-    with _cache_folder():
-        return njit(error_model="numpy", cache=True)(function)
-
-
-def entry_point(signature):
-    """Compile a function of numbers and pointers, callable through ctypes, at once (or load it from the cache)."""
-
-    def decorate(function):
-        with _cache_folder():
-            return cfunc(signature, error_model="numpy", cache=True)(function)
-
-    return decorate
+def compile_entry_point(function, cache=True):
+    """Compile a function of `entry.py` to a numba.CFunc, or load it from the cache."""
+    with _cache_of_these_sources():
+        return cfunc(function.signature, error_model="numpy", cache=cache)(function)

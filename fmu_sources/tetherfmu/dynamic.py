@@ -8,7 +8,7 @@ from math import atan2, inf, sqrt
 
 from . import chain, end_motion, equilibrium, implicit_euler, rosenbrock, segment
 from . import layout as at
-from .compilation import kernel
+from .compilation import kernel, view
 from .status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
 from .vectors import along, dot, get, norm, put, scale, sub
 from .workspace import Drive, place_ends, state_size, workspace
@@ -30,7 +30,7 @@ def set_vector(array, first, a):
     array[first + 2] = a[2]
 
 
-@kernel
+@view
 def positions_and_velocities(n, state):
     """Views of the node positions [m] and node velocities [m/s] in a state."""
     nodes = 3 * (n + 1)

@@ -6,9 +6,19 @@ Layout of the arrays: `layout.py`. Return values: `status.py`. These are the fun
 from numba import carray, types
 
 from . import dynamic
-from .compilation import entry_point
 from .layout import INPUTS
 from .workspace import outputs_size, parameters_size, state_size, work_size
+
+
+def entry_point(signature):
+    """Mark an entry point with its signature; `compilation.compile_entry_point` compiles it."""
+
+    def mark(function):
+        function.signature = signature
+        return function
+
+    return mark
+
 
 _DOUBLES = types.CPointer(types.float64)
 _COUNT = types.int64

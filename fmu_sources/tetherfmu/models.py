@@ -4,8 +4,9 @@ from collections import namedtuple
 
 import numpy as np
 
-from . import dynamic, status
+from . import status
 from . import layout as at
+from .compiled import kernels
 from .interface import INPUT_NAMES, KITE_AT_START
 from .parameters import DEFAULT_TOLERANCE, Environment, Solver, Tether, pack
 
@@ -23,6 +24,10 @@ _NOTHING = (0.0, 0.0, 0.0)
 
 class StepRefused(ValueError):
     """A step or an initialization that cannot be done; the tether keeps the state of before."""
+
+
+def _address(array):
+    return array.ctypes.data
 
 
 class TetherDynamic:
@@ -45,6 +50,8 @@ class TetherDynamic:
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
     """
+
+    variant = "dynamic"
 
     def __init__(
         self,
@@ -74,6 +81,7 @@ class TetherDynamic:
         self._state = np.zeros(at.state_size(self.segments))
         self._outputs = np.zeros(at.outputs_size(self._points))
         self._work = np.zeros(at.work_size(self.segments))
+        self._kernels = kernels(self.variant)
 
     def initialize(
         self,
@@ -91,7 +99,9 @@ class TetherDynamic:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
-        result = dynamic.initialize(self.segments, self._parameters, self._inputs, self._state, self._work)
+        result = self._kernels.initialize(
+            self.segments, _address(self._parameters), _address(self._inputs), _address(self._state), _address(self._work)
+        )
         self._raise_unless_ok(result, 0.0)
         return self.outputs()
 
@@ -114,7 +124,14 @@ class TetherDynamic:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
         )
-        result = dynamic.advance(self.segments, self._parameters, self._inputs, step, self._state, self._work)
+        result = self._kernels.advance(
+            self.segments,
+            _address(self._parameters),
+            _address(self._inputs),
+            step,
+            _address(self._state),
+            _address(self._work),
+        )
         self._raise_unless_ok(result, step)
         return self.outputs()
 
@@ -131,7 +148,14 @@ class TetherDynamic:
 
     def outputs(self):
         """`Outputs` that belong to the present state."""
-        dynamic.observe(self.segments, self._parameters, self._state, self._points, self._outputs, self._work)
+        self._kernels.observe(
+            self.segments,
+            _address(self._parameters),
+            _address(self._state),
+            self._points,
+            _address(self._outputs),
+            _address(self._work),
+        )
         values = self._outputs
         return Outputs(
             values[at.GROUND_FORCE : at.GROUND_FORCE + 3].copy(),

@@ -3,7 +3,7 @@
 from collections import namedtuple
 
 from . import layout as at
-from .compilation import kernel
+from .compilation import kernel, view
 from .end_motion import position_at, velocity_at
 from .vectors import put
 
@@ -34,7 +34,7 @@ outputs_size = kernel(at.outputs_size)
 work_size = kernel(at.work_size)
 
 
-@kernel
+@view
 def workspace(n, work):
     """Cut the work array into the arrays of `Workspace`."""
     nodes = 3 * (n + 1)

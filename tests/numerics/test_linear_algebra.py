@@ -1,0 +1,44 @@
+"""The block tridiagonal solver against numpy on the full matrix."""
+
+import numpy as np
+import pytest
+
+from tetherfmu.block_tridiagonal import factorize, solve
+from tetherfmu.hanging import solve_symmetric
+
+
+@pytest.mark.parametrize(("first", "last"), [(0, 5), (1, 4), (2, 2)])
+def test_solves_the_full_system(first, last):
+    rng = np.random.default_rng(1)
+    blocks = rng.normal(size=(3, 6, 3, 3))
+    diagonal, lower, upper = blocks
+    diagonal += 8.0 * np.eye(3)  # far from singular, so that only rounding is left
+    count = last - first + 1
+    full = np.zeros((3 * count, 3 * count))
+    for i in range(count):
+        full[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = diagonal[first + i]
+        if i > 0:
+            full[3 * i : 3 * i + 3, 3 * i - 3 : 3 * i] = lower[first + i]
+            full[3 * i - 3 : 3 * i, 3 * i : 3 * i + 3] = upper[first + i - 1]
+    b = rng.normal(size=18)
+    expected = np.linalg.solve(full, b[3 * first : 3 * last + 3])
+    flat = [np.ascontiguousarray(part).ravel() for part in blocks]
+    assert factorize(first, last, *flat)
+    solve(first, last, *flat, b)
+    np.testing.assert_allclose(b[3 * first : 3 * last + 3], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("bad", [0.0, np.nan, np.inf])
+def test_singular_pivot_is_reported(bad):
+    diagonal = np.tile(np.eye(3), (3, 1, 1)).ravel()
+    diagonal[9:18] = bad
+    assert not factorize(0, 2, diagonal, np.zeros(27), np.zeros(27))
+
+
+def test_symmetric_three_by_three():
+    rng = np.random.default_rng(2)
+    half = rng.normal(size=(3, 3))
+    matrix = half @ half.T + np.eye(3)
+    b = rng.normal(size=3)
+    found = solve_symmetric(tuple(matrix[np.triu_indices(3)]), tuple(b))
+    np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)
