@@ -7,6 +7,7 @@ while it is being made; pass a `%` to the log unescaped.
 import ctypes
 import json
 import struct
+import sys
 import zlib
 from array import array
 from pathlib import Path
@@ -315,4 +316,8 @@ class TetherSlave(Fmi2Slave):
         self._say(message, Fmi2Status.error)
 
     def _say(self, message, level):
-        self.log(f"{self.instance_name}: {message}".replace("%", "%%"), level)
+        """Log a message; also on stderr, because PythonFMU drops every message unless the importer turns logging on."""
+        text = f"{self.instance_name}: {message}"
+        self.log(text.replace("%", "%%"), level)
+        if sys.stderr is not None:
+            print(text, file=sys.stderr)

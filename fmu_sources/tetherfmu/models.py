@@ -4,8 +4,8 @@ from collections import namedtuple
 
 import numpy as np
 
-from . import status
 from . import layout as at
+from . import status
 from .compiled import kernels
 from .interface import INPUT_NAMES, KITE_AT_START
 from .parameters import DEFAULT_TOLERANCE, Environment, Solver, Tether, pack

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from numerics.chain_problem import ChainProblem
 
+from numerics.chain_problem import ChainProblem
 from tetherfmu import chain
 from tetherfmu import layout as at
 
@@ -53,7 +53,15 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     w = problem.work
     chain.node_masses(problem.n, length, problem.parameters, w.mass)
     chain.linearize(
-        problem.n, problem.x, problem.v, length, problem.drive.reeling, problem.wind, problem.parameters, w.records, w.force_rate
+        problem.n,
+        problem.x,
+        problem.v,
+        length,
+        problem.drive.reeling,
+        problem.wind,
+        problem.parameters,
+        w.records,
+        w.force_rate,
     )
     by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
     by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
@@ -70,9 +78,7 @@ def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     problem = ChainProblem()
     n, w = problem.n, problem.work
     chain.node_masses(n, problem.length, problem.parameters, w.mass)
-    chain.linearize(
-        n, problem.x, problem.v, problem.length, 1.5, problem.wind, problem.parameters, w.records, w.force_rate
-    )
+    chain.linearize(n, problem.x, problem.v, problem.length, 1.5, problem.wind, problem.parameters, w.records, w.force_rate)
     stiffness = dense(problem, (0.0, 0.0, -1.0))
     damping = dense(problem, (0.0, -1.0, 0.0))
     move = np.random.default_rng(5).normal(size=(2, 3))
@@ -92,7 +98,5 @@ def test_still_air_has_a_derivative():
     problem = ChainProblem()
     w = problem.work
     still = np.zeros_like(problem.v)
-    chain.linearize(
-        problem.n, problem.x, still, 38.0, 0.0, (0.0, 0.0, 0.0), problem.parameters, w.records, w.force_rate
-    )
+    chain.linearize(problem.n, problem.x, still, 38.0, 0.0, (0.0, 0.0, 0.0), problem.parameters, w.records, w.force_rate)
     assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()

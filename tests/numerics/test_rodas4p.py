@@ -9,9 +9,9 @@ import json
 
 import numpy as np
 import pytest
+
 from numerics.chain_problem import ChainProblem
 from scenes import REFERENCE
-
 from tetherfmu import implicit_euler, rosenbrock
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
@@ -104,6 +104,8 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         h = 0.4 / steps
         for k in range(steps):
-            assert implicit_euler.step(problem.n, problem.drive, k * h, h, problem.x, problem.v, problem.parameters, problem.work)
+            assert implicit_euler.step(
+                problem.n, problem.drive, k * h, h, problem.x, problem.v, problem.parameters, problem.work
+            )
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

@@ -1,0 +1,81 @@
+"""A small FMPy host for tests: variables by name, messages kept."""
+
+import atexit
+import shutil
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+
+class Host:
+    """One instance of an FMU.
+
+    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`.
+    """
+
+    def __init__(self, path, name="tether"):
+        self.description = read_model_description(str(path))
+        self.folder = extract(str(path))
+        self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
+        self.kind = {variable.name: variable.type for variable in self.description.modelVariables}
+        self.messages = []
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._finalize = self.fmu.dll.finalizePythonInterpreter
+        atexit.register(self._finalize)  # a process that ends with the library loaded would crash
+        self.time = 0.0
+
+    def _log(self, environment, instance, status, category, message):
+        self.messages.append(message.decode("utf-8"))
+
+    def start(self, tolerance=None, **values):
+        """Set values and initialize."""
+        self.fmu.setupExperiment(startTime=0.0, tolerance=tolerance)
+        self.fmu.enterInitializationMode()
+        self.set(**values)
+        self.fmu.exitInitializationMode()
+        return self
+
+    def set(self, **values):
+        """Set variables; a vector sets name[1], name[2], ..."""
+        for name, value in values.items():
+            names = [name] if name in self.reference else [f"{name}[{i + 1}]" for i in range(3)]
+            numbers = [value] if name in self.reference else list(value)
+            references = [self.reference[each] for each in names]
+            if self.kind[names[0]] == "Real":
+                self.fmu.setReal(references, numbers)
+            else:
+                self.fmu.setInteger(references, numbers)
+
+    def get(self, name):
+        """Value of a variable, or the list of a vector."""
+        if name in self.reference:
+            read = self.fmu.getReal if self.kind[name] == "Real" else self.fmu.getInteger
+            return read([self.reference[name]])[0]
+        return self.fmu.getReal([self.reference[f"{name}[{i + 1}]"] for i in range(3)])
+
+    def all_outputs(self):
+        """All Real outputs."""
+        return self.fmu.getReal(
+            [v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
+        )
+
+    def step(self, step, **values):
+        """Set inputs and do a communication step."""
+        self.set(**values)
+        self.fmu.doStep(self.time, step)
+        self.time += step
+
+    def close(self):
+        """Terminate, free and remove the extracted files."""
+        atexit.unregister(self._finalize)  # fmpy unloads the library
+        self.fmu.terminate()
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)

@@ -1,0 +1,109 @@
+"""The model description is valid, complete and offers the plug of INTERFACE.md."""
+
+import subprocess
+import sys
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from tetherfmu.build import SLAVES
+
+VECTORS = {"input": ["kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity"]}
+VECTORS["output"] = ["ground_force", "kite_force"]
+SCALARS = {
+    "input": ["reel_out_speed"],
+    "output": [
+        *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
+        *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
+    ],
+}
+PARAMETERS = {  # name: (start, unit), as the plug says
+    "segments": ("20", None),
+    "initial_length": ("505", "m"),
+    "diameter": ("0.004", "m"),
+    "density": ("724", "kg/m3"),
+    "axial_stiffness": ("614600", "N"),
+    "axial_damping": ("473", "N.s"),
+    "slack_stiffness_ratio": ("0.01", None),
+    "slack_damping_ratio": ("1", None),
+    "damping_law": ("1", None),
+    "drag_coefficient": ("0.958", None),
+    "air_density": ("1.225", "kg/m3"),
+    "air_density_scale_height": ("0", "m"),
+    "gravity": ("9.81", "m/s2"),
+    "wind_profile": ("1", None),
+    "wind_reference_height": ("6", "m"),
+    "wind_exponent": ("0.08163", None),
+    "surface_roughness": ("0.0002", "m"),
+    "relative_tolerance": ("0", None),
+    "fixed_step": ("0", "s"),
+    "initial_shape": ("1", None),
+}
+
+every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+
+
+@every_fmu
+def test_fmpy_finds_no_problem(fmu_folder, name):
+    assert validate_fmu(str(fmu_folder / f"{name}.fmu")) == []
+
+
+@every_fmu
+def test_offers_the_plug(fmu_folder, name):
+    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    expected = set(PARAMETERS)
+    for causality in ("input", "output"):
+        names = SCALARS[causality] + [f"{each}[{i}]" for each in VECTORS[causality] for i in (1, 2, 3)]
+        assert {variables[each].causality for each in names} == {causality}
+        expected.update(names)
+    expected.update(f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3))
+    assert set(variables) == expected
+    for each, (start, unit) in PARAMETERS.items():
+        assert (variables[each].start, variables[each].unit) == (start, unit)
+        assert variables[each].causality == "parameter"
+        assert variables[each].variability == "fixed"
+    assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ["300", "0", "400"]
+    assert variables["slack_segments"].type == "Integer"
+    assert {variables[each].type for each in ("damping_law", "wind_profile", "initial_shape")} == {"Enumeration"}
+
+
+@every_fmu
+def test_variables_are_described(fmu_folder, name):
+    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
+    assert all(variable.description for variable in description.modelVariables)
+    assert [unknown.variable.name for unknown in description.outputs] == [variable.name for variable in outputs]
+    assert [unknown.variable.name for unknown in description.initialUnknowns] == [variable.name for variable in outputs]
+    assert all(unknown.dependencies == [] for unknown in description.outputs), "outputs change in steps only"
+    assert description.defaultExperiment.stepSize == "0.02"
+    assert description.coSimulation.canHandleVariableCommunicationStepSize
+    assert description.coSimulation.canGetAndSetFMUstate
+    assert description.coSimulation.canSerializeFMUstate
+
+
+def build(folder, *options):
+    command = [sys.executable, "build_fmus.py", "--out", str(folder), *options]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_builder_options_and_equal_bytes(tmp_path):
+    for folder in ("a", "b"):
+        done = build(tmp_path / folder, "TetherDynamic", "--segments", "7", "--shape-points", "0")
+        assert done.returncode == 0, done.stderr
+        assert "TetherDynamic.fmu" in done.stdout
+        assert "linux64" in done.stdout
+    description = read_model_description(str(tmp_path / "a" / "TetherDynamic.fmu"))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    assert variables["segments"].start == "7"
+    assert not any(each.startswith("shape") for each in variables)
+    assert (tmp_path / "a" / "TetherDynamic.fmu").read_bytes() == (tmp_path / "b" / "TetherDynamic.fmu").read_bytes()
+
+
+@pytest.mark.parametrize("options", [["NoTether"], ["--segments", "0"], ["--segments", "301"], ["--shape-points", "-1"]])
+def test_builder_refuses_wrong_options(tmp_path, options):
+    done = build(tmp_path, *options)
+    assert done.returncode == 2
+    assert options[-1] in done.stderr
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,40 @@
+"""Run a test in a process of its own, so that a crash is a failed test and not a dead test run."""
+
+import functools
+import importlib
+import multiprocessing
+import traceback
+
+TIMEOUT = 120.0  # seconds; no test takes longer than a few, compilation included
+
+
+def _child(connection, module, name, arguments):
+    try:
+        getattr(importlib.import_module(module), name).__wrapped__(**arguments)
+        connection.send(None)
+    except BaseException:
+        connection.send(traceback.format_exc())
+
+
+def in_own_process(function):
+    """Decorate a test: its body runs in a new process, which must also end cleanly."""
+
+    @functools.wraps(function)
+    def test(**arguments):
+        context = multiprocessing.get_context("spawn")
+        receiver, sender = context.Pipe(duplex=False)
+        process = context.Process(target=_child, args=(sender, function.__module__, function.__name__, arguments))
+        process.start()
+        sender.close()
+        try:
+            assert receiver.poll(TIMEOUT), "the process hangs"
+            problem = receiver.recv()
+        except EOFError:
+            problem = "the process died"
+        process.join(TIMEOUT)
+        if process.is_alive():
+            process.kill()
+        assert problem is None, problem
+        assert process.exitcode == 0, f"the process ended with exit code {process.exitcode}"
+
+    return test
