@@ -228,6 +228,15 @@ def hang_under_mean_load(n, length, parameters, x, tension, load):
 
 
 @kernel
+def tensions(n, length, parameters, x, tension):
+    """Tensions of the taut springs [N] into `tension` (modified, n numbers) at the positions x [m]."""
+    for s in range(n):
+        distance, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        strain = distance / chain.rest_length(s, length, parameters) - 1.0
+        tension[s] = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] * strain
+
+
+@kernel
 def find(n, spin, stretching, length, wind, parameters, x, v, w):
     """Equilibrium between the ends that x [m] and v [m/s] hold (inner nodes of both modified).
 

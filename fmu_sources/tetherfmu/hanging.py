@@ -86,6 +86,25 @@ def solve_symmetric(h, b):
 
 
 @kernel
+def march(n, first_tension, eps, length, load, parameters, x, tension):
+    """Lay the segments one after the other from the ground end, each along its tension vector.
+
+    First tension vector [N], eps [N], unstretched length [m], node loads [N]. The inner nodes of x [m] and the segment
+    tensions [N] are modified. Returns where the march ends [m] and the last tension vector [N].
+    """
+    t = first_tension
+    position = get(x, 0)
+    for s in range(n):
+        if s > 0:
+            t = sub(t, get(load, s))
+            put(x, s, position)
+        compliance, size = segment_compliance(s, n, t, eps, length, parameters)
+        tension[s] = size
+        position = along(position, compliance, t)
+    return position, t
+
+
+@kernel
 def hang(n, first_tension, length, load, parameters, x, tension):
     """Shape of the chain under given node loads, from a guess of its first tension vector [N].
 
@@ -112,13 +131,5 @@ def hang(n, first_tension, length, load, parameters, x, tension):
             break
         t = trial
         value = then
-    first_tension = t
-    position = ground
-    for s in range(n):
-        if s > 0:
-            t = sub(t, get(load, s))
-            put(x, s, position)
-        compliance, size = segment_compliance(s, n, t, eps, length, parameters)
-        tension[s] = size
-        position = along(position, compliance, t)
-    return first_tension, iterations
+    march(n, t, eps, length, load, parameters, x, tension)
+    return t, iterations

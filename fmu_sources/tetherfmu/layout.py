@@ -61,8 +61,9 @@ LAST_KITE_VELOCITY = 8  # input at the start of the last communication step
 LAST_GROUND_VELOCITY = 11
 STEPS = 14  # internal steps accepted since the start
 REJECTIONS = 15  # internal steps rejected since the start
-ITERATIONS = 16  # Newton iterations of the initial shape
-STATE_HEADER = 17
+ITERATIONS = 16  # Newton iterations for shapes in equilibrium since the start
+GROUND_TENSION_VECTOR = 17  # of the catenary at the ground end [N]
+STATE_HEADER = 20
 
 # outputs
 GROUND_FORCE = 0

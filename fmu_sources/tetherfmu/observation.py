@@ -1,0 +1,109 @@
+"""Outputs of a tether: of a chain of nodes, and the pieces that tethers without nodes share."""
+
+from math import atan2, inf, sqrt
+
+from . import chain, segment
+from . import layout as at
+from .communication import positions_and_velocities, set_vector, vector
+from .compilation import kernel
+from .vectors import along, dot, get, norm, sub
+from .workspace import workspace
+
+SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
+
+
+@kernel
+def wave_time(line_density, rest_length, length, tension, axial_stiffness):
+    """Travel time [s] of a transverse wave over a piece of tether: sqrt(mu l0 l/T).
+
+    Mass per unstretched length [kg/m], unstretched and present length [m], tension [N], EA [N]. A slack piece would
+    never be crossed: its tension counts as at least 1e-9 EA.
+    """
+    return sqrt(line_density * rest_length * length / max(tension, SLACKEST * axial_stiffness))
+
+
+@kernel
+def write_direction(leaving, outputs):
+    """Elevation and azimuth [rad] of the direction in which the tether leaves the ground, into the outputs (modified)."""
+    outputs[at.GROUND_ELEVATION] = atan2(leaving[2], sqrt(leaving[0] ** 2 + leaving[1] ** 2))
+    outputs[at.GROUND_AZIMUTH] = atan2(leaving[1], leaving[0])
+
+
+@kernel
+def distance_to_chord(point, start, chord):
+    """Distance [m] of a point from the straight line between the ends of the chord."""
+    square = dot(chord, chord)
+    part = 0.0
+    if square > 0.0:
+        part = min(1.0, max(0.0, dot(sub(point, start), chord) / square))
+    return norm(along(sub(point, start), -part, chord))
+
+
+@kernel
+def survey(n, parameters, state, x, v, outputs):
+    """Outputs that look at every segment (modified): largest tension, slack segments, stiffness, wave time, sag."""
+    wind = vector(state, at.WIND)
+    scalars = at.PARAMETER_SCALARS
+    largest = -inf
+    slack = 0
+    crossing = 0.0
+    compliance = 0.0
+    softness = 0.0
+    sag = 0.0
+    for s in range(n):
+        rest = chain.rest_length(s, state[at.LENGTH], parameters)
+        rest_rate = chain.rest_length(s, state[at.REELING], parameters)
+        _, _, tension, length = segment.forces(
+            s, n, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+        )
+        largest = max(largest, tension)
+        if length < rest:
+            slack += 1
+        stiffness = parameters[scalars + at.STIFFNESS * n + s]
+        line_density = parameters[scalars + at.LINE_DENSITY * n + s]
+        crossing += wave_time(line_density, rest, length, tension, stiffness)
+        compliance += rest / stiffness
+        softness += rest / parameters[scalars + at.DAMPING * n + s]
+        sag = max(sag, distance_to_chord(get(x, s), get(x, 0), sub(get(x, n), get(x, 0))))
+    outputs[at.MAX_TENSION] = largest
+    outputs[at.SLACK_SEGMENTS] = slack
+    outputs[at.KITE_STIFFNESS] = 1.0 / compliance
+    outputs[at.KITE_DAMPING] = 1.0 / softness
+    outputs[at.WAVE_TIME] = crossing
+    outputs[at.SAG] = sag
+
+
+@kernel
+def shape(n, parameters, x, shape_points, outputs):
+    """Points [m] at equal unstretched length along the tether, ground first, into the outputs (modified)."""
+    s = 0
+    passed = 0.0
+    for k in range(shape_points):
+        part = k / max(1, shape_points - 1)
+        while s < n - 1 and part > passed + parameters[at.PARAMETER_SCALARS + s]:
+            passed += parameters[at.PARAMETER_SCALARS + s]
+            s += 1
+        within = (part - passed) / parameters[at.PARAMETER_SCALARS + s]
+        start = get(x, s)
+        set_vector(outputs, at.SHAPE + 3 * k, along(start, within, sub(get(x, s + 1), start)))
+
+
+@kernel
+def observe(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    x, v = positions_and_velocities(n, state)
+    w = workspace(n, work)
+    length = state[at.LENGTH]
+    wind = vector(state, at.WIND)
+    chain.node_masses(n, length, parameters, w.mass)
+    ground_force, ground_tension = chain.end_force(n, False, x, v, length, state[at.REELING], wind, w.mass, parameters)
+    kite_force, kite_tension = chain.end_force(n, True, x, v, length, state[at.REELING], wind, w.mass, parameters)
+    set_vector(outputs, at.GROUND_FORCE, ground_force)
+    set_vector(outputs, at.KITE_FORCE, kite_force)
+    outputs[at.GROUND_TENSION] = ground_tension
+    outputs[at.KITE_TENSION] = kite_tension
+    outputs[at.TETHER_LENGTH] = length
+    write_direction(sub(get(x, 1), get(x, 0)), outputs)
+    outputs[at.KITE_END_MASS] = w.mass[n]
+    survey(n, parameters, state, x, v, outputs)
+    shape(n, parameters, x, shape_points, outputs)

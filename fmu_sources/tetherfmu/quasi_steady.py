@@ -1,0 +1,81 @@
+"""The quasi-steady tether: at every instant in equilibrium under weight, drag, elasticity and the inertia of turning.
+
+All nodes turn about the ground end with the kite. The same chain as the dynamic tether, with its drag and end forces, but
+no waves and no damping. Source: P. Williams, Cable Modeling Approximations for Rapid Simulation, J. Guidance, Control, and
+Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
+"""
+
+from . import chain, equilibrium
+from . import layout as at
+from .communication import (
+    begin,
+    check_state,
+    check_step,
+    copy,
+    move_ends,
+    positions_and_velocities,
+    remember,
+    vector,
+)
+from .compilation import kernel
+from .status import OK
+from .vectors import along, get, put, sub
+from .workspace import workspace
+
+
+@kernel
+def settle(n, parameters, state, warm, w):
+    """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
+
+    warm : whether the inner nodes and the tensions in w.rx are close to it.
+    """
+    x, v = positions_and_velocities(n, state)
+    spin, stretching = equilibrium.rigid_motion(sub(get(x, n), get(x, 0)), sub(get(v, n), get(v, 0)))
+    wind = vector(state, at.WIND)
+    length = state[at.LENGTH]
+    if warm:
+        chain.node_masses(n, length, parameters, w.mass)
+        found, iterations = equilibrium.relax(n, spin, stretching, length, wind, parameters, x, v, w.rx, w)
+        state[at.ITERATIONS] += iterations
+        if found:
+            return OK
+    status, iterations = equilibrium.find(n, spin, stretching, length, wind, parameters, x, v, w)
+    state[at.ITERATIONS] += iterations
+    return status
+
+
+@kernel
+def initialize(n, parameters, inputs, state, work):
+    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE, NO_EQUILIBRIUM or STATE_NOT_FINITE."""
+    status = begin(n, parameters, inputs, state)
+    if status == OK:
+        status = settle(n, parameters, state, False, workspace(n, work))
+    if status == OK:
+        status = check_state(n, state)
+    return status
+
+
+@kernel
+def advance(n, parameters, inputs, step, state, work):
+    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
+
+    The next shape is sought from the last one, whose nodes went on with their velocities. Returns a status: that of
+    `communication.check_step`, OK, NO_EQUILIBRIUM or STATE_NOT_FINITE.
+    """
+    status = check_step(n, parameters, inputs, step, state)
+    if status != OK:
+        return status
+    w = workspace(n, work)
+    copy(state, w.trial)
+    x, v = positions_and_velocities(n, w.trial)
+    equilibrium.tensions(n, state[at.LENGTH], parameters, x, w.rx)
+    for i in range(1, n):
+        put(x, i, along(get(x, i), step, get(v, i)))
+    move_ends(n, inputs, step, w.trial)
+    remember(inputs, step, w.trial)
+    status = settle(n, parameters, w.trial, True, w)
+    if status == OK:
+        status = check_state(n, w.trial)
+    if status == OK:
+        copy(w.trial, state)
+    return status
