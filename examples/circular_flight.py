@@ -1,0 +1,197 @@
+"""Which forces does a tether put on a kite that flies a circle, and on the ground station?
+
+The kite flies one turn on a cone, 500 m from the ground station, on a tether 5 % longer than that. This script is the
+importer: it moves the kite, and drives the tether, an FMU, step by step through FMPy.
+
+    python examples/circular_flight.py --wind 8 0 0 --html
+
+Exchange. In a communication step of length h the tether gets position p and velocity v of the kite at the *start* of the
+step; its outputs belong to the *end* of the step. Within the step it leads its kite end along a smooth curve to the
+predicted position p + v h + a h^2/2, with the acceleration a estimated from the last two velocities; the error of its forces
+is of second order in h. A kite model that feels the force has only the one from the end of the step before: it sees it one
+communication step late. This flight path is prescribed and feels nothing; with a kite model of your own, keep h well below
+the time in which its motion answers to a change of the force.
+
+Start. The tether starts turning with the kite. `--start static_equilibrium` starts it at rest while the kite already flies:
+the jolt, 274 N at the ground in still air instead of 46 N, is damped out within some ten seconds.
+"""
+
+import argparse
+import atexit
+import shutil
+import sys
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from flight_figures import plot_first_shape, plot_forces, plot_shapes
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from tetherfmu.build import SLAVES
+
+ROOT = Path(__file__).resolve().parent.parent
+FILES = {
+    "dynamic": "TetherDynamic",
+    "quasi-steady": "TetherQuasiSteady",
+    "catenary": "TetherCatenary",
+    "straight": "TetherStraight",
+}
+TETHERS = {name: file for name, file in FILES.items() if file in SLAVES}
+STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
+DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
+TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
+
+
+class Flight(NamedTuple):
+    """What a flight gave, SI units: one row per communication point, the first at the start."""
+
+    time: np.ndarray  # (rows,)
+    ground_force: np.ndarray  # (rows, 3), of the tether on the ground station
+    kite_force: np.ndarray  # (rows, 3), of the tether on the kite
+    shape: np.ndarray  # (rows, points, 3), ground first, kite last
+    wall_time: float  # of all communication steps
+
+
+def circle(time, rate):
+    """Position [m] and velocity [m/s] of the kite: a turn at `rate` [rad/s] about an axis 20 deg above the horizon."""
+    radius, cos, sin = DISTANCE * np.sin(HALF_ANGLE), np.cos(rate * time), np.sin(rate * time)
+    position = TURN @ (radius * cos, radius * sin, DISTANCE * np.cos(HALF_ANGLE))
+    return position, TURN @ (-radius * rate * sin, radius * rate * cos, 0.0)
+
+
+def co_simulate(fmu, inputs, outputs, rate, step, count):
+    """Initialize the tether and do `count` communication steps; returns rows of outputs and the wall time [s].
+
+    inputs, outputs : value references of kite position and velocity, and of what is read.
+    """
+    fmu.setReal(inputs, np.concatenate(circle(0.0, rate)))
+    fmu.exitInitializationMode()
+    rows = [fmu.getReal(outputs)]
+    started = perf_counter()
+    for k in range(count):
+        # 1. The kite at the start of the step. A kite model would move here, under the force in rows[-1].
+        position, velocity = circle(k * step, rate)
+        # 2. The tether gets it, and goes to the end of the step; FMPy raises if it refuses the step.
+        fmu.setReal(inputs, [*position, *velocity])
+        fmu.doStep(k * step, step)
+        # 3. Its forces and its shape at the end of the step, the time (k + 1) step.
+        rows.append(fmu.getReal(outputs))
+    return np.array(rows), perf_counter() - started
+
+
+def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady"):
+    """Fly the circle with a tether FMU; returns the `Flight`.
+
+    length [m] : of the tether, unstretched.  rate [rad/s] : of the turn.  wind [m/s].  step [s] : communication step.
+    duration [s] : None for one turn.  start : a key of `STARTS`, how the tether is at the start.
+    """
+    count = round((duration or 2.0 * np.pi / rate) / step)
+    description = read_model_description(str(fmu_file))
+    reference = {variable.name: variable.valueReference for variable in description.modelVariables}
+
+    def vectors(*names):
+        return [reference[f"{name}[{i}]"] for name in names for i in (1, 2, 3)]
+
+    points = [value for name, value in reference.items() if name.startswith("shape[")]
+    if not points:
+        raise ValueError(f"{fmu_file} has no output shape; build it with --shape-points 21")
+    fmu, folder = load(fmu_file, description)
+    fmu.setupExperiment(startTime=0.0)
+    fmu.setReal([reference["initial_length"]], [length])
+    fmu.setInteger([reference["initial_shape"]], [STARTS[start]])
+    fmu.enterInitializationMode()
+    fmu.setReal(vectors("wind_velocity"), wind)  # an input that is set once stays
+    inputs, outputs = vectors("kite_position", "kite_velocity"), vectors("ground_force", "kite_force") + points
+    rows, wall_time = co_simulate(fmu, inputs, outputs, rate, step, count)
+    fmu.terminate()
+    fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
+    shutil.rmtree(folder, ignore_errors=True)
+    shape = rows[:, 6:].reshape(count + 1, -1, 3)
+    return Flight(step * np.arange(count + 1), rows[:, :3], rows[:, 3:6], shape, wall_time)
+
+
+def load(fmu_file, description):
+    """Extract and instantiate an FMU; returns it and its folder.
+
+    When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
+    function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
+    `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
+    """
+    folder = extract(str(fmu_file))
+    name = description.coSimulation.modelIdentifier
+    fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
+    if hasattr(fmu.dll, "finalizePythonInterpreter"):
+        atexit.register(fmu.dll.finalizePythonInterpreter)
+    fmu.instantiate(loggingOn=True)
+    return fmu, folder
+
+
+def summary(name, flight):
+    """One line on a flight: largest forces, communication steps, times real time."""
+    ground, kite = (np.linalg.norm(force, axis=1).max() for force in (flight.ground_force, flight.kite_force))
+    count, speed = len(flight.time) - 1, flight.time[-1] / flight.wall_time
+    return f"{name}: |ground| {ground:.1f} N, |kite| {kite:.1f} N at most; {count} steps; {speed:.0f} times real time"
+
+
+def find_fmu(name):
+    """Path of an FMU in dist/, which is built if it is not there."""
+    file = ROOT / "dist" / f"{name}.fmu"
+    if not file.exists():
+        sys.path.append(str(ROOT))
+        from build_fmus import main as build
+
+        if build([name, "--out", str(file.parent)]) != 0:
+            sys.exit(f"{file.name} could not be built")
+    return file
+
+
+def positive(text):
+    """A finite number above zero."""
+    number = float(text)
+    if not 0.0 < number < np.inf:
+        raise ValueError
+    return number
+
+
+def parse(arguments):
+    """Command line options."""
+    parser = argparse.ArgumentParser(description="Fly a kite on a circle and plot its tether.")
+    option = parser.add_argument
+    option("--tether", choices=[*TETHERS, "all"], default="dynamic", help="model of the tether (default: dynamic)")
+    option("--fmu", type=Path, metavar="FILE", help="a tether FMU of your own instead")
+    option("--length", type=positive, default=525.0, metavar="L", help="of the tether, unstretched [m] (default: 525)")
+    option("--rate", type=positive, default=0.05, metavar="G", help="of the turn [rad/s] (default: 0.05)")
+    option("--wind", type=float, nargs=3, default=[0.0] * 3, metavar=("WX", "WY", "WZ"), help="[m/s] (default: none)")
+    option("--step", type=positive, default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
+    option("--duration", type=positive, metavar="T", help="of the flight [s] (default: one turn)")
+    option("--start", choices=STARTS, default="quasi_steady", help="the tether at the start (default: quasi_steady)")
+    option("--out", type=Path, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
+    option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+    return parser.parse_args(arguments)
+
+
+def main(arguments=None):
+    """Fly, print a line on each flight, write the figures."""
+    given = parse(arguments)
+    if given.html:
+        try:
+            from flight_page import write_page
+        except ImportError:
+            sys.exit("--html needs plotly: pip install plotly")
+    names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
+    flights = {}
+    for file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
+        flight = fly(file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
+        flights[file.stem] = flight
+        print(summary(file.stem, flight))
+    given.out.mkdir(parents=True, exist_ok=True)
+    plot_first_shape(flights).savefig(given.out / "first_shape.png", dpi=150)
+    plot_forces(flights).savefig(given.out / "forces.png", dpi=150)
+    plot_shapes(flights).savefig(given.out / "shapes.png", dpi=150)
+    if given.html:
+        write_page(flights, given.out / "circular_flight.html")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+"""The example runs, writes what it promises, and its process ends cleanly; so each test starts a process of its own."""
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n"
+FIGURES = ("first_shape.png", "forces.png", "shapes.png")
+
+
+def run(*arguments):
+    """Run Python in the folder of the examples' imports; the finished process."""
+    path = os.pathsep.join([str(EXAMPLES), *sys.path])
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+
+
+def run_example(fmu_folder, folder, *arguments):
+    """Two seconds of flight; the finished process."""
+    fmu = fmu_folder / "TetherDynamic.fmu"
+    return run(EXAMPLES / "circular_flight.py", "--fmu", fmu, "--duration", 2, "--out", folder, *arguments)
+
+
+def test_prints_one_line_and_writes_three_figures(fmu_folder, tmp_path):
+    done = run_example(fmu_folder, tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = re.fullmatch(LINE, done.stdout)
+    assert found, done.stdout
+    ground, kite, steps, _ = map(float, found.groups())
+    assert steps == 100
+    # The published range of this scene ends at 75 N and 121 N, with a jolt at the start that this flight has not.
+    assert 20.0 < ground < 75.0
+    assert ground < kite < 121.0
+    for name in FIGURES:
+        colors = plt.imread(tmp_path / name)[:, :, :3]
+        assert np.count_nonzero(np.ptp(colors, axis=-1) > 0.2) > 1000, name  # coloured pixels; empty axes have none
+
+
+@pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
+def test_writes_a_self_contained_page(fmu_folder, tmp_path):
+    done = run_example(fmu_folder, tmp_path, "--html")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "circular_flight.html").read_text(encoding="utf-8")
+    assert "TetherDynamic" in page
+    assert "<script src=" not in page
+    assert len(page) > 1_000_000  # plotly itself is inside
+
+
+def test_says_that_plotly_is_missing(tmp_path):
+    code = "import sys; sys.modules['plotly'] = None; import circular_flight; circular_flight.main(['--html'])"
+    done = run("-c", code)
+    assert done.returncode == 1
+    assert done.stderr == "--html needs plotly: pip install plotly\n"
+
+
+def test_several_flights_share_figures_and_end_cleanly(fmu_folder, tmp_path):
+    """Three libraries in one process, and what each flight must fulfil: times, kite on its circle, weight at rest."""
+    code = f"""
+import numpy as np
+from circular_flight import circle, fly
+from flight_figures import plot_first_shape, plot_forces, plot_shapes
+
+options = {{"still": {{}}, "windy": {{"wind": (8, 0, 0)}}, "slow": {{"rate": 1e-6, "start": "static_equilibrium"}}}}
+flights = {{name: fly({str(fmu_folder / "TetherDynamic.fmu")!r}, duration=2.0, **each) for name, each in options.items()}}
+for name, flight in flights.items():
+    assert flight.time.shape == (101,) and abs(flight.time[-1] - 2.0) < 1e-12
+    assert flight.shape.shape == (101, 21, 3)
+    positions = np.array([circle(time, options[name].get("rate", 0.05))[0] for time in flight.time])
+    # The predicted position misses r g^2 h^2/2 = 0.04 mm in the first step, before it knows the acceleration.
+    assert np.abs(flight.shape[:, -1] - positions).max() < 5e-5
+weight = 724 * np.pi / 4 * 0.004**2 * 525 * 9.81
+total = flights["slow"].ground_force + flights["slow"].kite_force
+assert np.abs(total - [0, 0, -weight]).max() < 0.01  # the equilibrium and a crawling kite, 1e-4 m/s
+for number, plot in enumerate((plot_first_shape, plot_forces, plot_shapes)):
+    plot(flights).savefig({str(tmp_path)!r} + f"/{{number}}.png")
+"""
+    done = run("-c", code)
+    assert done.returncode == 0, done.stderr
+    assert len(list(tmp_path.glob("*.png"))) == 3
+
+
+def test_names_the_input_that_is_refused(fmu_folder, tmp_path):
+    done = run_example(fmu_folder, tmp_path, "--wind", "nan", 0, 0)
+    assert done.returncode == 1
+    assert "wind_velocity[1] is nan" in done.stdout
