@@ -28,6 +28,7 @@ import numpy as np
 from flight_figures import plot_first_shape, plot_forces, plot_shapes
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
+
 from tetherfmu.build import SLAVES
 
 ROOT = Path(__file__).resolve().parent.parent

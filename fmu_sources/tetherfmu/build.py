@@ -11,7 +11,12 @@ from pythonfmu.builder import FmuBuilder
 from .fmi import OPTIONS_FILE
 
 SOURCES = Path(__file__).resolve().parent.parent
-SLAVES = {"TetherDynamic": "tether_dynamic.py"}
+SLAVES = {
+    "TetherStraight": "tether_straight.py",
+    "TetherCatenary": "tether_catenary.py",
+    "TetherQuasiSteady": "tether_quasi_steady.py",
+    "TetherDynamic": "tether_dynamic.py",
+}
 DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 

@@ -1,6 +1,6 @@
 """The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
 
-Each variant has three: initialize, advance, observe. Layout of the arrays: `layout.py`; return values: `status.py`. These are
+Each variant has three: initialize, advance, observe. Layout of the arrays: `layout.py`; return values: `status.py`. They are
 the functions that are compiled ahead of time.
 """
 

@@ -20,7 +20,7 @@ from . import __version__, interface, status
 from . import layout as at
 from .compiled import kernels
 from .model_description import complete
-from .parameters import DEFAULT_TOLERANCE, pack
+from .parameters import DEFAULT_TOLERANCE, effective, pack
 from .quantities import checked
 
 OPTIONS_FILE = "options.json"
@@ -53,7 +53,7 @@ class TetherSlave(Fmi2Slave):
             options.update(json.loads(file.read_text(encoding="utf-8")))
         self._shape_points = options["shape_points"]
         self._kernels = kernels(self.variant)
-        self._table = interface.variables(self._shape_points, [("segments", options["segments"])])
+        self._table = interface.variables(self.variant, self._shape_points, [("segments", options["segments"])])
         self._make_values()
         self._phase = _BEFORE
         self._importer_tolerance = 0.0
@@ -221,6 +221,7 @@ class TetherSlave(Fmi2Slave):
                 if variable.kind != "Real":
                     values[variable.name] = int(values[variable.name])
         tether, environment, solver = interface.records(values)
+        tether = effective(tether, self.variant)
         self._tolerance = solver.relative_tolerance or self._importer_tolerance or DEFAULT_TOLERANCE
         self._parameters = pack((tether,), environment, solver, self._tolerance)
         if self._segments != tether.segments:

@@ -4,7 +4,7 @@ A variable lives at one place of the flat arrays (`layout.py`): an input, an out
 reference is its place in `variables()`. Standard library only: finished FMUs ship this file.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 from . import layout as at
 from .parameters import Environment, Solver, Tether
@@ -21,7 +21,7 @@ class Variable:
 
     name, causality : as in the model description.  kind : "Real", "Integer" or "Enumeration".  quantity : unit, meaning,
     limits.  place : in the `inputs` or `outputs` array; of a parameter, its number.  start : of inputs and parameters.
-    depends_on : of an output, names of what it depends on when initialization ends; None: all but the solver's parameters.
+    depends_on : of an output, names of what it depends on when initialization ends.
     """
 
     name: str
@@ -118,26 +118,99 @@ def parameter_names():
     return [name for record in RECORDS for name, _ in quantities(record)]
 
 
-def _parameter_variables(starts):
+INPUT_NAMES = {variable.place: variable.name for variable in _input_variables()}
+_SOLVER_PARAMETERS = ("relative_tolerance", "fixed_step")
+_KNOWN = (*INPUT_NAMES.values(), *(name for name in parameter_names() if name not in _SOLVER_PARAMETERS))
+
+
+_SOLVER = "the result is exact at every step"
+_NO_WAVES = "this tether has no waves"
+_NEVER_SLACK = "no part of this tether is slack"
+_IGNORED_WITHOUT_WAVES = {
+    "axial_damping": _NO_WAVES,
+    "slack_stiffness_ratio": _NEVER_SLACK,
+    "slack_damping_ratio": _NO_WAVES,
+    "damping_law": _NO_WAVES,
+    "relative_tolerance": _SOLVER,
+    "fixed_step": _SOLVER,
+    "initial_shape": _NO_WAVES,
+}
+_IGNORED_WITHOUT_NODES = {**_IGNORED_WITHOUT_WAVES, "segments": "this tether has no nodes"}
+IGNORED = {  # parameters that a variant ignores, and why
+    "dynamic": {},
+    "quasi_steady": _IGNORED_WITHOUT_WAVES,
+    "catenary": _IGNORED_WITHOUT_NODES,
+    "straight": {**_IGNORED_WITHOUT_NODES, "slack_stiffness_ratio": "a slack line has no tension"},
+}
+
+
+def _parameter_variables(variant, starts):
     variables = []
     for record in RECORDS:
         defaults = {item.name: item.default for item in fields(record)}
         for name, declared in quantities(record):
             kind = "Enumeration" if declared.choices else "Integer" if isinstance(defaults[name], int) else "Real"
             start = starts.get(name, defaults[name])
+            if name in IGNORED[variant]:
+                declared = replace(declared, meaning=f"{declared.meaning} (ignored: {IGNORED[variant][name]})")
             variables.append(Variable(name, PARAMETER, kind, declared, len(variables), start))
     return variables
 
 
-def variables(shape_points, starts=()):
-    """The table of all variables: inputs, outputs, parameters; the place in it is the value reference.
+_NO_DAMPING = {"kite_damping": "damping along the tether that the kite feels: 0, this tether has none"}
+NOTES = {  # meanings of outputs where they differ from the dynamic tether's
+    "dynamic": {},
+    "quasi_steady": _NO_DAMPING,
+    "catenary": {
+        **_NO_DAMPING,
+        "ground_tension": "tension at the ground end",
+        "kite_tension": "tension at the kite end",
+        "max_tension": "larger one of the tensions at the ends",
+        "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
+        "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
+    },
+    "straight": {
+        **_NO_DAMPING,
+        "ground_tension": "force along the tether at the ground end",
+        "kite_tension": "force along the tether at the kite end",
+        "max_tension": "larger one of the tensions at the ends",
+        "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
+        "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
+        "sag": "largest distance of the tether from its chord: 0, this tether is straight",
+    },
+}
 
-    shape_points : number of points of the output `shape`.  starts : pairs (parameter, start value) that replace defaults.
+
+def _depends_on(variant, variable):
+    """Names of what an output depends on when initialization ends."""
+    names = variable.depends_on
+    if names is None:
+        names = _KNOWN
+    constant = {
+        "quasi_steady": ("kite_damping",),
+        "catenary": ("kite_damping", "kite_end_mass"),
+        "straight": ("kite_damping", "sag"),
+    }
+    if variable.name in constant.get(variant, ()):
+        return ()
+    return tuple(name for name in names if name not in IGNORED[variant])
+
+
+def variables(variant, shape_points, starts=()):
+    """The table of all variables: inputs, outputs, parameters.
+
+    variant : "dynamic", "quasi_steady", "catenary" or "straight".  shape_points : number of points of the output `shape`.
+    starts : pairs (parameter, start value) that replace defaults.
     """
-    return _input_variables() + _output_variables(shape_points) + _parameter_variables(dict(starts))
-
-
-INPUT_NAMES = {variable.place: variable.name for variable in _input_variables()}
+    outputs = [
+        replace(
+            variable,
+            quantity=replace(variable.quantity, meaning=NOTES[variant].get(variable.name, variable.quantity.meaning)),
+            depends_on=_depends_on(variant, variable),
+        )
+        for variable in _output_variables(shape_points)
+    ]
+    return _input_variables() + outputs + _parameter_variables(variant, dict(starts))
 
 
 def records(values):

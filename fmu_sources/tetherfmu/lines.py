@@ -11,7 +11,6 @@ Catenary: weight plus the mean of f is one uniform load (`catenary.py`).
 Source: docs/theory.md, "Straight line" and "Elastic catenary".
 """
 
-
 import numpy as np
 
 from . import catenary, segment

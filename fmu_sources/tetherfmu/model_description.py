@@ -17,7 +17,6 @@ BASE_UNITS = {
 }
 DISPLAY_UNITS = {"m": ("mm", 1000.0), "rad": ("deg", 57.29577951308232)}
 NOMINAL = {"m": 100.0, "m/s": 10.0, "N": 100.0}
-SOLVER_PARAMETERS = ("relative_tolerance", "fixed_step")
 
 
 def complete(root, table, references):
@@ -102,15 +101,11 @@ def _structure(table):
     outputs = SubElement(element, "Outputs")
     unknowns = SubElement(element, "InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
-    known = [
-        variable.name for variable in table if variable.causality != "output" and variable.name not in SOLVER_PARAMETERS
-    ]
     for variable in table:
         if variable.causality != "output":
             continue
         index = str(positions[variable.name])
         SubElement(outputs, "Unknown", index=index, dependencies="")
-        names = known if variable.depends_on is None else variable.depends_on
-        dependencies = " ".join(str(positions[name]) for name in sorted(names, key=positions.get))
+        dependencies = " ".join(str(place) for place in sorted(positions[name] for name in variable.depends_on))
         SubElement(unknowns, "Unknown", index=index, dependencies=dependencies)
     return element

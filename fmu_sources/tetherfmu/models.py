@@ -8,7 +8,7 @@ from . import layout as at
 from . import status
 from .compiled import kernels
 from .interface import INPUT_NAMES, KITE_AT_START
-from .parameters import DEFAULT_TOLERANCE, Environment, Solver, Tether, pack
+from .parameters import DEFAULT_TOLERANCE, VARIANTS_WITHOUT_NODES, Environment, Solver, Tether, effective, pack
 
 Outputs = namedtuple(
     "Outputs",
@@ -30,20 +30,18 @@ def _address(array):
     return array.ctypes.data
 
 
-class TetherDynamic:
-    """Lumped masses joined by non-linear spring-damper segments, with drag and reel-out; both ends driven or free.
+class TetherModel:
+    """What all tethers share. Use one of the classes below.
 
     Parameters
     ----------
-    tether : Tether, or a sequence of them
-        Several are joined in series, from the ground to the kite.
+    tether : Tether
+        A sequence of them is joined in series, from the ground to the kite (tethers with nodes only).
     environment, solver : Environment, Solver
     point_masses : dict
-        Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground.
-    free_ends : (bool, bool)
-        Whether the ground end and the kite end move freely after the start, instead of following the inputs.
+        Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
-        Points of the output `shape`; None: one at each node of a uniform tether.
+        Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
 
     Raises
     ------
@@ -51,7 +49,7 @@ class TetherDynamic:
         If a parameter is out of range; the message names it, its value and what is allowed.
     """
 
-    variant = "dynamic"
+    variant = None
 
     def __init__(
         self,
@@ -60,13 +58,17 @@ class TetherDynamic:
         solver=Solver(),  # noqa: B008
         *,
         point_masses=None,
-        free_ends=(False, False),
         shape_points=None,
+        _free_ends=(False, False),
     ):
         tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
-        self.segments = sum(each.segments for each in tethers)
+        self._points = sum(each.segments for each in tethers) + 1 if shape_points is None else shape_points
+        if self.variant in VARIANTS_WITHOUT_NODES and (len(tethers) > 1 or point_masses):
+            raise ValueError(f"{type(self).__name__} is one uniform line: it takes one Tether and no point_masses")
         self._tolerance = solver.relative_tolerance or DEFAULT_TOLERANCE
         self._solver = solver
+        tethers = tuple(effective(each, self.variant) for each in tethers)
+        self.segments = sum(each.segments for each in tethers)
         masses = dict(point_masses or {})
         for node, mass in masses.items():
             if node not in range(self.segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
@@ -74,9 +76,7 @@ class TetherDynamic:
                     f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from "
                     f"0 to {self.segments}"
                 )
-        flat = pack(tethers, environment, solver, self._tolerance, masses.items(), free_ends)
-        self._parameters = np.array(flat)
-        self._points = self.segments + 1 if shape_points is None else shape_points
+        self._parameters = np.array(pack(tethers, environment, solver, self._tolerance, masses.items(), _free_ends))
         self._inputs = np.zeros(at.INPUTS)
         self._state = np.zeros(at.state_size(self.segments))
         self._outputs = np.zeros(at.outputs_size(self._points))
@@ -176,7 +176,7 @@ class TetherDynamic:
 
     @property
     def counters(self):
-        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations of the initial shape."""
+        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
         return {
             "steps": int(self._state[at.STEPS]),
             "rejections": int(self._state[at.REJECTIONS]),
@@ -211,3 +211,38 @@ class TetherDynamic:
                 budget=at.WORK_BUDGET // self.segments,
             )
         )
+
+
+class TetherDynamic(TetherModel):
+    """Lumped masses joined by non-linear spring-damper segments, with drag and reel-out; both ends driven or free.
+
+    Parameters
+    ----------
+    free_ends : (bool, bool)
+        Whether the ground end and the kite end move freely after the start, instead of following the inputs.
+
+    The other parameters are those of `TetherModel`.
+    """
+
+    variant = "dynamic"
+
+    def __init__(self, *arguments, free_ends=(False, False), **options):
+        super().__init__(*arguments, **options, _free_ends=free_ends)
+
+
+class TetherQuasiSteady(TetherModel):
+    """The chain of the dynamic tether in instantaneous equilibrium, turning with the kite; parameters as `TetherModel`."""
+
+    variant = "quasi_steady"
+
+
+class TetherCatenary(TetherModel):
+    """Elastic catenary under weight plus mean drag, in closed form; parameters as `TetherModel`."""
+
+    variant = "catenary"
+
+
+class TetherStraight(TetherModel):
+    """Straight elastic line with weight and drag shared between its ends; parameters as `TetherModel`."""
+
+    variant = "straight"
