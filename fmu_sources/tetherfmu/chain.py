@@ -13,7 +13,7 @@ only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. 
 from . import layout as at
 from . import segment
 from .compilation import kernel
-from .vectors import add, dot, get, put, scale, sub
+from .vectors import add, apply, dot, get, get_matrix, put, put_matrix, scale, sub
 
 
 @kernel
@@ -131,16 +131,16 @@ def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, di
     Block i of `lower` stands left of diagonal block i, block i of `upper` right of it; 9 numbers each, row by row.
     """
     size = at.SEGMENT_RECORD
-    for k in range(9 * (n + 1)):
-        diagonal[k] = 0.0
     for i in range(n + 1):
-        for j in range(3):
-            diagonal[9 * i + 4 * j] = mass_factor * mass[i]
+        m = mass_factor * mass[i]
+        put_matrix(diagonal, 9 * i, (m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m))
     for s in range(n):
         record = records[size * s : size * (s + 1)]
+        block_p = diagonal[9 * s : 9 * s + 9]
+        block_q = diagonal[9 * s + 9 : 9 * s + 18]
+        right = upper[9 * s : 9 * s + 9]
+        left = lower[9 * s + 9 : 9 * s + 18]
         damper = damping_factor * record[segment.DAMPER]
-        p = 9 * s
-        q = p + 9
         for i in range(3):
             damper_i = damper * record[segment.DIRECTION + i]
             for j in range(3):
@@ -150,25 +150,25 @@ def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, di
                 both = -0.5 * damping_factor * record[segment.A + k]
                 if j == 2:
                     both += 0.5 * stiffness_factor * record[segment.HEIGHT + i]
-                diagonal[p + k] += axial + drag - both
-                upper[p + k] = -axial - drag - both
-                lower[q + k] = -axial + drag - both
-                diagonal[q + k] += axial - drag - both
+                block_p[k] += axial + drag - both
+                right[k] = -axial - drag - both
+                left[k] = -axial + drag - both
+                block_q[k] += axial - drag - both
 
 
 @kernel
 def add_damping_product(n, sign, u, records, result):
     """Add sign B u to `result` (modified); u and result are flat arrays of node vectors."""
     size = at.SEGMENT_RECORD
+    u_p = get(u, 0)
+    from_below = get(result, 0)
     for s in range(n):
         record = records[size * s : size * (s + 1)]
-        u_p = get(u, s)
         u_q = get(u, s + 1)
         e = (record[segment.DIRECTION], record[segment.DIRECTION + 1], record[segment.DIRECTION + 2])
         axial = scale(sign * record[segment.DAMPER] * dot(e, sub(u_q, u_p)), e)
-        both = add(u_p, u_q)
-        for i in range(3):
-            a = segment.A + 3 * i
-            drag = -0.5 * sign * (record[a] * both[0] + record[a + 1] * both[1] + record[a + 2] * both[2])
-            result[3 * s + i] += drag + axial[i]
-            result[3 * s + 3 + i] += drag - axial[i]
+        drag = scale(-0.5 * sign, apply(get_matrix(record, segment.A), add(u_p, u_q)))
+        put(result, s, add(from_below, add(drag, axial)))
+        from_below = add(get(result, s + 1), sub(drag, axial))
+        u_p = u_q
+    put(result, n, from_below)

@@ -1,4 +1,4 @@
-"""The dynamic tether: first state and one communication step.
+"""The dynamic tether: first state, one communication step, outputs.
 
 These kernels join the parts: inputs -> end motion -> chain -> solver -> state. A step works on a copy of the
 state, so a refused step leaves the state of before.
@@ -18,6 +18,7 @@ from .communication import (
 )
 from .compilation import kernel
 from .end_motion import curve
+from .observation import observe_chain
 from .status import OK
 from .vectors import get, put, scale, sub
 from .workspace import Drive, place_ends, workspace
@@ -104,3 +105,9 @@ def advance(n, parameters, inputs, step, state, work):
     if status == OK:
         copy(w.trial, state)
     return status
+
+
+@kernel
+def observe(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    observe_chain(n, parameters, state, shape_points, outputs, workspace(n, work).mass)

@@ -6,7 +6,7 @@ the functions that are compiled ahead of time.
 
 from numba import carray, types
 
-from . import dynamic, lines, observation, quasi_steady
+from . import dynamic, lines, quasi_steady
 from .layout import INPUTS
 from .workspace import outputs_size, parameters_size, state_size, work_size
 
@@ -54,8 +54,8 @@ def dynamic_advance(n, parameters, inputs, step, state, work):
 
 @_entry_point(_OBSERVE)
 def dynamic_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a dynamic tether; see `observation.observe`."""
-    observation.observe(
+    """Outputs (modified) of a dynamic tether; see `dynamic.observe`."""
+    dynamic.observe(
         n,
         carray(parameters, parameters_size(n)),
         carray(state, state_size(n)),
@@ -93,8 +93,8 @@ def quasi_steady_advance(n, parameters, inputs, step, state, work):
 
 @_entry_point(_OBSERVE)
 def quasi_steady_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a quasi-steady tether; see `observation.observe`."""
-    observation.observe(
+    """Outputs (modified) of a quasi-steady tether; see `quasi_steady.observe`."""
+    quasi_steady.observe(
         n,
         carray(parameters, parameters_size(n)),
         carray(state, state_size(n)),

@@ -27,6 +27,7 @@ from .vectors import add, along, cross, dot, get, norm, put, scale, sub
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
+FAST_DECREASE = 1e-4  # of the squared residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
 FOLLOWING = (0.5, 0.2, 0.1)  # parts of step 3
 
@@ -118,23 +119,17 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
 
 
 @kernel
-def newton_step(n, spin, w):
-    """Change of the positions [m] into w.b (modified) from the residual in w.force and w.records; False if singular."""
+def factorize_newton(n, spin, w):
+    """Matrix of Newton's method from w.records, factorized into the block arrays of w; False if it is singular."""
     chain.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
     square = dot(spin, spin)
-    for i in range(1, n):
-        for j in range(3):
-            for k in range(3):
-                w.diagonal[9 * i + 3 * j + k] += w.mass[i] * spin[j] * spin[k]
-            w.diagonal[9 * i + 4 * j] -= w.mass[i] * square
-    for k in range(3 * (n + 1)):
-        w.b[k] = w.force[k]
-    if not factorize(1, n - 1, w.diagonal, w.lower, w.upper):
-        return False
-    solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
-    put(w.b, 0, (0.0, 0.0, 0.0))
-    put(w.b, n, (0.0, 0.0, 0.0))
-    return True
+    if square > 0.0:
+        for i in range(1, n):
+            for j in range(3):
+                for k in range(3):
+                    w.diagonal[9 * i + 3 * j + k] += w.mass[i] * spin[j] * spin[k]
+                w.diagonal[9 * i + 4 * j] -= w.mass[i] * square
+    return factorize(1, n - 1, w.diagonal, w.lower, w.upper)
 
 
 @kernel
@@ -174,21 +169,30 @@ def smallest_residual(n, length, parameters, x, tension, mass):
 def relax(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified).
 
-    Returns (True, iterations) or (False, iterations); w.force holds the residual.
+    The matrix is made anew unless the residual falls fast. Returns (True, iterations) or (False, iterations); w.force
+    holds the residual.
     """
+    last_square = 0.0
     for iteration in range(MOST_ITERATIONS):
         node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
         add_tensions(n, length, parameters, x, w.force)
         square = 0.0
-        for i in range(1, n):
-            square += dot(get(w.force, i), get(w.force, i))
+        for k in range(3, 3 * n):
+            square += w.force[k] * w.force[k]
         if sqrt(square) <= smallest_residual(n, length, parameters, x, tension, w.mass):
             return True, iteration
         if not square < inf:
             return False, iteration
-        linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-        if not newton_step(n, spin, w):
-            return False, iteration
+        if square >= FAST_DECREASE * last_square:
+            linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+            if not factorize_newton(n, spin, w):
+                return False, iteration
+        last_square = square
+        for k in range(3, 3 * n):
+            w.b[k] = w.force[k]
+        solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
+        put(w.b, 0, (0.0, 0.0, 0.0))
+        put(w.b, n, (0.0, 0.0, 0.0))
         apply_step(n, length, parameters, x, tension, w.b)
     return False, MOST_ITERATIONS
 

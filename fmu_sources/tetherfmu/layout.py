@@ -89,7 +89,7 @@ STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6
-NODE_ARRAYS = 8 + 2 * STAGES
+NODE_ARRAYS = 7 + 2 * STAGES
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 34  # derivatives of one segment, see `segment.py`
 

@@ -7,7 +7,6 @@ from . import layout as at
 from .communication import positions_and_velocities, set_vector, vector
 from .compilation import kernel
 from .vectors import along, dot, get, norm, sub
-from .workspace import workspace
 
 SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
 
@@ -89,21 +88,20 @@ def shape(n, parameters, x, shape_points, outputs):
 
 
 @kernel
-def observe(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state."""
+def observe_chain(n, parameters, state, shape_points, outputs, mass):
+    """Write all outputs (modified) that belong to the nodes of a state; `mass` (modified) holds n + 1 numbers."""
     x, v = positions_and_velocities(n, state)
-    w = workspace(n, work)
     length = state[at.LENGTH]
     wind = vector(state, at.WIND)
-    chain.node_masses(n, length, parameters, w.mass)
-    ground_force, ground_tension = chain.end_force(n, False, x, v, length, state[at.REELING], wind, w.mass, parameters)
-    kite_force, kite_tension = chain.end_force(n, True, x, v, length, state[at.REELING], wind, w.mass, parameters)
+    chain.node_masses(n, length, parameters, mass)
+    ground_force, ground_tension = chain.end_force(n, False, x, v, length, state[at.REELING], wind, mass, parameters)
+    kite_force, kite_tension = chain.end_force(n, True, x, v, length, state[at.REELING], wind, mass, parameters)
     set_vector(outputs, at.GROUND_FORCE, ground_force)
     set_vector(outputs, at.KITE_FORCE, kite_force)
     outputs[at.GROUND_TENSION] = ground_tension
     outputs[at.KITE_TENSION] = kite_tension
     outputs[at.TETHER_LENGTH] = length
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
-    outputs[at.KITE_END_MASS] = w.mass[n]
+    outputs[at.KITE_END_MASS] = mass[n]
     survey(n, parameters, state, x, v, outputs)
     shape(n, parameters, x, shape_points, outputs)

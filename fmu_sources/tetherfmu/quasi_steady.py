@@ -18,9 +18,16 @@ from .communication import (
     vector,
 )
 from .compilation import kernel
+from .observation import observe_chain
 from .status import OK
-from .vectors import along, get, put, sub
+from .vectors import along, get, put, scale, sub
 from .workspace import workspace
+
+
+@kernel
+def rigid_motion_of(n, x, v):
+    """Angular velocity [rad/s] and rate of stretch [1/s] that carry the ends; see `equilibrium.rigid_motion`."""
+    return equilibrium.rigid_motion(sub(get(x, n), get(x, 0)), sub(get(v, n), get(v, 0)))
 
 
 @kernel
@@ -30,7 +37,7 @@ def settle(n, parameters, state, warm, w):
     warm : whether the inner nodes and the tensions in w.rx are close to it.
     """
     x, v = positions_and_velocities(n, state)
-    spin, stretching = equilibrium.rigid_motion(sub(get(x, n), get(x, 0)), sub(get(v, n), get(v, 0)))
+    spin, stretching = rigid_motion_of(n, x, v)
     wind = vector(state, at.WIND)
     length = state[at.LENGTH]
     if warm:
@@ -59,8 +66,9 @@ def initialize(n, parameters, inputs, state, work):
 def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
-    The next shape is sought from the last one, whose nodes went on with their velocities. Returns a status: that of
-    `communication.check_step`, OK, NO_EQUILIBRIUM or STATE_NOT_FINITE.
+    The next shape is sought where the nodes come to if they move on as in the last step; this motion is what the state
+    keeps as velocities of the inner nodes. Returns a status: that of `communication.check_step`, OK, NO_EQUILIBRIUM or
+    STATE_NOT_FINITE.
     """
     status = check_step(n, parameters, inputs, step, state)
     if status != OK:
@@ -74,8 +82,22 @@ def advance(n, parameters, inputs, step, state, work):
     move_ends(n, inputs, step, w.trial)
     remember(inputs, step, w.trial)
     status = settle(n, parameters, w.trial, True, w)
+    last, _ = positions_and_velocities(n, state)
+    for i in range(1, n):
+        put(v, i, scale(1.0 / step, sub(get(x, i), get(last, i))))
     if status == OK:
         status = check_state(n, w.trial)
     if status == OK:
         copy(w.trial, state)
     return status
+
+
+@kernel
+def observe(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    w = workspace(n, work)
+    copy(state, w.trial)
+    x, v = positions_and_velocities(n, w.trial)
+    spin, stretching = rigid_motion_of(n, x, v)
+    equilibrium.rigid_velocity(n, spin, stretching, x, v)
+    observe_chain(n, parameters, w.trial, shape_points, outputs, w.mass)

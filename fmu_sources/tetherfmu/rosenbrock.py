@@ -24,7 +24,7 @@ from .block_tridiagonal import factorize, solve
 from .compilation import kernel
 from .end_motion import acceleration_at, velocity_at
 from .status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
-from .vectors import add, dot, get, put
+from .vectors import add, along, dot, get, put, scale
 from .workspace import place_ends
 
 GAMMA = 0.25
@@ -109,53 +109,76 @@ def correct_rate_for_mass(n, drive, time, parameters, w):
 
 
 @kernel
+def combine(stage, x, v, w):
+    """Add up the stages before this one: argument into w.y_stage, sum of c_ij U_j into w.right (both modified)."""
+    size = len(w.y_stage)
+    nodes = len(x)
+    y = w.y_stage
+    right = w.right
+    y[:nodes] = x
+    y[nodes:] = v
+    right[:] = 0.0
+    for j in range(stage):
+        u = w.stages[size * j : size * (j + 1)]
+        a = A[stage, j]
+        c = C[stage, j]
+        for k in range(size):
+            y[k] += a * u[k]
+            right[k] += c * u[k]
+
+
+@kernel
+def solve_stage(n, drive, stage, h, w):
+    """Solve for U of a stage into its place in w.stages (modified); w.b holds its forces, w.right its sum of c_ij U_j."""
+    nodes = 3 * (n + 1)
+    d = GAMMA * h
+    rate = GAMMA_I[stage] * h
+    rx = w.rx
+    rv = w.rv
+    for k in range(nodes):
+        rx[k] = rx[k] / h + w.v_stage[k]
+    if drive.first == 1:
+        put(rx, 0, (0.0, 0.0, 0.0))
+    if drive.last == n - 1:
+        put(rx, n, (0.0, 0.0, 0.0))
+    for i in range(n + 1):
+        mass = w.mass[i]
+        momentum = along(scale(1.0 / h, get(rv, i)), 1.0 / d, get(rx, i))
+        put(w.b, i, along(along(get(w.b, i), rate, get(w.force_rate, i)), mass, momentum))
+    chain.add_damping_product(n, -1.0, rx, w.records, w.b)
+    solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
+    if drive.first == 1:
+        put(w.b, 0, (0.0, 0.0, 0.0))
+    if drive.last == n - 1:
+        put(w.b, n, (0.0, 0.0, 0.0))
+    u = w.stages[2 * nodes * stage : 2 * nodes * (stage + 1)]
+    u_x = u[:nodes]
+    u_v = u[nodes:]
+    for k in range(nodes):
+        u_x[k] = d * w.b[k]
+        u_v[k] = w.b[k] - rx[k]
+
+
+@kernel
 def step(n, drive, time, h, x, v, parameters, w):
     """One step of h [s] from (x, v) at a time [s] of the communication step; False if the matrix is singular.
 
-    The result stands in w.x_stage, w.v_stage, its error estimate in the last stage of w.stage_x, w.stage_v.
+    The result stands in w.x_stage, w.v_stage, its error estimate in the last of w.stages.
     """
     if not prepare(n, drive, time, h, x, v, parameters, w):
         return False
-    nodes = 3 * (n + 1)
-    begin = 3 * drive.first
-    end = 3 * drive.last + 3
-    d = GAMMA * h
-    for i in range(at.STAGES):
-        row = nodes * i
-        for k in range(nodes):
-            w.x_stage[k] = x[k]
-            w.v_stage[k] = v[k]
-            w.rx[k] = 0.0
-            w.stage_x[row + k] = 0.0
-            w.stage_v[row + k] = 0.0
-        for j in range(i):
-            a = A[i, j]
-            for k in range(begin, end):
-                w.x_stage[k] += a * w.stage_x[nodes * j + k]
-                w.v_stage[k] += a * w.stage_v[nodes * j + k]
-        place_ends(n, drive, time + ALPHA[i] * h, w.x_stage, w.v_stage)
-        stage_force(n, drive, time + ALPHA[i] * h, parameters, w)
-        if i == 0 and drive.reeling != 0.0:
+    for stage in range(at.STAGES):
+        combine(stage, x, v, w)
+        now = time + ALPHA[stage] * h
+        place_ends(n, drive, now, w.x_stage, w.v_stage)
+        stage_force(n, drive, now, parameters, w)
+        if stage == 0 and drive.reeling != 0.0:
             correct_rate_for_mass(n, drive, time, parameters, w)
-        for k in range(begin, end):
-            w.rx[k] = w.v_stage[k]
-        for j in range(i):
-            c = C[i, j] / h
-            for k in range(begin, end):
-                w.rx[k] += c * w.stage_x[nodes * j + k]
-                w.stage_v[row + k] += c * w.stage_v[nodes * j + k]
-        rate = GAMMA_I[i] * h
-        for k in range(begin, end):
-            w.b[k] += rate * w.force_rate[k] + w.mass[k // 3] * (w.stage_v[row + k] + w.rx[k] / d)
-        chain.add_damping_product(n, -1.0, w.rx, w.records, w.b)
-        solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
-        for k in range(begin, end):
-            w.stage_x[row + k] = d * w.b[k]
-            w.stage_v[row + k] = w.b[k] - w.rx[k]
-    row = nodes * (at.STAGES - 1)
-    for k in range(begin, end):
-        w.x_stage[k] += w.stage_x[row + k]
-        w.v_stage[k] += w.stage_v[row + k]
+        solve_stage(n, drive, stage, h, w)
+    size = len(w.y_stage)
+    last = w.stages[size * (at.STAGES - 1) : size * at.STAGES]
+    for k in range(size):
+        w.y_stage[k] += last[k]
     place_ends(n, drive, time + h, w.x_stage, w.v_stage)
     return True
 
@@ -163,11 +186,15 @@ def step(n, drive, time, h, x, v, parameters, w):
 @kernel
 def error_norm(n, drive, position_scale, velocity_scale, w):
     """Root mean square of the error estimate of `step` over the allowed error of positions [m] and velocities [m/s]."""
-    row = 3 * (n + 1) * (at.STAGES - 1)
-    total = 0.0
-    for k in range(row + 3 * drive.first, row + 3 * drive.last + 3):
-        total += (w.stage_x[k] / position_scale) ** 2 + (w.stage_v[k] / velocity_scale) ** 2
-    return sqrt(total / (6 * (drive.last - drive.first + 1)))
+    nodes = 3 * (n + 1)
+    error = w.stages[2 * nodes * (at.STAGES - 1) : 2 * nodes * at.STAGES]
+    squares = 0.0
+    velocity_squares = 0.0
+    for k in range(nodes):
+        squares += error[k] * error[k]
+        velocity_squares += error[nodes + k] * error[nodes + k]
+    squares = squares / position_scale**2 + velocity_squares / velocity_scale**2
+    return sqrt(squares / (6 * (drive.last - drive.first + 1)))
 
 
 @kernel

@@ -25,7 +25,7 @@ from math import sqrt
 from . import layout as at
 from .atmosphere import air_density, wind_factor
 from .compilation import kernel
-from .vectors import add, along, apply, dot, scale, sub
+from .vectors import add, along, apply, dot, get_matrix, scale, sub
 
 # places in the record of derivatives
 K = 0  # 3x3
@@ -147,7 +147,7 @@ def linearize_drag(segment, n, r, height, velocity, wind, parameters, record):
         record[G + 4 * i] -= width * density * lengthwise * speed
     _, wind_slope = wind_factor(height, parameters)
     _, density_slope = air_density(height, parameters)
-    shear = apply(record, A, scale(wind_slope, wind))
+    shear = apply(get_matrix(record, A), scale(wind_slope, wind))
     for i in range(3):
         record[HEIGHT + i] = shear[i] + width * density_slope * length * speed * w[i]
 
@@ -158,6 +158,6 @@ def force_change(record, dx_p, dx_q, dv_p, dv_q):
     dr = sub(dx_q, dx_p)
     e = (record[DIRECTION], record[DIRECTION + 1], record[DIRECTION + 2])
     a = (record[HEIGHT], record[HEIGHT + 1], record[HEIGHT + 2])
-    axial = along(apply(record, K, dr), record[DAMPER] * dot(e, sub(dv_q, dv_p)), e)
-    drag = along(apply(record, G, dr), 0.5 * (dx_p[2] + dx_q[2]), a)
-    return axial, along(drag, -0.5, apply(record, A, add(dv_p, dv_q)))
+    axial = along(apply(get_matrix(record, K), dr), record[DAMPER] * dot(e, sub(dv_q, dv_p)), e)
+    drag = along(apply(get_matrix(record, G), dr), 0.5 * (dx_p[2] + dx_q[2]), a)
+    return axial, along(drag, -0.5, apply(get_matrix(record, A), add(dv_p, dv_q)))

@@ -1,24 +1,28 @@
-"""Three-vectors as tuples of three numbers: they live in registers, so nothing is allocated."""
+"""Three-vectors and 3x3 matrices as tuples of numbers: they live in registers, so nothing is allocated."""
 
 from math import sqrt
 
+import numpy as np
+
 from .compilation import kernel
+
+ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 
 
 @kernel
 def get(array, index):
     """Three-vector number `index` of a flat array."""
-    k = 3 * index
-    return array[k], array[k + 1], array[k + 2]
+    k = np.uint64(3 * index)  # unsigned: numba then leaves out the look at negative places
+    return array[k], array[k + ONE], array[k + TWO]
 
 
 @kernel
 def put(array, index, a):
     """Write three-vector number `index` of a flat array (modified)."""
-    k = 3 * index
+    k = np.uint64(3 * index)
     array[k] = a[0]
-    array[k + 1] = a[1]
-    array[k + 2] = a[2]
+    array[k + ONE] = a[1]
+    array[k + TWO] = a[2]
 
 
 @kernel
@@ -64,11 +68,69 @@ def norm(a):
 
 
 @kernel
-def apply(matrix, first, a):
-    """Product of the 3x3 matrix stored row by row from place `first` of a flat array with a."""
-    m = matrix[first : first + 9]
+def get_matrix(array, first):
+    """3x3 matrix, row by row, from place `first` of a flat array."""
+    k = np.uint64(first)
+    m = k + THREE
+    q = m + THREE
+    return (
+        array[k],
+        array[k + ONE],
+        array[k + TWO],
+        array[m],
+        array[m + ONE],
+        array[m + TWO],
+        array[q],
+        array[q + ONE],
+        array[q + TWO],
+    )
+
+
+@kernel
+def put_matrix(array, first, m):
+    """Write a 3x3 matrix, row by row, to place `first` of a flat array (modified)."""
+    k = np.uint64(first)
+    for i in range(9):
+        array[k + np.uint64(i)] = m[i]
+
+
+@kernel
+def apply(m, a):
+    """Matrix m times vector a."""
     return (
         m[0] * a[0] + m[1] * a[1] + m[2] * a[2],
         m[3] * a[0] + m[4] * a[1] + m[5] * a[2],
         m[6] * a[0] + m[7] * a[1] + m[8] * a[2],
+    )
+
+
+@kernel
+def multiply(m, k):
+    """Matrix m times matrix k."""
+    return (
+        m[0] * k[0] + m[1] * k[3] + m[2] * k[6],
+        m[0] * k[1] + m[1] * k[4] + m[2] * k[7],
+        m[0] * k[2] + m[1] * k[5] + m[2] * k[8],
+        m[3] * k[0] + m[4] * k[3] + m[5] * k[6],
+        m[3] * k[1] + m[4] * k[4] + m[5] * k[7],
+        m[3] * k[2] + m[4] * k[5] + m[5] * k[8],
+        m[6] * k[0] + m[7] * k[3] + m[8] * k[6],
+        m[6] * k[1] + m[7] * k[4] + m[8] * k[7],
+        m[6] * k[2] + m[7] * k[5] + m[8] * k[8],
+    )
+
+
+@kernel
+def subtract(m, k):
+    """Matrix m minus matrix k."""
+    return (
+        m[0] - k[0],
+        m[1] - k[1],
+        m[2] - k[2],
+        m[3] - k[3],
+        m[4] - k[4],
+        m[5] - k[5],
+        m[6] - k[6],
+        m[7] - k[7],
+        m[8] - k[8],
     )
