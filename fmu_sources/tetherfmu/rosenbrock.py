@@ -112,12 +112,13 @@ def correct_rate_for_mass(n, drive, time, parameters, w):
 def combine(stage, x, v, w):
     """Add up the stages before this one: argument into w.y_stage, sum of c_ij U_j into w.right (both modified)."""
     size = len(w.y_stage)
-    nodes = len(x)
     y = w.y_stage
     right = w.right
-    y[:nodes] = x
-    y[nodes:] = v
-    right[:] = 0.0
+    for k in range(len(x)):
+        w.x_stage[k] = x[k]
+        w.v_stage[k] = v[k]
+    for k in range(size):
+        right[k] = 0.0
     for j in range(stage):
         u = w.stages[size * j : size * (j + 1)]
         a = A[stage, j]
