@@ -1,7 +1,7 @@
 """Wind and density at a height z follow their formulas.
 
-    power law f = (z/h)^alpha,  log f = ln(z/z0)/ln(h/z0),  explog f = log + (log - power), all 0 at z <= 0, never negative
-    density rho(z) = rho exp(-z/H), H = 0: uniform
+power law f = (z/h)^alpha,  log f = ln(z/z0)/ln(h/z0),  explog f = log + (log - power), all 0 at z <= 0, never negative
+density rho(z) = rho exp(-z/H), H = 0: uniform
 """
 
 from math import exp, log

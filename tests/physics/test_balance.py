@@ -38,6 +38,25 @@ def test_weight_and_drag(n, slack, wind):
     np.testing.assert_allclose(missing_force(n, slack, wind, Environment()), 0.0, atol=ROUNDING)
 
 
+# Slack in gales, coarse chains that hold a segment in compression, a short tether whose springs are all rounding.
+HARD = [
+    (2, (0.78, 5.6, 8.08), 13.8, (0.0, 0.0, 0.0)),
+    (6, (60.0, 20.0, 3.0), 70.0, (1.0, 20.0, 3.0)),
+    (20, (-3.556, -1.761, -13.3), 14.55, (0.0, 0.0, 0.0)),
+    (20, (2.054, -2.174, -11.442), 26.98, (0.0, 0.0, 0.0)),
+    (20, (16.24, -9.18, -0.93), 78.46, (0.485, 1.935, 1.102)),
+    (20, (13.677, 2.463, 7.957), 31.27, (12.28, -1.98, 11.05)),
+]
+
+
+@pytest.mark.parametrize(("n", "kite", "length", "wind"), HARD)
+def test_weight_and_drag_of_a_hard_case(n, kite, length, wind):
+    missing = missing_force(n, length / CHORD, wind, Environment(), kite)
+    # EA/l0 reaches 8e5 N/m here: positions of 15 m rounded at 2e-15 m make 2e-9 N per node, and the equilibrium may stop
+    # at 100 times that when it falls no further
+    np.testing.assert_allclose(missing, 0.0, atol=1e-5 * 0.0893 * length)
+
+
 @pytest.mark.parametrize(("profile", "scale_height"), list(product([1, 2, 3, 4], [0.0, 8550.0])))
 @pytest.mark.parametrize("kite", [KITE, (400.0, 100.0, 60.0), (200.0, 0.0, -300.0)], ids=["high", "dips", "below"])
 def test_weight_and_drag_in_a_profile(profile, scale_height, kite):

@@ -1,9 +1,11 @@
-"""A driven end follows a smooth motion: its path with order 3, the outputs with at least order 2 in the communication step h.
+"""A driven end follows a smooth motion: path of order 3, outputs of order 2 or more in the communication step h.
 
 Inputs are the position and velocity at the start of a step. The end is led to p + v h + a h^2/2 with velocity v + a h,
 a = (v - v_last)/h, which is late by half a step: the position errs by |jerk| h^3 (1/6 + 1/4), the velocity by
 |jerk| h^2 (1/2 + 1/2). Motion of constant acceleration is reached exactly from the second step on.
 """
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -24,7 +26,7 @@ def test_constant_acceleration_is_reached_exactly(end):
     model = TetherDynamic(Tether(segments=4, initial_length=60.0))
     model.initialize(**{f"{end}_position": start, f"{end}_velocity": speed, f"{other}_position": np.zeros(3)})
     times = np.cumsum([0.0, 0.02, 0.05, 0.01, 0.02])  # not uniform
-    for now, then in zip(times[:-1], times[1:], strict=True):
+    for now, then in pairwise(times):
         velocity = speed + acceleration * now
         position = start + speed * now + 0.5 * acceleration * now**2
         inputs = {f"{end}_position": position, f"{end}_velocity": velocity, f"{other}_position": np.zeros(3)}

@@ -1,7 +1,7 @@
 """A tether with two free ends falls like a stone without air, and at its terminal velocity in air.
 
-    no air:                x(t) = x0 + v0 t - g t^2/2 e_z
-    horizontal, in air:    v_z(t) = -v_t tanh(g t/v_t),   v_t = sqrt(2 mu g/(rho cd d))
+no air:                x(t) = x0 + v0 t - g t^2/2 e_z
+horizontal, in air:    v_z(t) = -v_t tanh(g t/v_t),   v_t = sqrt(2 mu g/(rho cd d))
 """
 
 import numpy as np

@@ -17,12 +17,12 @@ from tetherfmu.parameters import Environment, Solver, Tether
 SPEED = 2.0
 STRAIN = 1e-3
 VOID = Environment(gravity=0.0, air_density=0.0)
-TURNING = Solver(relative_tolerance=1e-8, initial_shape=2)  # the nodes start with the velocities of a uniform stretch
 
 
 def reel_out(damping_law, fixed_step=0.0):
     """Tensions (ground, kite, largest) over one second [N], and the lengths."""
     tether = Tether(segments=5, initial_length=50.0, damping_law=damping_law)
+    # shape 2: the nodes start with the velocities of a uniform stretch
     model = TetherDynamic(tether, VOID, Solver(relative_tolerance=1e-8, initial_shape=2, fixed_step=fixed_step))
     velocity = (SPEED * (1.0 + STRAIN), 0.0, 0.0)
     out = [model.initialize((50.0 * (1.0 + STRAIN), 0.0, 0.0), velocity, reel_out_speed=SPEED)]

@@ -1,9 +1,9 @@
 """Tethers in series and point masses at nodes.
 
-    knot of mass 0:         two tethers joined are one tether
-    series of springs:      (chord - L1 - L2) = T (L1/EA1 + L2/EA2)
-    mass m on light legs:   T1 e1 + T2 e2 = m g e_z; legs of 3 m and 4 m over a span of 5 m stand at a right angle,
-                            so T1 = 4/5 m g and T2 = 3/5 m g
+knot of mass 0:         two tethers joined are one tether
+series of springs:      (chord - L1 - L2) = T (L1/EA1 + L2/EA2)
+mass m on light legs:   T1 e1 + T2 e2 = m g e_z; legs of 3 m and 4 m over a span of 5 m stand at a right angle,
+                        so T1 = 4/5 m g and T2 = 3/5 m g
 """
 
 import numpy as np
