@@ -104,9 +104,11 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
     kite_velocity = vector(inputs, at.KITE_VELOCITY)
     ground_velocity = vector(inputs, at.GROUND_VELOCITY)
     last_step = state[at.LAST_STEP]
-    kite_acceleration = end_motion.estimated_acceleration(kite_velocity, vector(state, at.LAST_KITE_VELOCITY), last_step)
+    kite_acceleration = end_motion.estimated_acceleration(
+        kite_velocity, vector(state, at.LAST_KITE_VELOCITY), last_step, step
+    )
     ground_acceleration = end_motion.estimated_acceleration(
-        ground_velocity, vector(state, at.LAST_GROUND_VELOCITY), last_step
+        ground_velocity, vector(state, at.LAST_GROUND_VELOCITY), last_step, step
     )
     return Drive(
         end_motion.curve(

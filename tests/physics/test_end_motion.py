@@ -1,8 +1,9 @@
 """A driven end follows a smooth motion: path of order 3, outputs of order 2 or more in the communication step h.
 
 Inputs are the position and velocity at the start of a step. The end is led to p + v h + a h^2/2 with velocity v + a h,
-a = (v - v_last)/h, which is late by half a step: the position errs by |jerk| h^3 (1/6 + 1/4), the velocity by
-|jerk| h^2 (1/2 + 1/2). Motion of constant acceleration is reached exactly from the second step on.
+a = (v - v_last)/h_last (h_last no shorter than h/4), which is late by half a step: the position errs by
+|jerk| h^3 (1/6 + 1/4), the velocity by |jerk| h^2 (1/2 + 1/2). Motion of constant acceleration is reached exactly from the
+second step on.
 """
 
 from itertools import pairwise
@@ -36,6 +37,17 @@ def test_constant_acceleration_is_reached_exactly(end):
             expected = start + speed * then + 0.5 * acceleration * then**2
             np.testing.assert_allclose(model.positions[node], expected, rtol=0, atol=1e-13)  # rounding
             np.testing.assert_allclose(model.velocities[node], speed + acceleration * then, rtol=0, atol=1e-13)
+
+
+def test_a_jump_of_velocity_after_a_short_step_is_not_blown_up():
+    model = TetherDynamic(Tether(segments=4, initial_length=60.0))
+    kite = np.array([30.0, 0.0, 40.0])
+    model.initialize(kite_position=kite)
+    model.step(0.001, kite_position=kite)
+    model.step(0.1, kite_position=kite, kite_velocity=(0.0, 1.0, 0.0))
+    # v + a h = 1 + 4 m/s and v h + a h^2/2 = 0.1 + 0.2 m with a of the docstring, and not 101 m/s and 5.1 m
+    np.testing.assert_allclose(model.velocities[-1], (0.0, 5.0, 0.0), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(model.positions[-1] - kite, (0.0, 0.3, 0.0), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("step", STEPS)
