@@ -12,7 +12,6 @@ by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Th
 from .compilation import kernel
 from .vectors import add, along, scale, sub
 
-
 STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration is extrapolated in full
 
 

@@ -37,9 +37,9 @@ def flight(relative_tolerance, duration):
     return outputs[round(FROM / STEP) - 1 :: EVERY]
 
 
-# The inputs are sampled at 20 ms: the end of the kite is off its circle by v omega^2 h^3/6 = 1e-8 m and its velocity by
-# v omega^2 h^2/2 = 2e-6 m/s; snap loads up to 0.1 N in the ground segment shortly after t = 2 s set the rms, which does
-# not depend on the tolerance. Positions: snap loads shift by tenths of a millimetre.
+# The inputs are sampled at 20 ms: the kite end is off its circle by 4e-8 m and 4e-6 m/s (`test_end_motion.py`), in the
+# first step by far more. Snap loads of the start, which shift with it, make the largest errors (0.07 N at t = 2 s) and
+# the rms of 0.009 N; they do not depend on the tolerance and die out: 0.0005 N after 5 s.
 @pytest.mark.parametrize(("relative_tolerance", "allowed_rms"), [(1e-6, 0.01), (0.0, 0.1)], ids=["1e-6", "default"])
 def test_forces_and_shape(reference, relative_tolerance, allowed_rms):
     times, forces, positions = reference
@@ -50,6 +50,8 @@ def test_forces_and_shape(reference, relative_tolerance, allowed_rms):
         error = np.array([getattr(out, end) for out in outputs]) - expected
         rms = np.sqrt(np.mean(error**2, axis=0))
         assert np.all(rms <= allowed_rms), (end, rms)
+        later = np.sqrt(np.mean(error[times > 5.0] ** 2, axis=0))
+        assert np.all(later <= 0.2 * allowed_rms), (end, later)
     shape = np.array([out.shape for out in outputs])
     np.testing.assert_allclose(shape, positions, rtol=0, atol=1e-3)
 
