@@ -64,7 +64,8 @@ def node_forces(n, x, v, length, reeling, wind, mass, parameters, force):
 def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     """Force of the tether on what holds its ground end (or its kite end) [N], and the tension there [N].
 
-    Force of the end segment plus half of its drag plus weight of the end node; without inertia (INTERFACE.md).
+    Force of the end segment plus half of its drag plus weight of its half there; without inertia, and without a point mass
+    at the end, which is not of the tether.
     """
     s = n - 1 if kite_end else 0
     rest = rest_length(s, length, parameters)
@@ -75,7 +76,8 @@ def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     if kite_end:
         pull = scale(-1.0, pull)
     total = add(pull, drag)
-    weight = mass[n if kite_end else 0] * parameters[at.GRAVITY]
+    i = n if kite_end else 0
+    weight = (mass[i] - parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i]) * parameters[at.GRAVITY]
     return (total[0], total[1], total[2] - weight), tension
 
 

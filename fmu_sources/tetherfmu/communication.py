@@ -88,13 +88,13 @@ def check_step(n, parameters, inputs, step, state):
 
 
 @kernel
-def accelerations(inputs, state):
-    """Accelerations [m/s2] of the ground end and of the kite, estimated from the last two velocity inputs."""
+def accelerations(inputs, step, state):
+    """Accelerations [m/s2] of the ground end and of the kite for a step [s], from the last two velocity inputs."""
     ground = estimated_acceleration(
-        vector(inputs, at.GROUND_VELOCITY), vector(state, at.LAST_GROUND_VELOCITY), state[at.LAST_STEP]
+        vector(inputs, at.GROUND_VELOCITY), vector(state, at.LAST_GROUND_VELOCITY), state[at.LAST_STEP], step
     )
     kite = estimated_acceleration(
-        vector(inputs, at.KITE_VELOCITY), vector(state, at.LAST_KITE_VELOCITY), state[at.LAST_STEP]
+        vector(inputs, at.KITE_VELOCITY), vector(state, at.LAST_KITE_VELOCITY), state[at.LAST_STEP], step
     )
     return ground, kite
 
@@ -102,7 +102,7 @@ def accelerations(inputs, state):
 @kernel
 def move_ends(n, inputs, step, state):
     """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
-    ground_acceleration, kite_acceleration = accelerations(inputs, state)
+    ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
     x, v = positions_and_velocities(n, state)
     ground, ground_velocity = target(
         vector(inputs, at.GROUND_POSITION), vector(inputs, at.GROUND_VELOCITY), ground_acceleration, step

@@ -14,6 +14,4 @@ def _compiled(name):
 
 def kernels(variant):
     """Entry points of a variant ("dynamic", ...) as `library.Kernels`."""
-    return Kernels(
-        *(prototype(_compiled(f"{variant}_{verb}").address) for verb, prototype in PROTOTYPES._asdict().items())
-    )
+    return Kernels(*(prototype(_compiled(f"{variant}_{verb}").address) for verb, prototype in PROTOTYPES._asdict().items()))

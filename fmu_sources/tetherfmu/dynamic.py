@@ -61,7 +61,7 @@ def initialize(n, parameters, inputs, state, work):
 @kernel
 def drive_of_step(n, parameters, inputs, step, state, x, v):
     """What acts on the chain during a communication step of `step` [s]: a `workspace.Drive`."""
-    ground_acceleration, kite_acceleration = accelerations(inputs, state)
+    ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
     ground = vector(inputs, at.GROUND_POSITION)
     ground_velocity = vector(inputs, at.GROUND_VELOCITY)
     kite = vector(inputs, at.KITE_POSITION)

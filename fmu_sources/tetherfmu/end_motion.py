@@ -1,8 +1,8 @@
 """Motion of a driven end within a communication step: a curve with continuous position and velocity.
 
 At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
-velocity inputs, a = (v - v_last)/h_last (zero in the first step), the end is led from the position and velocity it has
-reached to
+velocity inputs, a = (v - v_last)/h_last (zero in the first step; h_last counts as at least h/4, so that a jump of the
+velocity is extrapolated to no more than four times itself), the end is led from the position and velocity it has reached to
 
     p + v h + a h^2/2,   v + a h
 
@@ -12,13 +12,18 @@ by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Th
 from .compilation import kernel
 from .vectors import add, along, scale, sub
 
+STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration is extrapolated in full
+
 
 @kernel
-def estimated_acceleration(velocity, last_velocity, last_step):
-    """Acceleration [m/s2] from two velocity inputs [m/s] that are one communication step [s] apart; 0 without a last."""
+def estimated_acceleration(velocity, last_velocity, last_step, step):
+    """Acceleration [m/s2] from two velocity inputs [m/s] that are one communication step [s] apart; 0 without a last.
+
+    `step` [s] is the communication step that it is for: after a much shorter one it counts in part only.
+    """
     if last_step <= 0.0:
         return 0.0, 0.0, 0.0
-    return scale(1.0 / last_step, sub(velocity, last_velocity))
+    return scale(1.0 / max(last_step, step / STRONGEST_GROWTH), sub(velocity, last_velocity))
 
 
 @kernel

@@ -6,13 +6,18 @@ omega and stretches with the rate s; at rest both are zero:
     T_i e_i - T_(i-1) e_(i-1) + f_i(x, v) = 0,       f_i = half drags + weight - m_i a_i
     T = EA (l - l0)/l0,   v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
 
-There is no damping: nothing changes but the direction. A chain in equilibrium has no slack segment.
+There is no damping: nothing changes but the direction. A chain of many segments has no slack one in equilibrium.
 
 1. Start: the hanging chain (`hanging.py`) under the mean load.
 2. Newton's method with the tensions as unknowns beside the positions. They are eliminated from its linear system, which
    stays block tridiagonal; what they change is that the lateral stiffness T/l comes from the tension of the last iteration
    and not from the length of the segment, whose error is amplified by EA/l0.
 3. If that fails: hang the chain again and again under its own loads, which follow the shape only in part; then 2.
+4. If that fails: pseudo-transient continuation, that is 2 with M/tau^2 added to the stiffness, where tau grows as the
+   residual falls.
+5. A chain of few segments may hold one of them in compression: then once more, with the stiffness of a slack segment there.
+
+Source of 4: C. T. Kelley and D. E. Keyes, SIAM Journal on Numerical Analysis 35 (1998) 508.
 """
 
 from math import inf, sqrt
@@ -25,9 +30,12 @@ from .status import NO_EQUILIBRIUM, OK
 from .vectors import add, along, cross, dot, get, norm, put, scale, sub
 
 MOST_ITERATIONS = 30
+MOST_SETTLING = 1000  # iterations of step 4
+FIRST_SETTLING = 0.2  # tau [s] of step 4 at the start
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
-FAST_DECREASE = 1e-4  # of the squared residual in one iteration: the matrix is kept
+STALLED = 100.0  # a residual that falls no more is rounding up to this many times the estimate of it
+FAST_DECREASE = 1e-2  # of the residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
 FOLLOWING = (0.5, 0.2, 0.1)  # parts of step 3
 
@@ -81,21 +89,28 @@ def node_loads(n, spin, stretching, wind, parameters, x, v, mass, load):
 
 
 @kernel
-def add_tensions(n, length, parameters, x, force):
-    """Add the taut springs' pull on the nodes to `force` [N] (modified)."""
+def spring(s, n, distance, rest, slack_ratio, parameters):
+    """Stiffness [N/m] of segment s at a distance [m] of its nodes; `slack_ratio` EA/l0 if that is below l0."""
+    stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+    return stiffness if distance >= rest else slack_ratio * stiffness
+
+
+@kernel
+def add_tensions(n, length, slack_ratio, parameters, x, force):
+    """Add the springs' pull on the nodes to `force` [N] (modified)."""
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        pull = scale(parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] * (distance / rest - 1.0), e)
+        pull = scale(spring(s, n, distance, rest, slack_ratio, parameters) * (distance - rest), e)
         put(force, s, add(get(force, s), pull))
         put(force, s + 1, sub(get(force, s + 1), pull))
 
 
 @kernel
-def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+def linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w):
     """Records of all segments into w.records (modified), at velocities that follow the positions.
 
-    K = (EA/l0 - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
+    K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
     for s in range(n):
         record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
@@ -106,7 +121,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
         segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
         rest = chain.rest_length(s, length, parameters)
-        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        stiffness = spring(s, n, distance, rest, slack_ratio, parameters)
         stretch = tension[s] / distance
         for i in range(3):
             for j in range(3):
@@ -119,9 +134,12 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
 
 
 @kernel
-def factorize_newton(n, spin, w):
-    """Matrix of Newton's method from w.records, factorized into the block arrays of w; False if it is singular."""
-    chain.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
+def factorize_newton(n, spin, settling, w):
+    """Matrix of Newton's method from w.records, factorized into the block arrays of w; False if it is singular.
+
+    `settling` is tau [s] of the pseudo-transient continuation, infinite for Newton's method.
+    """
+    chain.assemble(n, 1.0 / (settling * settling), 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
     square = dot(spin, spin)
     if square > 0.0:
         for i in range(1, n):
@@ -133,7 +151,7 @@ def factorize_newton(n, spin, w):
 
 
 @kernel
-def apply_step(n, length, parameters, x, tension, change):
+def apply_step(n, length, slack_ratio, parameters, x, tension, change):
     """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps."""
     part = 1.0
     for s in range(n):
@@ -142,7 +160,7 @@ def apply_step(n, length, parameters, x, tension, change):
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        stiffness = spring(s, n, distance, rest, slack_ratio, parameters)
         predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
         tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
     for i in range(1, n):
@@ -166,35 +184,52 @@ def smallest_residual(n, length, parameters, x, tension, mass):
 
 
 @kernel
-def relax(n, spin, stretching, length, wind, parameters, x, v, tension, w):
-    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified).
+def relax(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w, settling, most):
+    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified), with at most `most` iterations.
 
-    The matrix is made anew unless the residual falls fast. Returns (True, iterations) or (False, iterations); w.force
-    holds the residual.
+    `settling` is the first tau [s] of the pseudo-transient continuation, infinite for plain Newton; `slack_ratio` the
+    stiffness of a compressed segment relative to a taut one. The matrix is kept while the residual falls fast. Returns
+    (True, iterations) or (False, iterations); w.force holds the residual.
     """
-    last_square = 0.0
-    for iteration in range(MOST_ITERATIONS):
+    last = inf
+    for iteration in range(most):
         node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
-        add_tensions(n, length, parameters, x, w.force)
+        add_tensions(n, length, slack_ratio, parameters, x, w.force)
         square = 0.0
         for k in range(3, 3 * n):
             square += w.force[k] * w.force[k]
-        if sqrt(square) <= smallest_residual(n, length, parameters, x, tension, w.mass):
+        residual = sqrt(square)
+        goal = smallest_residual(n, length, parameters, x, tension, w.mass)
+        if residual <= goal or 0.5 * last < residual <= STALLED * goal:
             return True, iteration
-        if not square < inf:
+        if not residual < inf:
             return False, iteration
-        if square >= FAST_DECREASE * last_square:
-            linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-            if not factorize_newton(n, spin, w):
+        if iteration == 0 or residual >= FAST_DECREASE * last:
+            if last < inf:
+                settling *= min(3.0, max(0.3, last / residual))
+            linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w)
+            if not factorize_newton(n, spin, settling, w):
                 return False, iteration
-        last_square = square
+        last = residual
         for k in range(3, 3 * n):
             w.b[k] = w.force[k]
         solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
         put(w.b, 0, (0.0, 0.0, 0.0))
         put(w.b, n, (0.0, 0.0, 0.0))
-        apply_step(n, length, parameters, x, tension, w.b)
-    return False, MOST_ITERATIONS
+        apply_step(n, length, slack_ratio, parameters, x, tension, w.b)
+    return False, most
+
+
+@kernel
+def compressed(n, length, parameters, x, tension, mass):
+    """Whether a segment is shorter than its unstretched length by more than rounding."""
+    rounding = STALLED * smallest_residual(n, length, parameters, x, tension, mass)
+    for s in range(n):
+        rest = chain.rest_length(s, length, parameters)
+        distance = norm(sub(get(x, s + 1), get(x, s)))
+        if spring(s, n, distance, rest, 1.0, parameters) * (rest - distance) > rounding:
+            return True
+    return False
 
 
 @kernel
@@ -232,12 +267,42 @@ def hang_under_mean_load(n, length, parameters, x, tension, load):
 
 
 @kernel
+def hang_under_own_loads(n, spin, stretching, length, wind, part, parameters, x, v, tension, w):
+    """Hang the chain under its mean load, then 10/`part` times under its own, of which it takes a part each time.
+
+    x [m], v [m/s], tensions [N] and w modified; part 0: under the mean load only.
+    """
+    load = w.x_stage
+    straighten(n, parameters, x)
+    node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
+    first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
+    if part <= 0.0:
+        return
+    for _ in range(int(10.0 / part)):
+        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
+        for k in range(3 * (n + 1)):
+            load[k] += part * (w.force[k] - load[k])
+        first_tension, _ = hanging.hang(n, first_tension, length, load, parameters, x, tension)
+
+
+@kernel
 def tensions(n, length, parameters, x, tension):
     """Tensions of the taut springs [N] into `tension` (modified, n numbers) at the positions x [m]."""
     for s in range(n):
         distance, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
         strain = distance / chain.rest_length(s, length, parameters) - 1.0
         tension[s] = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] * strain
+
+
+@kernel
+def follow(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+    """Equilibrium from positions x [m] and tensions [N] that are close (x, v, tension modified).
+
+    Arguments as in `find`. Returns (found, iterations); a shape with a compressed segment is not found.
+    """
+    chain.node_masses(n, length, parameters, w.mass)
+    found, iterations = relax(n, spin, stretching, length, 1.0, wind, parameters, x, v, tension, w, inf, MOST_ITERATIONS)
+    return found and not compressed(n, length, parameters, x, tension, w.mass), iterations
 
 
 @kernel
@@ -249,23 +314,21 @@ def find(n, spin, stretching, length, wind, parameters, x, v, w):
     """
     chain.node_masses(n, length, parameters, w.mass)
     tension = w.rx[:n]
-    load = w.x_stage
-    straighten(n, parameters, x)
-    node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
-    first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
-    found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-    for attempt in range(len(FOLLOWING)):
+    found, iterations = False, 0
+    for attempt in range(len(FOLLOWING) + 2):
         if found:
             break
-        part = FOLLOWING[attempt]
-        straighten(n, parameters, x)
-        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
-        first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
-        for _ in range(int(10.0 / part)):
-            node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
-            for k in range(3 * (n + 1)):
-                load[k] += part * (w.force[k] - load[k])
-            first_tension, _ = hanging.hang(n, first_tension, length, load, parameters, x, tension)
-        found, more = relax(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+        part = FOLLOWING[attempt - 1] if 0 < attempt <= len(FOLLOWING) else 0.0
+        hang_under_own_loads(n, spin, stretching, length, wind, part, parameters, x, v, tension, w)
+        settling, most = inf, MOST_ITERATIONS
+        if attempt > len(FOLLOWING):
+            settling, most = FIRST_SETTLING, MOST_SETTLING
+        found, more = relax(n, spin, stretching, length, 1.0, wind, parameters, x, v, tension, w, settling, most)
+        iterations += more
+    slack_ratio = parameters[at.SLACK_STIFFNESS_RATIO]
+    if found and slack_ratio < 1.0 and compressed(n, length, parameters, x, tension, w.mass):
+        found, more = relax(
+            n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w, FIRST_SETTLING, MOST_SETTLING
+        )
         iterations += more
     return OK if found else NO_EQUILIBRIUM, iterations

@@ -125,22 +125,24 @@ _KNOWN = (*INPUT_NAMES.values(), *(name for name in parameter_names() if name no
 
 _SOLVER = "the result is exact at every step"
 _NO_WAVES = "this tether has no waves"
-_NEVER_SLACK = "no part of this tether is slack"
 _IGNORED_WITHOUT_WAVES = {
     "axial_damping": _NO_WAVES,
-    "slack_stiffness_ratio": _NEVER_SLACK,
     "slack_damping_ratio": _NO_WAVES,
     "damping_law": _NO_WAVES,
     "relative_tolerance": _SOLVER,
     "fixed_step": _SOLVER,
     "initial_shape": _NO_WAVES,
 }
-_IGNORED_WITHOUT_NODES = {**_IGNORED_WITHOUT_WAVES, "segments": "this tether has no nodes"}
+_IGNORED_WITHOUT_NODES = {
+    **_IGNORED_WITHOUT_WAVES,
+    "slack_stiffness_ratio": "no part of this tether is in compression",
+    "segments": "this tether has no nodes",
+}
 IGNORED = {  # parameters that a variant ignores, and why
     "dynamic": {},
     "quasi_steady": _IGNORED_WITHOUT_WAVES,
     "catenary": _IGNORED_WITHOUT_NODES,
-    "straight": {**_IGNORED_WITHOUT_NODES, "slack_stiffness_ratio": "a slack line has no tension"},
+    "straight": _IGNORED_WITHOUT_NODES,
 }
 
 

@@ -44,6 +44,4 @@ def load(folder, variant):
             f"build it with: python build_fmus.py --platforms {this_platform()}"
         )
     shared = CDLL(str(Path(folder) / names[0]))
-    return Kernels(
-        *(prototype((f"{variant}_{verb}", shared)) for verb, prototype in PROTOTYPES._asdict().items())
-    )
+    return Kernels(*(prototype((f"{variant}_{verb}", shared)) for verb, prototype in PROTOTYPES._asdict().items()))

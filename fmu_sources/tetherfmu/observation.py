@@ -102,6 +102,6 @@ def observe_chain(n, parameters, state, shape_points, outputs, mass):
     outputs[at.KITE_TENSION] = kite_tension
     outputs[at.TETHER_LENGTH] = length
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
-    outputs[at.KITE_END_MASS] = mass[n]
+    outputs[at.KITE_END_MASS] = mass[n] - parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + n]
     survey(n, parameters, state, x, v, outputs)
     shape(n, parameters, x, shape_points, outputs)

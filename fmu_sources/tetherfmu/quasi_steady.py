@@ -5,7 +5,7 @@ no waves and no damping. Source: P. Williams, Cable Modeling Approximations for 
 Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
 """
 
-from . import chain, equilibrium
+from . import equilibrium
 from . import layout as at
 from .communication import (
     begin,
@@ -41,8 +41,7 @@ def settle(n, parameters, state, warm, w):
     wind = vector(state, at.WIND)
     length = state[at.LENGTH]
     if warm:
-        chain.node_masses(n, length, parameters, w.mass)
-        found, iterations = equilibrium.relax(n, spin, stretching, length, wind, parameters, x, v, w.rx, w)
+        found, iterations = equilibrium.follow(n, spin, stretching, length, wind, parameters, x, v, w.rx, w)
         state[at.ITERATIONS] += iterations
         if found:
             return OK

@@ -1,0 +1,78 @@
+"""Independent numpy formulas that several physics tests compare with: masses, drag, energy of a uniform chain."""
+
+import numpy as np
+
+from tetherfmu import layout as at
+
+
+def line_density(tether):
+    """Mass per unstretched length mu = density pi d^2/4 [kg/m]."""
+    return tether.density * np.pi * tether.diameter**2 / 4.0
+
+
+def node_masses(tether, length=None):
+    """Node masses [kg] of a tether of unstretched length `length` [m]: mu l0, half of it at the ends."""
+    n = tether.segments
+    mass = np.full(n + 1, line_density(tether) * (length or tether.initial_length) / n)
+    mass[[0, -1]] *= 0.5
+    return mass
+
+
+def wind_factor(z, air):
+    """Wind at the heights z [m] over the wind at the reference height [-]."""
+    h, z0, alpha = air.wind_reference_height, air.surface_roughness, air.wind_exponent
+    with np.errstate(all="ignore"):
+        power = np.where(z > 0.0, np.abs(z / h) ** alpha, 0.0)
+        log = np.where(z > z0, np.log(np.abs(z) / z0) / np.log(h / z0), 0.0)
+    return {1: np.ones_like(z), 2: power, 3: log, 4: np.maximum(2.0 * log - power, 0.0)}[air.wind_profile]
+
+
+def drag(positions, velocities, wind, tether, air):
+    """Sum of the drag 1/2 rho cd d l |w| w [N] of all segments; w: apparent wind across a segment."""
+    r = np.diff(positions, axis=0)
+    length = np.linalg.norm(r, axis=1)[:, None]
+    e = r / length
+    height = 0.5 * (positions[1:, 2] + positions[:-1, 2])
+    scale_height = air.air_density_scale_height
+    density = air.air_density * (np.exp(-height / scale_height) if scale_height else np.ones_like(height))
+    relative = wind_factor(height, air)[:, None] * np.asarray(wind) - 0.5 * (velocities[1:] + velocities[:-1])
+    w = relative - np.sum(relative * e, axis=1)[:, None] * e
+    width = tether.drag_coefficient * tether.diameter
+    return np.sum(0.5 * density[:, None] * width * length * np.linalg.norm(w, axis=1)[:, None] * w, axis=0)
+
+
+def energy(positions, velocities, tether, gravity=9.81):
+    """Kinetic + elastic + gravitational energy of the chain [J]."""
+    mass = node_masses(tether)
+    rest = tether.initial_length / tether.segments
+    stretch = np.linalg.norm(np.diff(positions, axis=0), axis=1) - rest
+    stiffness = tether.axial_stiffness / rest * np.where(stretch > 0.0, 1.0, tether.slack_stiffness_ratio)
+    kinetic = 0.5 * mass @ np.sum(velocities**2, axis=1)
+    return kinetic + 0.5 * stiffness @ stretch**2 + gravity * mass @ positions[:, 2]
+
+
+def displaced(model, displacement):
+    """Move the nodes of a model by a displacement [m], array (n + 1, 3), at unchanged velocities."""
+    state = model.get_state()
+    state[at.STATE_HEADER : at.STATE_HEADER + displacement.size] += displacement.ravel()
+    model.set_state(state)
+
+
+def elastic_catenary(span, rise, length, load, axial_stiffness):
+    """Tension (H, V) [N] at the ground end of the elastic catenary (Irvine 1981): horizontal, and vertical part.
+
+    span = H L/EA + H/w (asinh((V + w L)/H) - asinh(V/H)),  rise = L (V + w L/2)/EA + (T_kite - T_ground)/w
+    """
+    from scipy.optimize import fsolve
+
+    def gap(unknown):
+        h, v = np.exp(unknown[0]), unknown[1]
+        v2 = v + load * length
+        across = h * length / axial_stiffness + h / load * (np.arcsinh(v2 / h) - np.arcsinh(v / h))
+        up = length * (v + v2) / 2.0 / axial_stiffness + (np.hypot(h, v2) - np.hypot(h, v)) / load
+        return across / length - span / length, up / length - rise / length
+
+    start = [np.log(0.2 * load * length), -0.5 * load * length * (1.0 - rise / length)]
+    (log_h, v), _, found, message = fsolve(gap, start, xtol=1e-13, full_output=True)
+    assert found == 1, message
+    return np.exp(log_h), v

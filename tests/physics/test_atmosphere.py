@@ -1,0 +1,82 @@
+"""Wind and density at a height z follow their formulas.
+
+power law f = (z/h)^alpha,  log f = ln(z/z0)/ln(h/z0),  explog f = log + (log - power), all 0 at z <= 0, never negative
+density rho(z) = rho exp(-z/H), H = 0: uniform
+"""
+
+from math import exp, log
+
+import numpy as np
+import pytest
+
+from tetherfmu.atmosphere import air_density, wind_factor
+from tetherfmu.parameters import Environment, Solver, Tether, pack
+
+HEIGHTS = [0.5, 6.0, 10.0, 200.0, 3000.0]
+REFERENCE, ALPHA, ROUGHNESS = 10.0, 0.14, 0.03
+
+
+def parameters(profile=1, scale_height=0.0):
+    air = Environment(
+        wind_profile=profile,
+        wind_reference_height=REFERENCE,
+        wind_exponent=ALPHA,
+        surface_roughness=ROUGHNESS,
+        air_density_scale_height=scale_height,
+    )
+    return np.array(pack((Tether(),), air, Solver(), 1e-4))
+
+
+def power(z):
+    return (z / REFERENCE) ** ALPHA
+
+
+def logarithm(z):
+    return log(z / ROUGHNESS) / log(REFERENCE / ROUGHNESS)
+
+
+FORMULAS = {1: lambda z: 1.0, 2: power, 3: logarithm, 4: lambda z: 2.0 * logarithm(z) - power(z)}
+
+
+@pytest.mark.parametrize("z", HEIGHTS)
+@pytest.mark.parametrize("profile", FORMULAS)
+def test_wind_formula(profile, z):
+    factor, _ = wind_factor(z, parameters(profile))
+    assert factor == pytest.approx(max(0.0, FORMULAS[profile](z)), rel=1e-14)  # rounding
+
+
+@pytest.mark.parametrize("profile", FORMULAS)
+def test_wind_at_reference_height_is_the_input(profile):
+    assert wind_factor(REFERENCE, parameters(profile))[0] == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("z", [0.0, -1e-9, -5.0, -1e4])
+@pytest.mark.parametrize("profile", [2, 3, 4])
+def test_no_wind_at_and_below_the_ground(profile, z):
+    assert wind_factor(z, parameters(profile)) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("profile", [2, 3, 4])
+def test_factor_is_never_negative(profile):
+    heights = np.concatenate((np.linspace(-1.0, 1.0, 401), np.geomspace(1e-12, 1e5, 400)))
+    values = [wind_factor(z, parameters(profile))[0] for z in heights]
+    assert min(values) >= 0.0
+    assert np.all(np.isfinite(values))
+
+
+@pytest.mark.parametrize("z", HEIGHTS[1:])
+@pytest.mark.parametrize("profile", FORMULAS)
+def test_slope_of_the_wind(profile, z):
+    p = parameters(profile)
+    d = 1e-4 * z
+    difference = (wind_factor(z + d, p)[0] - wind_factor(z - d, p)[0]) / (2.0 * d)
+    # the central difference errs by d^2 f'''/6 = 1e-8 of the slope
+    assert wind_factor(z, p)[1] == pytest.approx(difference, rel=1e-7, abs=1e-12)
+
+
+@pytest.mark.parametrize("z", [-100.0, 0.0, *HEIGHTS])
+def test_density(z):
+    value, slope = air_density(z, parameters(scale_height=8550.0))
+    assert value == pytest.approx(1.225 * exp(-z / 8550.0), rel=1e-14)
+    assert slope == pytest.approx(-value / 8550.0, rel=1e-14)
+    assert air_density(z, parameters()) == (1.225, 0.0)

@@ -1,0 +1,80 @@
+"""The three shapes at the start: straight, static equilibrium, and quasi-steady (turning with the kite).
+
+Turning rigidly about the ground end with omega = r x u/r^2 and stretching with s = r . u/r^2, node i has the velocity
+omega x r_i + s r_i and the acceleration omega x (omega x r_i). On a level circle without gravity and air the chain is
+straight, with T_(i-1) = T_i + m_i omega^2 |r_i|.
+"""
+
+import numpy as np
+import pytest
+
+from mechanics import node_masses
+from scenes import CIRCLE_TETHER, circle
+from tetherfmu.models import TetherDynamic
+from tetherfmu.parameters import Environment, Solver, Tether
+
+KITE = np.array([60.0, 20.0, 70.0])
+
+
+def test_straight():
+    model = TetherDynamic(Tether(segments=7, initial_length=120.0), solver=Solver(initial_shape=3))
+    speed = np.array([1.0, 2.0, 3.0])
+    model.initialize(kite_position=KITE, kite_velocity=speed, ground_position=(5.0, 0.0, 0.0))
+    part = np.linspace(0.0, 1.0, 8)[:, None]
+    # rounding
+    np.testing.assert_allclose(model.positions, (1 - part) * (5.0, 0.0, 0.0) + part * KITE, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(model.velocities, part * speed, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("length", [91.0, 94.5, 120.0, 200.0])
+@pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (12.0, 5.0, 0.0)], ids=str)
+def test_static_equilibrium_stays(length, wind):
+    model = TetherDynamic(Tether(segments=12, initial_length=length))
+    first = model.initialize(kite_position=KITE, wind_velocity=wind)
+    start = model.positions
+    for _ in range(250):
+        last = model.step(0.02, kite_position=KITE, wind_velocity=wind)
+    # the residual, 1e-12 of the forces or the rounding of positions times EA/l0 (1e-9 N), moves 0.05 kg by nothing
+    np.testing.assert_allclose(model.positions, start, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(last.kite_force, first.kite_force, rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("omega", [0.5, 3.0])
+def test_turning_without_gravity_and_air(omega):
+    tether = Tether(segments=10, initial_length=50.0)
+    model = TetherDynamic(tether, Environment(gravity=0.0, air_density=0.0), Solver(initial_shape=2))
+    radius = 50.2
+    out = model.initialize(kite_position=(radius, 0.0, 0.0), kite_velocity=(0.0, omega * radius, 0.0))
+    x, v = model.positions, model.velocities
+    np.testing.assert_allclose(v, omega * np.stack([-x[:, 1], x[:, 0], 0.0 * x[:, 0]], axis=1), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(x[:, 1:], 0.0, atol=1e-9)  # straight
+    tension = 614600.0 * (np.diff(x[:, 0]) / 5.0 - 1.0)
+    centripetal = node_masses(tether)[1:-1] * omega**2 * x[1:-1, 0]
+    np.testing.assert_allclose(tension[:-1] - tension[1:], centripetal, rtol=0, atol=1e-7)  # 1e-14 m times EA/l0
+    assert out.ground_tension - out.kite_tension == pytest.approx(np.sum(centripetal), abs=1e-7)
+
+
+@pytest.mark.parametrize("rate", [0.05, 0.5])
+def test_quasi_steady_start_has_no_jump(rate):
+    """The forces of the first 0.2 s stay near those of the start; from a static start the drag of the tether is missing."""
+
+    def largest_change(shape):
+        model = TetherDynamic(CIRCLE_TETHER, solver=Solver(initial_shape=shape))
+        position, velocity = circle(0.0, rate)
+        first = model.initialize(kite_position=position, kite_velocity=velocity)
+        change = []
+        for k in range(10):
+            position, velocity = circle(0.02 * k, rate)
+            now = model.step(0.02, kite_position=position, kite_velocity=velocity)
+            change.append(np.linalg.norm(now.kite_force - first.kite_force))
+        return max(change)
+
+    assert largest_change(2) < 0.2 * largest_change(1)
+
+
+def test_quasi_steady_start_follows_a_stretching_line():
+    model = TetherDynamic(Tether(segments=6, initial_length=92.0), solver=Solver(initial_shape=2))
+    velocity = 2.0 * KITE / np.linalg.norm(KITE)
+    model.initialize(kite_position=KITE, kite_velocity=velocity)
+    rate = 2.0 / np.linalg.norm(KITE)
+    np.testing.assert_allclose(model.velocities, rate * model.positions, rtol=0, atol=1e-12)  # rounding
