@@ -143,10 +143,11 @@ def factorize_newton(n, spin, settling, w):
     square = dot(spin, spin)
     if square > 0.0:
         for i in range(1, n):
+            block = w.diagonal[9 * i : 9 * i + 9]
             for j in range(3):
                 for k in range(3):
-                    w.diagonal[9 * i + 3 * j + k] += w.mass[i] * spin[j] * spin[k]
-                w.diagonal[9 * i + 4 * j] -= w.mass[i] * square
+                    block[3 * j + k] += w.mass[i] * spin[j] * spin[k]
+                block[4 * j] -= w.mass[i] * square
     return factorize(1, n - 1, w.diagonal, w.lower, w.upper)
 
 
@@ -191,7 +192,8 @@ def relax(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tens
     stiffness of a compressed segment relative to a taut one. The matrix is kept while the residual falls fast. Returns
     (True, iterations) or (False, iterations); w.force holds the residual.
     """
-    last = inf
+    last = 0.0
+    fresh = False
     for iteration in range(most):
         node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
         add_tensions(n, length, slack_ratio, parameters, x, w.force)
@@ -200,12 +202,13 @@ def relax(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tens
             square += w.force[k] * w.force[k]
         residual = sqrt(square)
         goal = smallest_residual(n, length, parameters, x, tension, w.mass)
-        if residual <= goal or 0.5 * last < residual <= STALLED * goal:
+        if residual <= goal or (fresh and 0.5 * last < residual <= STALLED * goal):
             return True, iteration
         if not residual < inf:
             return False, iteration
-        if iteration == 0 or residual >= FAST_DECREASE * last:
-            if last < inf:
+        fresh = not residual < FAST_DECREASE * last
+        if fresh:
+            if iteration > 0:
                 settling *= min(3.0, max(0.3, last / residual))
             linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w)
             if not factorize_newton(n, spin, settling, w):

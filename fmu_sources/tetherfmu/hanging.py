@@ -23,7 +23,7 @@ from .vectors import along, dot, get, norm, put, scale, sub
 MOST_ITERATIONS = 60
 MOST_HALVINGS = 40
 SLACKEST = 1e-3  # eps over the mean node load
-CLOSED = 1e-11  # gap of the chain over its length
+CLOSED = 1e-3  # gap of the chain over its length; Newton's method in `equilibrium.py` does the rest
 
 
 @kernel

@@ -116,9 +116,9 @@ def linearize_tension(segment, n, r, u, rest_length, rest_rate, parameters, reco
     strain_rate = 0.0
     if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
         strain_rate = rest_rate / rest_length
-    across = along(u, -length_rate, e)
+    turning = scale(c / length, along(u, -length_rate, e))
     for i in range(3):
-        g = (k - c * strain_rate) * e[i] + c * across[i] / length
+        g = (k - c * strain_rate) * e[i] + turning[i]
         for j in range(3):
             record[K + 3 * j + i] = e[j] * (g - stretch * e[i])
         record[K + 4 * i] += stretch
@@ -137,10 +137,11 @@ def linearize_drag(segment, n, r, height, velocity, wind, parameters, record):
     length, e = geometry(r)
     w, lengthwise, density = apparent_wind(e, height, velocity, wind, parameters)
     speed = sqrt(dot(w, w) + STILLEST)
+    per_speed = 1.0 / speed  # one division instead of nine
     width = 0.25 * parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
     for i in range(3):
         for j in range(3):
-            bend = w[i] * w[j] / speed - speed * e[i] * e[j]
+            bend = per_speed * w[i] * w[j] - speed * e[i] * e[j]
             record[A + 3 * i + j] = width * density * length * bend
             record[G + 3 * i + j] = width * density * (speed * (w[i] * e[j] - e[i] * w[j]) - lengthwise * bend)
         record[A + 4 * i] += width * density * length * speed

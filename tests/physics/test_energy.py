@@ -3,7 +3,7 @@
     E = sum m_i v_i^2/2 + sum k_s (l_s - l0)^2/2 + sum m_i g z_i,   k = EA/l0 taut, slack_stiffness_ratio EA/l0 slack
 
 The tethers pass many times from taut to slack. Each of the N steps may change E by a part `tolerance` of 2 E_kin, with
-signs that do not line up: the error of E is at most about sqrt(N) tolerance 2 max(E_kin).
+signs that do not line up: a random walk of standard deviation sqrt(N) tolerance 2 max(E_kin), of which 3 are allowed.
 """
 
 import numpy as np
@@ -51,7 +51,7 @@ def history(tether, tolerance, free, initial_shape, step=0.02, count=200):
 def test_energy_is_conserved(free, initial_shape):
     tether = Tether(segments=N, initial_length=50.0, axial_damping=0.0, drag_coefficient=0.0)
     total, kinetic, steps = history(tether, 1e-8, free, initial_shape)
-    bound = np.sqrt(steps) * 1e-8 * 2.0 * kinetic.max()
+    bound = 3.0 * np.sqrt(steps) * 1e-8 * 2.0 * kinetic.max()
     np.testing.assert_allclose(total, total[0], rtol=0, atol=bound)
     assert kinetic.max() > 1.0  # it does swing
 
