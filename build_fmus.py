@@ -4,7 +4,8 @@ import argparse
 import sys
 import traceback
 
-from tetherfmu.build import SLAVES, build, platforms
+from tetherfmu.ahead_of_time import TARGETS
+from tetherfmu.build import DEFAULT_PLATFORMS, SLAVES, build, contents
 from tetherfmu.layout import MAX_SEGMENTS
 
 MAX_SHAPE_POINTS = 1001
@@ -19,7 +20,17 @@ def parse(arguments):
     parser.add_argument(
         "--shape-points", type=int, default=21, metavar="K", help="points of the output shape, 0 for none (default: 21)"
     )
+    parser.add_argument(
+        "--platforms",
+        default=",".join(DEFAULT_PLATFORMS),
+        metavar="P,...",
+        help=f"platforms to compile for, of {', '.join(TARGETS)} (default: {','.join(DEFAULT_PLATFORMS)})",
+    )
     options = parser.parse_args(arguments)
+    options.platforms = options.platforms.split(",")
+    for platform in options.platforms:
+        if platform not in TARGETS:
+            parser.error(f"no platform is called {platform}; choose from {', '.join(TARGETS)}")
     for name in options.names:
         if name not in SLAVES:
             parser.error(f"no FMU is called {name}; choose from {', '.join(SLAVES)}")
@@ -36,8 +47,8 @@ def main(arguments=None):
     failed = 0
     for name in options.names or SLAVES:
         try:
-            path = build(name, options.out, options.segments, options.shape_points)
-            print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(platforms(path))}")
+            path = build(name, options.out, options.segments, options.shape_points, options.platforms)
+            print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(contents(path))}")
         except Exception:
             traceback.print_exc()
             print(f"{name} was not built", file=sys.stderr)

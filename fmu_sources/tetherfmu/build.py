@@ -1,27 +1,40 @@
-"""Assemble FMUs: PythonFMU packs the slave script, then the archive is rewritten so that equal sources give equal bytes."""
+"""Assemble FMUs: compiled kernels, the few modules that a slave needs, PythonFMU's wrapper, one archive.
+
+Inside an FMU the slave script and the package have names with a hash of their content, so that FMUs of different versions
+live side by side in one process. Equal sources and options give equal bytes.
+"""
 
 import hashlib
 import json
+import platform
+import shutil
+import sys
 import tempfile
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
-from .fmi import OPTIONS_FILE
+from .ahead_of_time import TARGETS, libraries
+from .fmi import KERNELS_FOLDER, OPTIONS_FILE
+from .library import file_name
 
-SOURCES = Path(__file__).resolve().parent.parent
-SLAVES = {
-    "TetherStraight": "tether_straight.py",
-    "TetherCatenary": "tether_catenary.py",
-    "TetherQuasiSteady": "tether_quasi_steady.py",
-    "TetherDynamic": "tether_dynamic.py",
+PACKAGE = Path(__file__).resolve().parent
+SLAVES = {  # name: (slave script, variant)
+    "TetherStraight": ("tether_straight.py", "straight"),
+    "TetherCatenary": ("tether_catenary.py", "catenary"),
+    "TetherQuasiSteady": ("tether_quasi_steady.py", "quasi_steady"),
+    "TetherDynamic": ("tether_dynamic.py", "dynamic"),
 }
+SHIPPED = ("__init__", "layout", "quantities", "parameters", "status", "interface", "library", "model_description", "fmi")
+DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
+KERNEL_SOURCES_APART = ("build", "fmi", "models", "model_description", "interface", "quantities", "parameters", "__init__")
 DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 
 
-def build(name, folder, segments, shape_points):
+def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS):
     """Build one FMU.
 
     Parameters
@@ -34,51 +47,106 @@ def build(name, folder, segments, shape_points):
         Start value of the parameter `segments`.
     shape_points : int
         Points of the output `shape`; 0 leaves it out.
+    platforms : sequence of str
+        Names in `ahead_of_time.TARGETS` for which kernels are put in.
 
     Returns
     -------
     Path
         Of the FMU.
+
+    Raises
+    ------
+    RuntimeError
+        If the compiler or the linker fails.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
+    script, variant = SLAVES[name]
+    kernels = kernels_folder()
+    libraries(kernels, platforms)
     with tempfile.TemporaryDirectory() as temporary:
-        options = Path(temporary) / OPTIONS_FILE
-        options.write_text(json.dumps({"segments": segments, "shape_points": shape_points}, sort_keys=True))
-        raw = FmuBuilder.build_FMU(SOURCES / SLAVES[name], dest=temporary, project_files=[options])
-        target = folder / f"{name}.fmu"
+        resources = Path(temporary) / "resources"
+        shipped = _write_package(resources, script)
+        (resources / KERNELS_FOLDER).mkdir()
+        for each in platforms:
+            shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
+        options = {"segments": segments, "shape_points": shape_points}
+        (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
+        raw = _pack(resources, shipped, Path(temporary))
         partial = folder / f"{name}.fmu.partial"
         _rewrite(raw, partial)
-        partial.replace(target)
-    return target
+        return partial.replace(folder / f"{name}.fmu")
 
 
-def platforms(path):
-    """Platforms an FMU has binaries for."""
+def kernels_folder():
+    """Where compiled libraries are kept: named by all that they are made from."""
+    digest = hashlib.sha256(platform.python_version().encode())
+    for package in ("numba", "llvmlite", "ziglang"):
+        digest.update(f"{package} {version(package)}".encode())
+    for path in sorted(PACKAGE.glob("*.py")):
+        if path.stem not in KERNEL_SOURCES_APART:
+            digest.update(path.read_bytes())
+    return PACKAGE / "__pycache__" / f"libraries_{digest.hexdigest()[:12]}"
+
+
+def contents(path):
+    """Platforms that an FMU has kernels for."""
     with zipfile.ZipFile(path) as archive:
-        return sorted({entry.split("/")[1] for entry in archive.namelist() if entry.startswith("binaries/")})
+        names = [Path(entry).name for entry in archive.namelist() if f"/{KERNELS_FOLDER}/" in entry]
+    return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
+
+
+def _write_package(resources, script):
+    """Write the slave script and its package under names with their hash; returns (script, package) paths."""
+    resources.mkdir()
+    sources = {f"{module}.py": (PACKAGE / f"{module}.py").read_text(encoding="utf-8") for module in SHIPPED}
+    slave = (PACKAGE.parent / script).read_text(encoding="utf-8")
+    digest = hashlib.sha256(json.dumps([slave, sources], sort_keys=True).encode("utf-8")).hexdigest()[:12]
+    package = resources / f"tetherfmu_{digest}"
+    package.mkdir()
+    for file, text in sources.items():
+        (package / file).write_text(text, encoding="utf-8", newline="\n")
+    target = resources / f"{Path(script).stem}_{digest}.py"
+    target.write_text(slave.replace("from tetherfmu.", f"from {package.name}."), encoding="utf-8", newline="\n")
+    return target, package
+
+
+def _pack(resources, shipped, folder):
+    """Let PythonFMU make the archive; leaves no trace of the hashed modules in this process. Returns its path."""
+    script, package = shipped
+    path = list(sys.path)
+    try:
+        return FmuBuilder.build_FMU(
+            script, dest=folder, project_files=[package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
+        )
+    finally:
+        sys.path[:] = path
+        for module in [name for name in sys.modules if name.split(".")[0] in (script.stem, package.name)]:
+            del sys.modules[module]
 
 
 def _rewrite(source, target):
     """Copy an FMU with a guid from its content, fixed dates and sorted entries."""
     with zipfile.ZipFile(source) as archive:
-        files = {entry: archive.read(entry) for entry in archive.namelist() if not entry.endswith("/")}
+        names = [name for name in archive.namelist() if not name.endswith("/") and "__pycache__" not in name]
+        files = {name: archive.read(name) for name in names}
     description = files["modelDescription.xml"].decode("utf-8")
     description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
     description = _replace_attribute(description, "guid", "")
     digest = hashlib.sha256(description.encode("utf-8"))
-    for entry in sorted(files):
-        if entry != "modelDescription.xml":
-            digest.update(entry.encode("utf-8"))
-            digest.update(files[entry])
+    for name in sorted(files):
+        if name != "modelDescription.xml":
+            digest.update(name.encode("utf-8"))
+            digest.update(files[name])
     description = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}")
     files["modelDescription.xml"] = description.encode("utf-8")
     with zipfile.ZipFile(target, "w") as archive:
-        for entry in sorted(files):
-            item = zipfile.ZipInfo(entry, DATE)
+        for name in sorted(files):
+            item = zipfile.ZipInfo(name, DATE)
             item.compress_type = zipfile.ZIP_DEFLATED
             item.external_attr = 0o644 << 16
-            archive.writestr(item, files[entry])
+            archive.writestr(item, files[name])
 
 
 def _replace_attribute(description, name, value):

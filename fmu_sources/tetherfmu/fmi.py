@@ -18,12 +18,13 @@ from pythonfmu.enums import Fmi2Status
 
 from . import __version__, interface, status
 from . import layout as at
-from .compiled import kernels
+from .library import load
 from .model_description import complete
 from .parameters import DEFAULT_TOLERANCE, effective, pack
 from .quantities import checked
 
 OPTIONS_FILE = "options.json"
+KERNELS_FOLDER = "kernels"
 DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
 
 _BLOB = struct.Struct("<8sIIIId")  # magic, length of the rest, checksum, phase, segments, importer's tolerance
@@ -52,7 +53,7 @@ class TetherSlave(Fmi2Slave):
         if file.is_file():
             options.update(json.loads(file.read_text(encoding="utf-8")))
         self._shape_points = options["shape_points"]
-        self._kernels = kernels(self.variant)
+        self._load_kernels()
         self._table = interface.variables(self.variant, self._shape_points, [("segments", options["segments"])])
         self._make_values()
         self._phase = _BEFORE
@@ -60,6 +61,15 @@ class TetherSlave(Fmi2Slave):
         self._refusal = None
         self._segments = 0
         self._state = array("d")
+
+    def _load_kernels(self):
+        """Load the compiled library now, so that the folder of the FMU may vanish later; a failure is told at the start."""
+        self._kernels = None
+        self._no_kernels = None
+        try:
+            self._kernels = load(Path(self.resources or ".") / KERNELS_FOLDER, self.variant)
+        except OSError as error:
+            self._no_kernels = str(error)
 
     def _make_values(self):
         """One array of all values: inputs, outputs, parameters. The value reference of a variable is its place there."""
@@ -197,12 +207,12 @@ class TetherSlave(Fmi2Slave):
 
     def _start(self):
         """Check the parameters, make the arrays, find the first shape. Returns what is wrong, or None."""
+        if self._no_kernels:
+            return self._no_kernels
         try:
-            problem = self._allocate()
+            self._allocate()
         except (ValueError, OverflowError) as error:
             return str(error)
-        if problem:
-            return problem
         result = self._kernels.initialize(
             self._segments, self._parameters_address, self._address, self._state_address, self._work_address
         )
