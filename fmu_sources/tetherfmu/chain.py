@@ -64,7 +64,8 @@ def node_forces(n, x, v, length, reeling, wind, mass, parameters, force):
 def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     """Force of the tether on what holds its ground end (or its kite end) [N], and the tension there [N].
 
-    Force of the end segment plus half of its drag plus weight of the end node; without inertia (INTERFACE.md).
+    Force of the end segment plus half of its drag plus weight of the end node; without inertia.
+    Source: docs/theory.md, "End forces".
     """
     s = n - 1 if kite_end else 0
     rest = rest_length(s, length, parameters)
