@@ -3,6 +3,7 @@
 import importlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -58,7 +59,7 @@ def test_readme_has_the_two_commands_of_the_ci():
     "snippet", re.findall(r"^```python\n(.*?)^```$", README, re.MULTILINE | re.DOTALL), ids=["fmpy", "python"]
 )
 def test_python_snippets_of_the_readme_run(fmu_folder, tmp_path, snippet):
-    (tmp_path / "dist").symlink_to(fmu_folder)
+    shutil.copytree(fmu_folder, tmp_path / "dist")
     done = subprocess.run(
         [sys.executable, "-c", snippet],
         cwd=tmp_path,
