@@ -66,6 +66,7 @@ def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
 
     Force of the end segment plus half of its drag plus weight of its half there; without inertia, and without a point mass
     at the end, which is not of the tether.
+    Source: docs/theory.md, "End forces".
     """
     s = n - 1 if kite_end else 0
     rest = rest_length(s, length, parameters)

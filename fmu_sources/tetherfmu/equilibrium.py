@@ -257,7 +257,10 @@ def first_tension_guess(n, chord, load, length, parameters):
 
 @kernel
 def hang_under_mean_load(n, length, parameters, x, tension, load):
-    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified); returns iterations."""
+    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified).
+
+    Returns the first tension vector [N] and the number of Newton iterations.
+    """
     mean = (0.0, 0.0, 0.0)
     for i in range(n + 1):
         mean = add(mean, get(load, i))

@@ -16,7 +16,7 @@ Outputs = namedtuple(
     "slack_segments kite_end_mass kite_stiffness kite_damping wave_time sag shape",
 )
 Outputs.__doc__ = (
-    """Outputs of a tether (INTERFACE.md), in SI units; forces are arrays of 3, `shape` has one row per node or point."""
+    """Outputs of a tether (docs/interface.md), SI units; forces are arrays of 3, `shape` has one row per node or point."""
 )
 
 _NOTHING = (0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""The model description is valid, complete and offers the plug of INTERFACE.md."""
+"""The model description is valid, complete and offers the plug of docs/interface.md."""
 
 import subprocess
 import sys

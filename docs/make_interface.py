@@ -1,0 +1,161 @@
+"""Write docs/interface.md from the table of FMI variables: `python docs/make_interface.py`."""
+
+from pathlib import Path
+
+from tetherfmu.build import SLAVES
+from tetherfmu.fmi import DEFAULT_OPTIONS
+from tetherfmu.interface import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
+from tetherfmu.model_description import number
+
+PAGE = Path(__file__).with_name("interface.md")
+FMU_OF = {variant: "Tether" + variant.title().replace("_", "") for variant in IGNORED}
+TEXT = """# Interface
+
+<!-- Written by docs/make_interface.py from the sources: edit those, and run it again. -->
+
+The plug of {fmus}.
+Names, units, causality and signs are the same in each, so that one replaces another without rewiring.
+FMI 2.0 co-simulation, SI units, structured names.
+
+Frame: right-handed, z up, origin where you want it; gravity acts along -z, heights count from z = 0.
+
+Signs: a force is what the tether exerts on the body that its name says: `kite_force` goes into the equations of motion of
+the kite as it is. Tension is positive when the tether pulls. `reel_out_speed` is positive when the tether gets longer.
+
+## Exchange
+
+In a communication step from t to t + h:
+
+1. set the inputs with the values at t (an input that is not set keeps its value),
+2. do the step,
+3. read the outputs: they belong to t + h.
+
+Within the step the tether leads its ends on a smooth curve to the predicted position p + v h + a h^2/2, with a from the last
+two velocities (theory, "Driven ends"). Position and velocity of an end should fit together; the tether follows the position
+and trusts the velocity. Wind and reel-out speed are held over the step. The outputs at t = 0 are there when the
+initialization ends; in initialization mode they are calculated whenever they are read.
+
+A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
+leave segments shorter than 1 cm, or the solver fails. The state is then that of before, and the next good step works. A
+parameter out of range is refused when the initialization ends, with the allowed range.
+
+## Coupling by force
+
+A kite model that is moved by `kite_force` has only the force from the end of the step before, and holds it over the step.
+That acts like a negative damping of about kite_stiffness h/2 on its motion along the tether. So for a kite without damping
+of its own
+
+    h < 2 kite_damping / kite_stiffness
+
+or the motion along a taut tether grows: 1.5 ms for the default material, whatever the length. A kite whose motion is
+prescribed has no such limit.
+
+## Inputs
+
+{inputs}
+
+## Outputs
+
+{outputs}
+
+K is a build option, `--shape-points`, {points} by default; 0 leaves the shape out. End forces contain the weight of the half
+segment that is lumped at the end, not its inertia (theory, "End forces").
+
+Where a tether gives an output another meaning:
+
+{notes}
+
+## Parameters
+
+All are fixed: set them before the initialization ends.
+
+{parameters}
+
+"Greater than" excludes the limit itself; FMI can only say min and max, so an importer may let the limit pass, and the FMU
+refuses it. Two more rules: with wind_profile 3 or 4 surface_roughness must be less than wind_reference_height, and
+initial_length must be at least 0.01 m for each segment.
+
+`segments` starts at the build option `--segments`, {segments} by default.
+
+Parameters that a tether ignores (their range is checked all the same):
+
+{ignored}
+"""
+
+
+def table(head, rows):
+    """Markdown table of rows of texts."""
+    lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
+
+
+def folded(listed):
+    """Pairs (name, variables) with the components of a vector in one pair, and the whole shape in another."""
+    found = {}
+    for variable in listed:
+        name = variable.name.partition("[")[0]
+        found.setdefault(name, []).append(variable)
+    indices = {1: "", 3: "[1..3]"}
+    return [(name + indices.get(len(each), "[1..K,1..3]"), each) for name, each in found.items()]
+
+
+def meaning(each):
+    """What a variable or a vector of them means."""
+    text = each[0].quantity.meaning
+    return text if len(each) == 1 else text.removesuffix(", x").replace("point 1 of 21", "points")
+
+
+def start(each):
+    """Start value of a variable or of a vector."""
+    return ", ".join(number(variable.start) for variable in each)
+
+
+def signals(causality):
+    """Table of the inputs or of the outputs."""
+    listed = [v for v in variables("dynamic", DEFAULT_OPTIONS["shape_points"]) if v.causality == causality]
+    head = ("name", "unit", "start", "meaning") if causality == INPUT else ("name", "unit", "meaning")
+    rows = []
+    for name, each in folded(listed):
+        columns = [f"`{name}`", each[0].quantity.unit or "-", meaning(each)]
+        if causality == INPUT:
+            columns.insert(2, start(each))
+        rows.append(columns)
+    return table(head, rows)
+
+
+def parameters():
+    """Table of the parameters."""
+    rows = [
+        (f"`{v.name}`", v.quantity.unit or "-", number(v.start), v.quantity.range(), v.quantity.meaning)
+        for v in variables("dynamic", 0)
+        if v.causality == PARAMETER
+    ]
+    return table(("name", "unit", "start", "allowed", "meaning"), rows)
+
+
+def by_tether(texts, last_column):
+    """Table of what tethers say of a variable, equal texts in one row; texts : variant -> name -> text."""
+    tethers = {}
+    for variant, fmu in FMU_OF.items():
+        for name, text in texts[variant].items():
+            tethers.setdefault((name, text), []).append(fmu)
+    rows = [(f"`{name}`", ", ".join(fmus), text) for (name, text), fmus in tethers.items()]
+    return table(("name", "FMU", last_column), rows)
+
+
+def page():
+    """Text of docs/interface.md."""
+    return TEXT.format(
+        fmus=", ".join(f"`{name}.fmu`" for name in SLAVES),
+        inputs=signals(INPUT),
+        outputs=signals(OUTPUT),
+        parameters=parameters(),
+        notes=by_tether(NOTES, "meaning"),
+        ignored=by_tether(IGNORED, "why"),
+        points=DEFAULT_OPTIONS["shape_points"],
+        segments=DEFAULT_OPTIONS["segments"],
+    )
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
