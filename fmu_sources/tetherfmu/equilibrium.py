@@ -250,7 +250,7 @@ def first_tension_guess(n, chord, load, length, parameters):
     span = norm(across)
     horizontal, vertical, iterations = catenary.solve(span, -dot(chord, down), size, length, 1.0 / compliance)
     if iterations < 0:
-        return chord
+        return scale(size, chord)
     sideways = scale(horizontal / max(span, segment.SHORTEST), across)
     return along(sideways, 0.5 * size * length - vertical, down)
 

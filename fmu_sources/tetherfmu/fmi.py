@@ -27,7 +27,7 @@ OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
 DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
 
-_BLOB = struct.Struct("<8sIIIId")  # magic, length of the rest, checksum, phase, segments, importer's tolerance
+_BLOB = struct.Struct("<8s16sIIIId")  # magic, variant, length of the rest, checksum, phase, segments, importer's tolerance
 _MAGIC = b"tether01"
 _BEFORE, _INITIALIZING, _STEPPING = range(3)
 
@@ -275,8 +275,8 @@ class TetherSlave(Fmi2Slave):
         body = self._values.tobytes()
         if self._phase == _STEPPING:
             body += self._state.tobytes()
-        head = _BLOB.pack(_MAGIC, len(body), zlib.crc32(body), self._phase, self._segments, self._importer_tolerance)
-        return head + body
+        facts = (len(body), zlib.crc32(body), self._phase, self._segments, self._importer_tolerance)
+        return _BLOB.pack(_MAGIC, self.variant.encode(), *facts) + body
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
@@ -284,7 +284,7 @@ class TetherSlave(Fmi2Slave):
         if problem:
             self._refuse(problem)
             return
-        _, _, _, phase, _, tolerance = _BLOB.unpack_from(blob)
+        _, _, _, _, phase, _, tolerance = _BLOB.unpack_from(blob)
         values_end = _BLOB.size + 8 * len(self._values)
         memory = memoryview(blob)
         self._values[:] = array("d", memory[_BLOB.size : values_end].tobytes())
@@ -292,7 +292,7 @@ class TetherSlave(Fmi2Slave):
         self._phase = phase
         self._refusal = None
         if phase == _STEPPING:
-            self._allocate()
+            self._allocate()  # the parameters were checked before the state was made
             self._state[:] = array("d", memory[values_end:].tobytes())
 
     def _problem_of_blob(self, blob):
@@ -300,14 +300,14 @@ class TetherSlave(Fmi2Slave):
         sentence = "the FMU state that was set {}; the state of before is kept"
         if not isinstance(blob, bytes) or len(blob) < _BLOB.size:
             return sentence.format("is no state of a tether")
-        magic, length, checksum, phase, segments, _ = _BLOB.unpack_from(blob)
+        magic, variant, length, checksum, phase, segments, _ = _BLOB.unpack_from(blob)
         body = blob[_BLOB.size :]
         if magic != _MAGIC:
             return sentence.format("is no state of a tether, or of another version")
         if length != len(body) or zlib.crc32(body) != checksum:
             return sentence.format("is damaged")
         expected = 8 * (len(self._values) + (at.state_size(segments) if phase == _STEPPING else 0))
-        if phase > _STEPPING or length != expected:
+        if variant.rstrip(b"\0").decode("ascii", "replace") != self.variant or phase > _STEPPING or length != expected:
             return sentence.format("belongs to another tether FMU")
         return None
 

@@ -58,10 +58,10 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
     A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. The counter in `state` is
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
     """
-    wanted = ceil(duration / parameters[at.FIXED_STEP] - 1e-6)
-    if wanted > at.WORK_BUDGET // n:
+    wanted = duration / parameters[at.FIXED_STEP] - 1e-6
+    if not wanted <= at.WORK_BUDGET // n:
         return FIXED_STEPS_TOO_MANY
-    count = max(1, int(wanted))
+    count = max(1, int(ceil(wanted)))
     h = duration / count
     for i in range(count):
         if not step(n, drive, i * h, h, x, v, parameters, w):

@@ -5,6 +5,7 @@ reference is its place in `variables()`. Standard library only: finished FMUs sh
 """
 
 from dataclasses import dataclass, fields, replace
+from math import degrees
 
 from . import layout as at
 from .parameters import Environment, Solver, Tether
@@ -13,6 +14,7 @@ from .quantities import Quantity, quantities
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
 RECORDS = (Tether, Environment, Solver)
 KITE_AT_START = (300.0, 0.0, 400.0)
+DEGREES = ("deg", degrees(1.0))
 
 
 @dataclass(frozen=True)
@@ -29,8 +31,8 @@ class Variable:
     kind: str
     quantity: Quantity
     place: int
-    start: float = None
-    depends_on: tuple = None
+    start: float | None = None
+    depends_on: tuple | None = None
 
 
 def _vector(name, causality, place, unit, meaning, start=(0.0, 0.0, 0.0)):
@@ -76,12 +78,19 @@ def _output_variables(shape_points):
         scalar("kite_tension", at.KITE_TENSION, "N", "tension of the last segment"),
         scalar("max_tension", at.MAX_TENSION, "N", "largest tension of all segments now"),
         scalar("tether_length", at.TETHER_LENGTH, "m", "unstretched length now", depends_on=("initial_length",)),
-        scalar("ground_elevation", at.GROUND_ELEVATION, "rad", "elevation at which the tether leaves the ground end"),
+        scalar(
+            "ground_elevation",
+            at.GROUND_ELEVATION,
+            "rad",
+            "elevation at which the tether leaves the ground end",
+            display=DEGREES,
+        ),
         scalar(
             "ground_azimuth",
             at.GROUND_AZIMUTH,
             "rad",
             "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above",
+            display=DEGREES,
         ),
         scalar(
             "slack_segments",
@@ -123,7 +132,7 @@ _SOLVER_PARAMETERS = ("relative_tolerance", "fixed_step")
 _KNOWN = (*INPUT_NAMES.values(), *(name for name in parameter_names() if name not in _SOLVER_PARAMETERS))
 
 
-_SOLVER = "the result is exact at every step"
+_SOLVER = "there is no motion to integrate"
 _NO_WAVES = "this tether has no waves"
 _IGNORED_WITHOUT_WAVES = {
     "axial_damping": _NO_WAVES,
@@ -131,7 +140,7 @@ _IGNORED_WITHOUT_WAVES = {
     "damping_law": _NO_WAVES,
     "relative_tolerance": _SOLVER,
     "fixed_step": _SOLVER,
-    "initial_shape": _NO_WAVES,
+    "initial_shape": "this tether is in equilibrium from the start",
 }
 _IGNORED_WITHOUT_NODES = {
     **_IGNORED_WITHOUT_WAVES,

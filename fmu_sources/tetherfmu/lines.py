@@ -27,7 +27,6 @@ POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
 WEIGHTS = np.array((0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095))
 SAMPLES = 24  # pieces of the catenary in which wave time and sag are found
 LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
-STEEPEST = 1e-12  # span over length below which the catenary hangs in a vertical plane of any direction
 
 
 @kernel
@@ -120,7 +119,7 @@ def observe_straight(n, parameters, state, shape_points, outputs, work):
 
 @kernel
 def uniform_load(parameters, state):
-    """Weight plus mean drag per unstretched length [N/m]."""
+    """Weight plus mean drag per unstretched length [N/m]; a slack tether catches the wind with all its length."""
     mean, _ = chord_load(parameters, state)
     return mean[0], mean[1], mean[2] - property_of(parameters, at.LINE_DENSITY) * parameters[at.GRAVITY]
 

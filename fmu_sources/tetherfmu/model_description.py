@@ -15,7 +15,6 @@ BASE_UNITS = {
     "N.s/m": {"kg": 1, "s": -1},
     "rad": {"rad": 1},
 }
-DISPLAY_UNITS = {"m": ("mm", 1000.0), "rad": ("deg", 57.29577951308232)}
 NOMINAL = {"m": 100.0, "m/s": 10.0, "N": 100.0}
 
 
@@ -46,9 +45,9 @@ def _units(table):
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
         SubElement(unit, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[name].items()})
-        if name in DISPLAY_UNITS:
-            shown, factor = DISPLAY_UNITS[name]
-            SubElement(unit, "DisplayUnit", name=shown, factor=repr(factor))
+        shown = {variable.quantity.display for variable in table if variable.quantity.unit == name} - {()}
+        for display_name, factor in sorted(shown):
+            SubElement(unit, "DisplayUnit", name=display_name, factor=repr(factor))
     return element
 
 

@@ -92,7 +92,7 @@ class TetherModel:
         reel_out_speed=0.0,
         wind_velocity=_NOTHING,
     ):
-        """Start with the shape of `initial_shape` between two ends (SI units); returns the `Outputs` of the start.
+        """Start between two ends (SI units), the dynamic tether with its `initial_shape`; returns the `Outputs` of the start.
 
         Raises StepRefused if an input is not finite or no equilibrium is found.
         """
@@ -160,7 +160,9 @@ class TetherModel:
         return Outputs(
             values[at.GROUND_FORCE : at.GROUND_FORCE + 3].copy(),
             values[at.KITE_FORCE : at.KITE_FORCE + 3].copy(),
-            *(float(value) for value in values[at.GROUND_TENSION : at.SHAPE]),
+            *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
+            int(values[at.SLACK_SEGMENTS]),
+            *values[at.SLACK_SEGMENTS + 1 : at.SHAPE].tolist(),
             values[at.SHAPE :].reshape(-1, 3).copy(),
         )
 

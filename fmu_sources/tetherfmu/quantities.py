@@ -13,7 +13,7 @@ class Quantity:
 
     unit : of the number; "" for none.  meaning : one line for people.  minimum, maximum : allowed range, both included
     unless `above` is set (then the minimum itself is not allowed).  choices : names of an enumeration, in the order of
-    its numbers 1, 2, ...  display : (unit, factor) for people, shown value = factor times value.
+    its numbers 1, 2, ...  display : (unit, factor) for people: shown value = factor times value.
     """
 
     unit: str

@@ -8,6 +8,8 @@ from fmpy.fmi1 import FMICallException
 from fmi.host import Host
 from isolation import in_own_process
 
+from tetherfmu.build import SLAVES
+
 VECTORS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
 INPUTS = [f"{name}[{i}]" for name in VECTORS for i in (1, 2, 3)] + ["reel_out_speed"]
 
@@ -20,10 +22,11 @@ def refused(host, action):
     return " ".join(host.messages)
 
 
+@pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
-def test_inputs_that_are_not_finite(fmu_folder):
-    host = Host(fmu_folder / "TetherDynamic.fmu").start()
-    twin = Host(fmu_folder / "TetherDynamic.fmu").start()
+def test_inputs_that_are_not_finite(fmu_folder, fmu):
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    twin = Host(fmu_folder / f"{fmu}.fmu").start()
     for name in INPUTS:
         for value in (math.nan, math.inf, -math.inf):
             good = host.get(name)
@@ -37,10 +40,11 @@ def test_inputs_that_are_not_finite(fmu_folder):
     assert host.all_outputs() == twin.all_outputs()
 
 
+@pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
-def test_steps_that_are_not_positive(fmu_folder):
-    host = Host(fmu_folder / "TetherDynamic.fmu").start()
-    twin = Host(fmu_folder / "TetherDynamic.fmu").start()
+def test_steps_that_are_not_positive(fmu_folder, fmu):
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    twin = Host(fmu_folder / f"{fmu}.fmu").start()
     for step in (0.0, -0.02, math.nan, math.inf):
         said = refused(host, lambda step=step: host.fmu.doStep(0.0, step))
         assert "greater than 0" in said
@@ -67,6 +71,7 @@ def test_steps_that_are_not_positive(fmu_folder):
         ("relative_tolerance", 1.0, "at most 0.1"),
         ("gravity", -9.81, "at least 0 m/s2"),
         ("kite_position[2]", math.nan, "finite"),
+        ("fixed_step", -0.01, "at least 0 s"),
     ],
 )
 @in_own_process
@@ -114,3 +119,21 @@ def test_damaged_state_is_refused(fmu_folder):
     said = refused(host, lambda: host.step(0.02))
     assert "is damaged" in said
     host.step(0.02)
+
+
+@in_own_process
+def test_state_of_another_tether_is_refused(fmu_folder):
+    host = Host(fmu_folder / "TetherQuasiSteady.fmu").start()
+    other = Host(fmu_folder / "TetherDynamic.fmu").start()
+    blob = other.fmu.serializeFMUstate(other.fmu.getFMUState())
+    host.fmu.setFMUState(host.fmu.deSerializeFMUstate(blob))
+    said = refused(host, lambda: host.step(0.02))
+    assert "belongs to another tether FMU" in said
+    host.step(0.02)
+
+
+@in_own_process
+def test_more_fixed_steps_than_the_budget(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start(fixed_step=1e-300)
+    said = refused(host, lambda: host.step(0.02))
+    assert "fixed_step 1e-300 s" in said

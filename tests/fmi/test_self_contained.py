@@ -1,0 +1,50 @@
+"""A finished FMU needs Python and nothing else: no numba, no numpy of its own, no installed package."""
+
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tetherfmu.ahead_of_time import VARIANTS
+from tetherfmu.build import SLAVES, build, contents
+from tetherfmu.library import file_name, load
+
+LARGEST = 2_000_000  # bytes of an FMU
+
+
+def test_runs_where_other_packages_are_forbidden(fmu_folder):
+    command = [sys.executable, str(Path(__file__).parent / "alone.py"), str(fmu_folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert sorted(line.split(":")[0] for line in done.stdout.splitlines()) == sorted(SLAVES)
+
+
+@pytest.mark.parametrize("name", list(SLAVES))
+def test_carries_its_kernels_and_no_cache(fmu_folder, name):
+    path = fmu_folder / f"{name}.fmu"
+    assert path.stat().st_size < LARGEST
+    assert contents(path) == ["x86_64-linux", "x86_64-windows"]
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+        scripts = [entry for entry in names if re.fullmatch(r"resources/tether_\w+_[0-9a-f]{12}\.py", entry)]
+        assert len(scripts) == 1
+        packages = {entry.split("/")[1] for entry in names if "/fmi.py" in entry}
+        assert [re.fullmatch(r"tetherfmu_[0-9a-f]{12}", package) is not None for package in packages] == [True]
+        assert not any("__pycache__" in entry for entry in names)
+
+
+def test_a_platform_without_kernels_is_told_with_the_remedy(tmp_path):
+    for variant in VARIANTS:
+        (tmp_path / file_name(variant, "riscv64-linux")).touch()
+    with pytest.raises(OSError, match="python build_fmus.py --platforms") as refusal:
+        load(tmp_path, "dynamic")
+    assert "only dynamic-riscv64-linux.so" in str(refusal.value)
+
+
+def test_all_platforms_link(tmp_path):
+    """Linux and Windows on x86, and (linked, never run here) Linux and macOS on ARM."""
+    every = ("x86_64-linux", "x86_64-windows", "aarch64-linux", "aarch64-darwin")
+    assert contents(build("TetherStraight", tmp_path, platforms=every)) == list(every)
