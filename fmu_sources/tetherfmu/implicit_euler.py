@@ -61,7 +61,7 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
     wanted = duration / parameters[at.FIXED_STEP] - 1e-6
     if not wanted <= at.WORK_BUDGET // n:
         return FIXED_STEPS_TOO_MANY
-    count = max(1, int(ceil(wanted)))
+    count = max(1, ceil(wanted))
     h = duration / count
     for i in range(count):
         if not step(n, drive, i * h, h, x, v, parameters, w):

@@ -92,7 +92,7 @@ class TetherModel:
         reel_out_speed=0.0,
         wind_velocity=_NOTHING,
     ):
-        """Start between two ends (SI units), the dynamic tether with its `initial_shape`; returns the `Outputs` of the start.
+        """Start between two ends (SI units), the dynamic tether with its `initial_shape`; returns `Outputs` of the start.
 
         Raises StepRefused if an input is not finite or no equilibrium is found.
         """

@@ -1,6 +1,6 @@
-"""Run FMUs with nothing but fmpy: `python alone.py FOLDER`. Prints the time from instantiation to the end of the first step.
+"""Run FMUs with nothing but fmpy: `python alone.py FOLDER`; prints the time from instantiation to the end of the first step.
 
-Used in two ways: by a test that forbids all other packages, and by the continuous integration in an environment without them.
+Used in two ways: by a test, with all other packages forbidden, and by the CI script in an environment without them.
 """
 
 import atexit

@@ -7,7 +7,6 @@ from fmpy.fmi1 import FMICallException
 
 from fmi.host import Host
 from isolation import in_own_process
-
 from tetherfmu.build import SLAVES
 
 VECTORS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
