@@ -1,0 +1,61 @@
+"""The Windows libraries give the numbers of Linux: run under wine, where that is installed."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenes import CIRCLE_TETHER, circle
+from tetherfmu import layout as at
+from tetherfmu.ahead_of_time import VARIANTS, libraries
+from tetherfmu.build import kernels_folder
+from tetherfmu.compiled import kernels
+from tetherfmu.library import file_name
+from tetherfmu.parameters import Environment, Solver, effective, pack
+
+STEPS, STEP, POINTS = 100, 0.02, 5
+# the mathematical libraries differ in the last bit of log1p, asinh, ...; a step of the solver does not amplify that
+SAME = 1e-12
+
+pytestmark = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is not installed")
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory):
+    """The host program and the libraries, in one folder."""
+    folder = tmp_path_factory.mktemp("windows")
+    libraries(kernels_folder(), ["x86_64-windows"])
+    for variant in VARIANTS:
+        shutil.copy(kernels_folder() / file_name(variant, "x86_64-windows"), folder)
+    source = Path(__file__).parent / "windows_host.c"
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-o", "host.exe", str(source)]
+    subprocess.run(command, cwd=folder, check=True)
+    return folder
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_windows_equals_linux(host, variant):
+    tether = effective(CIRCLE_TETHER, variant)
+    n = tether.segments
+    parameters = np.array(pack((tether,), Environment(), Solver(), 1e-4))
+    rows = np.zeros((STEPS + 1, at.INPUTS))
+    for k in range(STEPS + 1):  # row 0 initializes, row k + 1 starts step k
+        rows[k, :3], rows[k, 3:6] = circle(max(0, k - 1) * STEP)
+    state, work = np.zeros(at.state_size(n)), np.zeros(at.work_size(n))
+    outputs = np.zeros(at.outputs_size(POINTS))
+    head = [n, len(parameters), len(state), len(work), len(outputs), STEPS, STEP, POINTS]
+    (host / "in.bin").write_bytes(np.concatenate([head, parameters, rows.ravel()]).astype("<f8").tobytes())
+    library = file_name(variant, "x86_64-windows")
+    subprocess.run(["wine", "host.exe", library, variant, "in.bin", "out.bin"], cwd=host, check=True, capture_output=True)
+    found = np.frombuffer((host / "out.bin").read_bytes()).reshape(STEPS + 1, -1)
+
+    linux = kernels(variant)
+    p, s, w, o = (array.ctypes.data for array in (parameters, state, work, outputs))
+    for k in range(STEPS + 1):
+        u = rows[k : k + 1].ctypes.data
+        assert (linux.initialize(n, p, u, s, w) if k == 0 else linux.advance(n, p, u, STEP, s, w)) == 0
+        linux.observe(n, p, s, POINTS, o, w)
+        np.testing.assert_allclose(found[k], outputs, rtol=SAME, atol=SAME * np.abs(outputs).max())
