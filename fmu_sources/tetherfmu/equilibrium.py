@@ -4,20 +4,17 @@ Unknown are the positions of the inner nodes. Every node moves as a point of a b
 omega and stretches with the rate s; at rest both are zero:
 
     T_i e_i - T_(i-1) e_(i-1) + f_i(x, v) = 0,       f_i = half drags + weight - m_i a_i
-    T = EA (l - l0)/l0,   v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
+    T = k (l - l0),   v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
 
-There is no damping: nothing changes but the direction. A chain of many segments has no slack one in equilibrium.
+There is no damping: nothing changes but the direction. Where the air blows the tether back on itself, the tension has to
+pass through zero: a segment there may be slack, with the stiffness that a slack segment has.
 
 1. Start: the hanging chain (`hanging.py`) under the mean load.
 2. Newton's method with the tensions as unknowns beside the positions. They are eliminated from its linear system, which
    stays block tridiagonal; what they change is that the lateral stiffness T/l comes from the tension of the last iteration
    and not from the length of the segment, whose error is amplified by EA/l0.
-3. If that fails: hang the chain again and again under its own loads, which follow the shape only in part; then 2.
-4. If that fails: pseudo-transient continuation, that is 2 with M/tau^2 added to the stiffness, where tau grows as the
-   residual falls.
-5. A chain of few segments may hold one of them in compression: then once more, with the stiffness of a slack segment there.
-
-Source of 4: C. T. Kelley and D. E. Keyes, SIAM Journal on Numerical Analysis 35 (1998) 508.
+3. If that fails: the same with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a chain
+   that creeps. c falls while the nodes move little, down to Newton's method.
 """
 
 from math import inf, sqrt
@@ -30,14 +27,14 @@ from .status import NO_EQUILIBRIUM, OK
 from .vectors import add, along, cross, dot, get, norm, put, scale, sub
 
 MOST_ITERATIONS = 30
-MOST_SETTLING = 1000  # iterations of step 4
-FIRST_SETTLING = 0.2  # tau [s] of step 4 at the start
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
 STALLED = 100.0  # a residual that falls no more is rounding up to this many times the estimate of it
 FAST_DECREASE = 1e-2  # of the residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
-FOLLOWING = (0.5, 0.2, 0.1)  # parts of step 3
+MOST_CREEPING = 600  # iterations of step 3
+NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the resistance changes
+FIRMEST = 100.0  # resistance over that of the first iteration
 
 
 @kernel
@@ -89,25 +86,19 @@ def node_loads(n, spin, stretching, wind, parameters, x, v, mass, load):
 
 
 @kernel
-def spring(s, n, distance, rest, slack_ratio, parameters):
-    """Stiffness [N/m] of segment s at a distance [m] of its nodes; `slack_ratio` EA/l0 if that is below l0."""
-    stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
-    return stiffness if distance >= rest else slack_ratio * stiffness
-
-
-@kernel
-def add_tensions(n, length, slack_ratio, parameters, x, force):
+def add_tensions(n, length, parameters, x, force):
     """Add the springs' pull on the nodes to `force` [N] (modified)."""
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        pull = scale(spring(s, n, distance, rest, slack_ratio, parameters) * (distance - rest), e)
+        stiffness, _ = segment.stiffness(distance, rest, s, n, parameters)
+        pull = scale(stiffness * (distance - rest), e)
         put(force, s, add(get(force, s), pull))
         put(force, s + 1, sub(get(force, s + 1), pull))
 
 
 @kernel
-def linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w):
+def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     """Records of all segments into w.records (modified), at velocities that follow the positions.
 
     K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
@@ -120,8 +111,7 @@ def linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, 
         distance, e = segment.geometry(r)
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
         segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
-        rest = chain.rest_length(s, length, parameters)
-        stiffness = spring(s, n, distance, rest, slack_ratio, parameters)
+        stiffness, _ = segment.stiffness(distance, chain.rest_length(s, length, parameters), s, n, parameters)
         stretch = tension[s] / distance
         for i in range(3):
             for j in range(3):
@@ -134,26 +124,29 @@ def linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, 
 
 
 @kernel
-def factorize_newton(n, spin, settling, w):
+def factorize_newton(n, spin, resistance, w):
     """Matrix of Newton's method from w.records, factorized into the block arrays of w; False if it is singular.
 
-    `settling` is tau [s] of the pseudo-transient continuation, infinite for Newton's method.
+    Resistance c [N/m] of every node against its motion.
     """
-    chain.assemble(n, 1.0 / (settling * settling), 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    chain.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
     square = dot(spin, spin)
-    if square > 0.0:
+    if square > 0.0 or resistance > 0.0:
         for i in range(1, n):
             block = w.diagonal[9 * i : 9 * i + 9]
             for j in range(3):
                 for k in range(3):
                     block[3 * j + k] += w.mass[i] * spin[j] * spin[k]
-                block[4 * j] -= w.mass[i] * square
+                block[4 * j] += resistance - w.mass[i] * square
     return factorize(1, n - 1, w.diagonal, w.lower, w.upper)
 
 
 @kernel
-def apply_step(n, length, slack_ratio, parameters, x, tension, change):
-    """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps."""
+def apply_step(n, length, parameters, x, tension, change):
+    """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps.
+
+    Returns the largest motion of a node in the unshortened step over the length of a segment.
+    """
     part = 1.0
     for s in range(n):
         rest = chain.rest_length(s, length, parameters)
@@ -161,11 +154,15 @@ def apply_step(n, length, slack_ratio, parameters, x, tension, change):
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        stiffness = spring(s, n, distance, rest, slack_ratio, parameters)
+        stiffness, _ = segment.stiffness(distance, rest, s, n, parameters)
         predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
         tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
+    farthest = 0.0
     for i in range(1, n):
-        put(x, i, along(get(x, i), part, get(change, i)))
+        step = get(change, i)
+        farthest = max(farthest, dot(step, step))
+        put(x, i, along(get(x, i), part, step))
+    return sqrt(farthest) * n / length
 
 
 @kernel
@@ -185,18 +182,18 @@ def smallest_residual(n, length, parameters, x, tension, mass):
 
 
 @kernel
-def relax(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w, settling, most):
-    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified), with at most `most` iterations.
+def relax(n, spin, stretching, length, wind, parameters, x, v, tension, resistance, most, w):
+    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified), at most `most` iterations.
 
-    `settling` is the first tau [s] of the pseudo-transient continuation, infinite for plain Newton; `slack_ratio` the
-    stiffness of a compressed segment relative to a taut one. The matrix is kept while the residual falls fast. Returns
-    (True, iterations) or (False, iterations); w.force holds the residual.
+    With a resistance c [N/m] to start with, the chain creeps; with 0 it is plain Newton, whose matrix is kept while the
+    residual falls fast. Returns (True, iterations) or (False, iterations); w.force holds the residual.
     """
+    firmest = FIRMEST * resistance
     last = 0.0
     fresh = False
     for iteration in range(most):
         node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
-        add_tensions(n, length, slack_ratio, parameters, x, w.force)
+        add_tensions(n, length, parameters, x, w.force)
         square = 0.0
         for k in range(3, 3 * n):
             square += w.force[k] * w.force[k]
@@ -208,10 +205,8 @@ def relax(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tens
             return False, iteration
         fresh = not residual < FAST_DECREASE * last
         if fresh:
-            if iteration > 0:
-                settling *= min(3.0, max(0.3, last / residual))
-            linearize(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w)
-            if not factorize_newton(n, spin, settling, w):
+            linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+            if not factorize_newton(n, spin, resistance, w):
                 return False, iteration
         last = residual
         for k in range(3, 3 * n):
@@ -219,20 +214,12 @@ def relax(n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tens
         solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
         put(w.b, 0, (0.0, 0.0, 0.0))
         put(w.b, n, (0.0, 0.0, 0.0))
-        apply_step(n, length, slack_ratio, parameters, x, tension, w.b)
+        motion = apply_step(n, length, parameters, x, tension, w.b)
+        if motion < NEAR:
+            resistance *= 0.5
+        elif motion > FAR:
+            resistance = min(2.0 * resistance, firmest)
     return False, most
-
-
-@kernel
-def compressed(n, length, parameters, x, tension, mass):
-    """Whether a segment is shorter than its unstretched length by more than rounding."""
-    rounding = STALLED * smallest_residual(n, length, parameters, x, tension, mass)
-    for s in range(n):
-        rest = chain.rest_length(s, length, parameters)
-        distance = norm(sub(get(x, s + 1), get(x, s)))
-        if spring(s, n, distance, rest, 1.0, parameters) * (rest - distance) > rounding:
-            return True
-    return False
 
 
 @kernel
@@ -257,10 +244,7 @@ def first_tension_guess(n, chord, load, length, parameters):
 
 @kernel
 def hang_under_mean_load(n, length, parameters, x, tension, load):
-    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified).
-
-    Returns the first tension vector [N] and the number of Newton iterations.
-    """
+    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified)."""
     mean = (0.0, 0.0, 0.0)
     for i in range(n + 1):
         mean = add(mean, get(load, i))
@@ -269,26 +253,23 @@ def hang_under_mean_load(n, length, parameters, x, tension, load):
         share = 0.5 * (parameters[at.PARAMETER_SCALARS + i - 1] + parameters[at.PARAMETER_SCALARS + i])
         put(load, i, scale(share * length, mean))
     guess = first_tension_guess(n, sub(get(x, n), get(x, 0)), mean, length, parameters)
-    return hanging.hang(n, guess, length, load, parameters, x, tension)
+    hanging.hang(n, guess, length, load, parameters, x, tension)
 
 
 @kernel
-def hang_under_own_loads(n, spin, stretching, length, wind, part, parameters, x, v, tension, w):
-    """Hang the chain under its mean load, then 10/`part` times under its own, of which it takes a part each time.
+def guess(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+    """Step 1: positions [m] of the inner nodes and tensions [N] (x, v, tension modified) to start from.
 
-    x [m], v [m/s], tensions [N] and w modified; part 0: under the mean load only.
+    Returns the stiffness [N/m] that the loads alone give a node: their mean over the length of a segment.
     """
     load = w.x_stage
     straighten(n, parameters, x)
     node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
-    first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
-    if part <= 0.0:
-        return
-    for _ in range(int(10.0 / part)):
-        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
-        for k in range(3 * (n + 1)):
-            load[k] += part * (w.force[k] - load[k])
-        first_tension, _ = hanging.hang(n, first_tension, length, load, parameters, x, tension)
+    total = 0.0
+    for i in range(1, n):
+        total += norm(get(load, i))
+    hang_under_mean_load(n, length, parameters, x, tension, load)
+    return total / length
 
 
 @kernel
@@ -304,11 +285,10 @@ def tensions(n, length, parameters, x, tension):
 def follow(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     """Equilibrium from positions x [m] and tensions [N] that are close (x, v, tension modified).
 
-    Arguments as in `find`. Returns (found, iterations); a shape with a compressed segment is not found.
+    Arguments as in `find`. Returns (found, iterations).
     """
     chain.node_masses(n, length, parameters, w.mass)
-    found, iterations = relax(n, spin, stretching, length, 1.0, wind, parameters, x, v, tension, w, inf, MOST_ITERATIONS)
-    return found and not compressed(n, length, parameters, x, tension, w.mass), iterations
+    return relax(n, spin, stretching, length, wind, parameters, x, v, tension, 0.0, MOST_ITERATIONS, w)
 
 
 @kernel
@@ -320,21 +300,10 @@ def find(n, spin, stretching, length, wind, parameters, x, v, w):
     """
     chain.node_masses(n, length, parameters, w.mass)
     tension = w.rx[:n]
-    found, iterations = False, 0
-    for attempt in range(len(FOLLOWING) + 2):
-        if found:
-            break
-        part = FOLLOWING[attempt - 1] if 0 < attempt <= len(FOLLOWING) else 0.0
-        hang_under_own_loads(n, spin, stretching, length, wind, part, parameters, x, v, tension, w)
-        settling, most = inf, MOST_ITERATIONS
-        if attempt > len(FOLLOWING):
-            settling, most = FIRST_SETTLING, MOST_SETTLING
-        found, more = relax(n, spin, stretching, length, 1.0, wind, parameters, x, v, tension, w, settling, most)
-        iterations += more
-    slack_ratio = parameters[at.SLACK_STIFFNESS_RATIO]
-    if found and slack_ratio < 1.0 and compressed(n, length, parameters, x, tension, w.mass):
-        found, more = relax(
-            n, spin, stretching, length, slack_ratio, wind, parameters, x, v, tension, w, FIRST_SETTLING, MOST_SETTLING
-        )
+    guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+    found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, 0.0, MOST_ITERATIONS, w)
+    if not found:
+        load_stiffness = guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+        found, more = relax(n, spin, stretching, length, wind, parameters, x, v, tension, load_stiffness, MOST_CREEPING, w)
         iterations += more
     return OK if found else NO_EQUILIBRIUM, iterations
