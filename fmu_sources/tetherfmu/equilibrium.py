@@ -12,7 +12,8 @@ There is no damping: nothing changes but the direction. A chain in equilibrium h
 2. Newton's method with the tensions as unknowns beside the positions. They are eliminated from its linear system, which
    stays block tridiagonal; what they change is that the lateral stiffness T/l comes from the tension of the last iteration
    and not from the length of the segment, whose error is amplified by EA/l0.
-3. If that fails: hang the chain again and again under its own loads, which follow the shape only in part; then 2.
+3. If that fails: the same with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a chain
+   that creeps. c falls while the nodes move little, down to Newton's method.
 """
 
 from math import inf, sqrt
@@ -28,7 +29,9 @@ MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
-FOLLOWING = (0.5, 0.2, 0.1)  # parts of step 3
+MOST_CREEPING = 600  # iterations of step 3
+NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the resistance changes
+FIRMEST = 100.0  # resistance over that of the first iteration
 
 
 @kernel
@@ -118,15 +121,18 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
 
 
 @kernel
-def newton_step(n, spin, w):
-    """Change of the positions [m] into w.b (modified) from the residual in w.force and w.records; False if singular."""
+def newton_step(n, spin, resistance, w):
+    """Change of the positions [m] into w.b (modified) from the residual in w.force and w.records; False if singular.
+
+    Resistance c [N/m] of every node against its motion.
+    """
     chain.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
     square = dot(spin, spin)
     for i in range(1, n):
         for j in range(3):
             for k in range(3):
                 w.diagonal[9 * i + 3 * j + k] += w.mass[i] * spin[j] * spin[k]
-            w.diagonal[9 * i + 4 * j] -= w.mass[i] * square
+            w.diagonal[9 * i + 4 * j] += resistance - w.mass[i] * square
     for k in range(3 * (n + 1)):
         w.b[k] = w.force[k]
     if not factorize(1, n - 1, w.diagonal, w.lower, w.upper):
@@ -139,7 +145,10 @@ def newton_step(n, spin, w):
 
 @kernel
 def apply_step(n, length, parameters, x, tension, change):
-    """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps."""
+    """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps.
+
+    Returns the largest motion of a node in the unshortened step over the length of a segment.
+    """
     part = 1.0
     for s in range(n):
         rest = chain.rest_length(s, length, parameters)
@@ -150,8 +159,12 @@ def apply_step(n, length, parameters, x, tension, change):
         stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
         predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
         tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
+    farthest = 0.0
     for i in range(1, n):
-        put(x, i, along(get(x, i), part, get(change, i)))
+        step = get(change, i)
+        farthest = max(farthest, dot(step, step))
+        put(x, i, along(get(x, i), part, step))
+    return sqrt(farthest) * n / length
 
 
 @kernel
@@ -171,12 +184,14 @@ def smallest_residual(n, length, parameters, x, tension, mass):
 
 
 @kernel
-def relax(n, spin, stretching, length, wind, parameters, x, v, tension, w):
-    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified).
+def relax(n, spin, stretching, length, wind, parameters, x, v, tension, resistance, most, w):
+    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified), at most `most` iterations.
 
-    Returns (True, iterations) or (False, iterations); w.force holds the residual.
+    With a resistance c [N/m] to start with, the chain creeps; with 0 it is plain Newton. Returns (True, iterations) or
+    (False, iterations); w.force holds the residual.
     """
-    for iteration in range(MOST_ITERATIONS):
+    firmest = FIRMEST * resistance
+    for iteration in range(most):
         node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
         add_tensions(n, length, parameters, x, w.force)
         square = 0.0
@@ -187,10 +202,14 @@ def relax(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         if not square < inf:
             return False, iteration
         linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-        if not newton_step(n, spin, w):
+        if not newton_step(n, spin, resistance, w):
             return False, iteration
-        apply_step(n, length, parameters, x, tension, w.b)
-    return False, MOST_ITERATIONS
+        motion = apply_step(n, length, parameters, x, tension, w.b)
+        if motion < NEAR:
+            resistance *= 0.5
+        elif motion > FAR:
+            resistance = min(2.0 * resistance, firmest)
+    return False, most
 
 
 @kernel
@@ -215,7 +234,7 @@ def first_tension_guess(n, chord, load, length, parameters):
 
 @kernel
 def hang_under_mean_load(n, length, parameters, x, tension, load):
-    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified); returns iterations."""
+    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified)."""
     mean = (0.0, 0.0, 0.0)
     for i in range(n + 1):
         mean = add(mean, get(load, i))
@@ -224,7 +243,23 @@ def hang_under_mean_load(n, length, parameters, x, tension, load):
         share = 0.5 * (parameters[at.PARAMETER_SCALARS + i - 1] + parameters[at.PARAMETER_SCALARS + i])
         put(load, i, scale(share * length, mean))
     guess = first_tension_guess(n, sub(get(x, n), get(x, 0)), mean, length, parameters)
-    return hanging.hang(n, guess, length, load, parameters, x, tension)
+    hanging.hang(n, guess, length, load, parameters, x, tension)
+
+
+@kernel
+def guess(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+    """Step 1: positions [m] of the inner nodes and tensions [N] (x, v, tension modified) to start from.
+
+    Returns the stiffness [N/m] that the loads alone give a node: their mean over the length of a segment.
+    """
+    load = w.x_stage
+    straighten(n, parameters, x)
+    node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
+    total = 0.0
+    for i in range(1, n):
+        total += norm(get(load, i))
+    hang_under_mean_load(n, length, parameters, x, tension, load)
+    return total / length
 
 
 @kernel
@@ -245,23 +280,10 @@ def find(n, spin, stretching, length, wind, parameters, x, v, w):
     """
     chain.node_masses(n, length, parameters, w.mass)
     tension = w.rx[:n]
-    load = w.x_stage
-    straighten(n, parameters, x)
-    node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
-    first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
-    found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-    for attempt in range(len(FOLLOWING)):
-        if found:
-            break
-        part = FOLLOWING[attempt]
-        straighten(n, parameters, x)
-        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
-        first_tension, _ = hang_under_mean_load(n, length, parameters, x, tension, load)
-        for _ in range(int(10.0 / part)):
-            node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
-            for k in range(3 * (n + 1)):
-                load[k] += part * (w.force[k] - load[k])
-            first_tension, _ = hanging.hang(n, first_tension, length, load, parameters, x, tension)
-        found, more = relax(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+    guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+    found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, 0.0, MOST_ITERATIONS, w)
+    if not found:
+        load_stiffness = guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+        found, more = relax(n, spin, stretching, length, wind, parameters, x, v, tension, load_stiffness, MOST_CREEPING, w)
         iterations += more
     return OK if found else NO_EQUILIBRIUM, iterations

@@ -35,7 +35,9 @@ def settle(n, parameters, state, warm, w):
     length = state[at.LENGTH]
     if warm:
         chain.node_masses(n, length, parameters, w.mass)
-        found, iterations = equilibrium.relax(n, spin, stretching, length, wind, parameters, x, v, w.rx, w)
+        found, iterations = equilibrium.relax(
+            n, spin, stretching, length, wind, parameters, x, v, w.rx, 0.0, equilibrium.MOST_ITERATIONS, w
+        )
         state[at.ITERATIONS] += iterations
         if found:
             return OK

@@ -32,8 +32,8 @@ SENTENCES = {
     ),
     STATE_NOT_FINITE: "the motion leaves the range of numbers in a step of {step} s; check the inputs and parameters",
     NO_EQUILIBRIUM: (
-        "no static equilibrium was found for the given ends; check kite_position, ground_position and initial_length, "
-        "or use initial_shape = straight"
+        "no equilibrium was found for the given ends; check kite_position, ground_position and initial_length; "
+        "the dynamic tether can start without it, with initial_shape = straight"
     ),
     FIXED_STEPS_TOO_MANY: (
         "a communication step of {step} s needs more than {budget} internal steps of fixed_step {fixed_step} s; use a "
