@@ -4,9 +4,10 @@ Unknown are the positions of the inner nodes. Every node moves as a point of a b
 omega and stretches with the rate s; at rest both are zero:
 
     T_i e_i - T_(i-1) e_(i-1) + f_i(x, v) = 0,       f_i = half drags + weight - m_i a_i
-    T = EA (l - l0)/l0,   v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
+    T = k (l - l0),   v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
 
-There is no damping: nothing changes but the direction. A chain in equilibrium has no slack segment.
+There is no damping: nothing changes but the direction. Where the air blows the tether back on itself, the tension has to
+pass through zero: a segment there may be slack, with the stiffness that a slack segment has.
 
 1. Start: the hanging chain (`hanging.py`) under the mean load.
 2. Newton's method with the tensions as unknowns beside the positions. They are eliminated from its linear system, which
@@ -84,11 +85,12 @@ def node_loads(n, spin, stretching, wind, parameters, x, v, mass, load):
 
 @kernel
 def add_tensions(n, length, parameters, x, force):
-    """Add the taut springs' pull on the nodes to `force` [N] (modified)."""
+    """Add the springs' pull on the nodes to `force` [N] (modified)."""
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        pull = scale(parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] * (distance / rest - 1.0), e)
+        stiffness, _ = segment.stiffness(distance, rest, s, n, parameters)
+        pull = scale(stiffness * (distance - rest), e)
         put(force, s, add(get(force, s), pull))
         put(force, s + 1, sub(get(force, s + 1), pull))
 
@@ -97,7 +99,7 @@ def add_tensions(n, length, parameters, x, force):
 def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     """Records of all segments into w.records (modified), at velocities that follow the positions.
 
-    K = (EA/l0 - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
+    K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
     for s in range(n):
         record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
@@ -107,8 +109,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         distance, e = segment.geometry(r)
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
         segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
-        rest = chain.rest_length(s, length, parameters)
-        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        stiffness, _ = segment.stiffness(distance, chain.rest_length(s, length, parameters), s, n, parameters)
         stretch = tension[s] / distance
         for i in range(3):
             for j in range(3):
@@ -156,7 +157,7 @@ def apply_step(n, length, parameters, x, tension, change):
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
+        stiffness, _ = segment.stiffness(distance, rest, s, n, parameters)
         predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
         tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
     farthest = 0.0

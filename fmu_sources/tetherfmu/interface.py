@@ -128,14 +128,17 @@ _NO_WAVES = "this tether has no waves"
 _NEVER_SLACK = "no part of this tether is slack"
 _IGNORED_WITHOUT_WAVES = {
     "axial_damping": _NO_WAVES,
-    "slack_stiffness_ratio": _NEVER_SLACK,
     "slack_damping_ratio": _NO_WAVES,
     "damping_law": _NO_WAVES,
     "relative_tolerance": _SOLVER,
     "fixed_step": _SOLVER,
     "initial_shape": _NO_WAVES,
 }
-_IGNORED_WITHOUT_NODES = {**_IGNORED_WITHOUT_WAVES, "segments": "this tether has no nodes"}
+_IGNORED_WITHOUT_NODES = {
+    **_IGNORED_WITHOUT_WAVES,
+    "slack_stiffness_ratio": _NEVER_SLACK,
+    "segments": "this tether has no nodes",
+}
 IGNORED = {  # parameters that a variant ignores, and why
     "dynamic": {},
     "quasi_steady": _IGNORED_WITHOUT_WAVES,
