@@ -20,21 +20,8 @@ from tetherfmu.parameters import Tether
 STEP = 0.02
 BANDS = (-0.01, 0.0, 0.02, 0.1, 0.3, 0.5)
 Case = namedtuple("Case", "slack tether kite_position kite_velocity wind_velocity")
-Result = namedtuple(
-    "Result",
-    [
-        "case",
-        "refusal",
-        "positions",
-        "iterations",
-        "time",
-        "slack",
-        "refused_step",
-        "next_positions",
-        "next_iterations",
-        "next_time",
-    ],
-)
+_FACTS = "case refusal positions iterations time slack refused_step next_positions next_iterations next_time"
+Result = namedtuple("Result", _FACTS)
 Result.__doc__ = """What came of a case: message of the refusal or None, node positions, Newton iterations and time [s] of
 the cold start, whether it has a slack segment; then message, positions, iterations and time of the warm step."""
 

@@ -4,9 +4,9 @@ A shallow line of unstretched length L0 = r c over the chord c under w = 1/2 rho
 
     (r/EA) F^3 + (r - 1) F^2 = (1 - 1/n^2) w^2 c^2/24,     n -> infinity for the line.
 
-It neglects, relative to F, terms of the order of the strain F/EA and of the slack r - 1. Of an inextensible catenary with the
-whole load w L0, sinh(z)/z = r, H = w c/(2 z):  H/F = 1 + z^2/40 + ... = 1 + 0.15 (r - 1). Drag that acts across the bent
-segments only, as the chain has it, changes F by as much the other way.
+It neglects, relative to F, terms of the order of the strain F/EA and of the slack r - 1. Of an inextensible catenary with
+the whole load w L0, sinh(z)/z = r, H = w c/(2 z):  H/F = 1 + z^2/40 + ... = 1 + 0.15 (r - 1). Drag that acts across
+the bent segments only, as the chain has it, changes F by as much the other way.
 Columns of the file: L0 is the unstretched length, L the chord, r = L0/L, forces are means over the segments.
 """
 

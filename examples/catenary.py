@@ -1,0 +1,65 @@
+"""How well does a chain of few segments hang like the exact catenary, and what does it pull at its ends?
+
+The kite stands still at (100, 100, 800) m, on a tether that is 5 % longer than its distance; no wind. TetherCatenary is the
+exact elastic catenary, TetherQuasiSteady a chain of 5 and of 22 segments.
+
+    python examples/catenary.py
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from circular_flight import find_fmu
+from flight_figures import plt
+from still import hold
+
+KITE = (100.0, 100.0, 800.0)
+LENGTH = 1.05 * np.linalg.norm(KITE)
+TETHERS = {
+    "catenary": ("TetherCatenary", 20),
+    "5 segments": ("TetherQuasiSteady", 5),
+    "22 segments": ("TetherQuasiSteady", 22),
+}
+
+
+def compare(files=None):
+    """Dict name -> `Rest` of each tether; `files` maps the name of an FMU to its file, None: those in dist/."""
+    files = files or {file: find_fmu(file) for file, _ in TETHERS.values()}
+    return {
+        name: hold(files[file], [{"segments": segments, "initial_length": LENGTH}], kite=KITE)[0]
+        for name, (file, segments) in TETHERS.items()
+    }
+
+
+def plot(rests):
+    """Side view in the vertical plane through ground station and kite; the lower end enlarged."""
+    figure, panels = plt.subplots(1, 2, figsize=(9.0, 5.5), layout="constrained")
+    for axes in panels:
+        for (name, rest), style in zip(rests.items(), ("ks", "--", "-"), strict=True):
+            distance = np.hypot(rest.shape[:, 0], rest.shape[:, 1])
+            axes.plot(distance, rest.shape[:, 2], style, markersize=4, label=name)
+        axes.set(xlabel="horizontal distance [m]", ylabel="height [m]")
+        axes.grid(alpha=0.4)
+    panels[0].plot([0.0, np.hypot(*KITE[:2])], [0.0, KITE[2]], color="gray", linewidth=0.8, label="chord")
+    panels[0].legend()
+    panels[0].set(title="Tether of a kite that stands still")
+    panels[1].set(title="Its lower end", xlim=(-5.0, 120.0), ylim=(-10.0, 130.0))
+    return figure
+
+
+def main(arguments=None):
+    """Print the end forces, write the figure."""
+    parser = argparse.ArgumentParser(description="The chain against the exact catenary.")
+    parser.add_argument("--out", type=Path, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    given = parser.parse_args(arguments)
+    rests = compare()
+    for name, rest in rests.items():
+        ground, kite = (", ".join(f"{part:.3f}" for part in force) for force in (rest.ground_force, rest.kite_force))
+        print(f"{name}: force on the ground station ({ground}) N, on the kite ({kite}) N")
+    given.out.mkdir(parents=True, exist_ok=True)
+    plot(rests).savefig(given.out / "catenary.png", dpi=150)
+
+
+if __name__ == "__main__":
+    main()
