@@ -32,7 +32,7 @@ SENTENCES = {
     ),
     STATE_NOT_FINITE: "the motion leaves the range of numbers in a step of {step} s; check the inputs and parameters",
     NO_EQUILIBRIUM: (
-        "no shape in equilibrium was found between the given ends; check kite_position, ground_position, wind_velocity "
+        "no equilibrium was found between the given ends; check kite_position, ground_position, wind_velocity "
         "and the length (tether_length {length} m)"
     ),
     FIXED_STEPS_TOO_MANY: (

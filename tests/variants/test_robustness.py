@@ -68,5 +68,6 @@ def test_work_is_bounded(results):
     assert cold.max() <= MOST_ITERATIONS + MOST_CREEPING
     assert warm.max() <= 2 * MOST_ITERATIONS + MOST_CREEPING
     assert np.percentile(cold, 99) <= 200  # about 1 ms
-    assert np.median(cold) <= 6
-    assert np.median(warm) <= 4
+    # iterations with a kept matrix count as well; they cost a third of the others
+    assert np.median(cold) <= 8
+    assert np.median(warm) <= 5
