@@ -29,7 +29,7 @@ from .vectors import add, along, cross, dot, get, norm, put, scale, sub
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
-STALLED = 5.0  # a residual that falls no more is rounding up to this many times the estimate of it
+STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
 FAST_DECREASE = 1e-2  # of the residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
 MOST_CREEPING = 600  # iterations of step 3
