@@ -24,13 +24,13 @@ from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
 from .status import NO_EQUILIBRIUM, OK
-from .vectors import add, along, cross, dot, get, norm, put, scale, sub
+from .vectors import add, along, cross, dot, get, get_matrix, multiply, norm, put, put_matrix, scale, sub
 
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
 STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
-FAST_DECREASE = 1e-2  # of the residual in one iteration: the matrix is kept
+FAST_DECREASE = 1e-4  # of the residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
 MOST_CREEPING = 600  # iterations of step 3
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the resistance changes
@@ -68,33 +68,37 @@ def rigid_velocity(n, spin, stretching, x, v):
 
 
 @kernel
-def node_loads(n, spin, stretching, wind, parameters, x, v, mass, load):
-    """Drag, weight and inertia f of all nodes [N] into `load` (modified); v gets the velocities of the inner nodes."""
+def node_loads(n, spin, stretching, wind, length, tense, parameters, x, v, mass, load):
+    """Drag, weight and inertia f of all nodes [N] into `load` (modified); v gets the velocities of the inner nodes.
+
+    tense : whether the pull of the segments is added, with which `load` becomes the residual.
+    """
     rigid_velocity(n, spin, stretching, x, v)
     ground = get(x, 0)
-    for i in range(n + 1):
-        acceleration = cross(spin, cross(spin, sub(get(x, i), ground)))
-        put(load, i, along((0.0, 0.0, -mass[i] * parameters[at.GRAVITY]), -mass[i], acceleration))
+    gravity = parameters[at.GRAVITY]
+    x_p = ground
+    v_p = get(v, 0)
+    from_below = (0.0, 0.0, 0.0)
     for s in range(n):
-        x_p = get(x, s)
         x_q = get(x, s + 1)
-        length, e = segment.geometry(sub(x_q, x_p))
-        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
-        drag = segment.half_drag(s, n, length, e, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters)
-        put(load, s, add(get(load, s), drag))
-        put(load, s + 1, add(get(load, s + 1), drag))
-
-
-@kernel
-def add_tensions(n, length, parameters, x, force):
-    """Add the springs' pull on the nodes to `force` [N] (modified)."""
-    for s in range(n):
-        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance, rest, s, n, parameters)
-        pull = scale(stiffness * (distance - rest), e)
-        put(force, s, add(get(force, s), pull))
-        put(force, s + 1, sub(get(force, s + 1), pull))
+        v_q = get(v, s + 1)
+        distance, e = segment.geometry(sub(x_q, x_p))
+        middle = 0.5 * (x_p[2] + x_q[2])
+        drag = segment.half_drag(s, n, distance, e, middle, scale(0.5, add(v_p, v_q)), wind, parameters)
+        pull = (0.0, 0.0, 0.0)
+        if tense:
+            rest = chain.rest_length(s, length, parameters)
+            stiffness, _ = segment.stiffness(distance, rest, s, n, parameters)
+            pull = scale(stiffness * (distance - rest), e)
+        acceleration = cross(spin, cross(spin, sub(x_p, ground)))
+        body = scale(-mass[s], (acceleration[0], acceleration[1], acceleration[2] + gravity))
+        put(load, s, add(add(from_below, body), add(drag, pull)))
+        from_below = sub(drag, pull)
+        x_p = x_q
+        v_p = v_q
+    acceleration = cross(spin, cross(spin, sub(x_p, ground)))
+    body = scale(-mass[n], (acceleration[0], acceleration[1], acceleration[2] + gravity))
+    put(load, n, add(from_below, body))
 
 
 @kernel
@@ -103,6 +107,8 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
 
     K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
+    a, b, c = spin
+    motion = (stretching, -c, b, c, stretching, -a, -b, a, stretching)
     for s in range(n):
         record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
         x_p = get(x, s)
@@ -118,8 +124,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
                 record[segment.K + 3 * i + j] = (stiffness - stretch) * e[i] * e[j]
             record[segment.K + 4 * i] += stretch
             record[segment.DIRECTION + i] = e[i]
-            a = get(record[segment.A + 3 * i : segment.A + 3 * i + 3], 0)
-            put(record[segment.A + 3 * i : segment.A + 3 * i + 3], 0, sub(scale(stretching, a), cross(spin, a)))
+        put_matrix(record, segment.A, multiply(get_matrix(record, segment.A), motion))
         record[segment.DAMPER] = 0.0
 
 
@@ -192,8 +197,7 @@ def relax(n, spin, stretching, length, wind, parameters, x, v, tension, resistan
     last = 0.0
     fresh = False
     for iteration in range(most):
-        node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, w.force)
-        add_tensions(n, length, parameters, x, w.force)
+        node_loads(n, spin, stretching, wind, length, True, parameters, x, v, w.mass, w.force)
         square = 0.0
         for k in range(3, 3 * n):
             square += w.force[k] * w.force[k]
@@ -265,7 +269,7 @@ def guess(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     """
     load = w.x_stage
     straighten(n, parameters, x)
-    node_loads(n, spin, stretching, wind, parameters, x, v, w.mass, load)
+    node_loads(n, spin, stretching, wind, length, False, parameters, x, v, w.mass, load)
     total = 0.0
     for i in range(1, n):
         total += norm(get(load, i))
