@@ -35,14 +35,15 @@ def draw(points, path):
         for point in points:
             if (point.scene, point.segments, point.solver, point.tolerance) == (scene, n, OURS, 1e-4):
                 place = (point.error, 1e3 * point.seconds)
-                axis.annotate("default", place, (-9, -5), textcoords="offset points", ha="right", va="top", fontsize=9)
+                axis.annotate("default", place, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
         axis.set_title(TITLES[scene].format(n=n), fontsize=11)
-        axis.set_xlabel("error of the node positions, rms [m]: more exact to the right", fontsize=9)
+        axis.set_xlabel("error of the node positions, rms [m]")
         axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.yaxis.set_major_formatter("{x:g}")
         axis.yaxis.set_minor_formatter(NullFormatter())
         axis.grid(which="major", color="0.9")
         axis.set_axisbelow(True)
+        axis.margins(0.12)
         axis.invert_xaxis()
     axes[0, 0].set_ylabel("time for the run [ms]")
     figure.legend(

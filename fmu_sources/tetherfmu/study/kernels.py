@@ -107,7 +107,7 @@ def kernel_times(folder, segments, steps, repeats):
         flight = Flight(folder, variant, 1, steps)
         jobs[f"{variant} step", 1] = flight.advance
         jobs[f"{variant} outputs", 1] = flight.observe
-    times, counts = interleaved(jobs, repeats)
+    times, counts = interleaved(jobs, repeats, min)
     rows = []
     for (what, n), seconds in times.items():
         calls = steps // 5 if "cold" in what else steps
