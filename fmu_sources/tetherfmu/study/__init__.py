@@ -1,0 +1,1 @@
+"""Studies of the tethers: what they cost. Nothing else imports this package."""
