@@ -41,7 +41,7 @@ Times for an error, between the measured points on logarithmic axes. For the cir
 tolerance 1e-4."""
 ABOUT_MOORDYN = """\
 Circle, wind 8 m/s, 20 segments, per communication step of 20 ms. MoorDyn flies the same tether through water as light
-as air, but takes drag at nodes instead of segments; its forces differ by one or two percent. So no equal error can be
+as air, but takes drag at nodes instead of segments; its forces differ by 1 to 4 percent. So no equal error can be
 told: this is its cost at the largest stable steps, where it is within 0.002 N of its own fine steps."""
 
 

@@ -2,7 +2,7 @@
 
 Its water stands for the air: density 1.225 kg/m3, 50 km deep, the scene far below its surface. Buoyancy is made up for by
 a stronger gravity. Wind: both ends move against it through air at rest, which is the same flight seen from the air. Drag is
-taken at nodes instead of at segments and slack segments have no stiffness, so the forces differ by one or two percent: an
+taken at nodes instead of at segments and slack segments have no stiffness, so the forces differ by 1 to 4 percent: an
 error against our reference would compare the models. What is compared is the cost at the largest step that is stable.
 """
 
