@@ -36,11 +36,11 @@ def node_masses(n, length, parameters, mass):
 
 
 @kernel
-def node_forces(n, x, v, length, reeling, wind, mass, parameters, force):
+def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, force):
     """Forces of tension, drag and weight on all nodes [N] into `force` (modified).
 
-    Positions x [m], velocities v [m/s], unstretched length of the tether [m] and its rate [m/s], wind at the
-    reference height [m/s] as a tuple, node masses [kg].
+    Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], unstretched
+    length of the tether [m] and its rate [m/s], wind at the reference height [m/s] as a tuple, node masses [kg].
     """
     gravity = parameters[at.GRAVITY]
     from_below = (0.0, 0.0, 0.0)
@@ -51,7 +51,7 @@ def node_forces(n, x, v, length, reeling, wind, mass, parameters, force):
         v_q = get(v, s + 1)
         rest = rest_length(s, length, parameters)
         rest_rate = rest_length(s, reeling, parameters)
-        pull, drag, _, _ = segment.forces(s, n, x_p, x_q, v_p, v_q, rest, rest_rate, wind, parameters)
+        pull, drag, _, _ = segment.forces(s, n, branches[s], x_p, x_q, v_p, v_q, rest, rest_rate, wind, parameters)
         total = add(add(from_below, pull), drag)
         put(force, s, (total[0], total[1], total[2] - mass[s] * gravity))
         from_below = sub(drag, pull)
@@ -72,7 +72,7 @@ def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     rest = rest_length(s, length, parameters)
     rest_rate = rest_length(s, reeling, parameters)
     pull, drag, tension, _ = segment.forces(
-        s, n, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
     )
     if kite_end:
         pull = scale(-1.0, pull)

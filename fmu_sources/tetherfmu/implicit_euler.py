@@ -9,7 +9,7 @@ section IV.9.
 
 from math import ceil
 
-from . import chain
+from . import chain, segment
 from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
@@ -25,7 +25,9 @@ def step(n, drive, time, h, x, v, parameters, w):
     length = drive.length + drive.reeling * time
     chain.node_masses(n, length, parameters, w.mass)
     chain.linearize(n, x, v, length, drive.reeling, drive.wind, parameters, w.records, w.force_rate)
-    chain.node_forces(n, x, v, length, drive.reeling, drive.wind, w.mass, parameters, w.b)
+    for s in range(n):
+        w.branches[s] = segment.BY_LENGTH
+    chain.node_forces(n, w.branches, x, v, length, drive.reeling, drive.wind, w.mass, parameters, w.b)
     put(w.b, n, add(get(w.b, n), drive.load))
     chain.assemble(n, 1.0 / h, 1.0, h, w.mass, w.records, w.diagonal, w.lower, w.upper)
     if not factorize(drive.first, drive.last, w.diagonal, w.lower, w.upper):

@@ -116,4 +116,11 @@ def outputs_size(shape_points):
 def work_size(segments):
     """Length of the `work` array [-] of a tether with so many segments."""
     nodes = segments + 1
-    return STATE_HEADER + (2 + NODE_ARRAYS) * 3 * nodes + BLOCK_ARRAYS * 9 * nodes + SEGMENT_RECORD * segments + nodes
+    return (
+        STATE_HEADER
+        + (2 + NODE_ARRAYS) * 3 * nodes
+        + BLOCK_ARRAYS * 9 * nodes
+        + SEGMENT_RECORD * segments
+        + nodes
+        + segments
+    )

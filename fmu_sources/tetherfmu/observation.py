@@ -53,7 +53,7 @@ def survey(n, parameters, state, x, v, outputs):
         rest = chain.rest_length(s, state[at.LENGTH], parameters)
         rest_rate = chain.rest_length(s, state[at.REELING], parameters)
         _, _, tension, length = segment.forces(
-            s, n, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+            s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
         )
         largest = max(largest, tension)
         if length < rest:

@@ -12,19 +12,23 @@ For the chain y = (x, v), f = (v, F/m). With d = h gamma and q = U_v + r_x the p
     (M/d - B - d K) q = M r_v + M r_x/d - B r_x,   U_x = d q,   U_v = q - r_x
 
 where r_x, r_v are the right-hand sides above: one block tridiagonal system with 3x3 blocks per stage.
+
+Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
+smooth equations; a step that goes too far beyond the kink is rejected (`kink_error`). At equal work this is 5 to 40 times
+more exact than stages that see the kink (docs/theory.md, "Rosenbrock step").
 """
 
 from math import ceil, inf, sqrt
 
 import numpy as np
 
-from . import chain
+from . import chain, segment
 from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
 from .end_motion import acceleration_at, velocity_at
 from .status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
-from .vectors import add, along, dot, get, put, scale
+from .vectors import add, along, dot, get, norm, put, scale, sub
 from .workspace import place_ends
 
 GAMMA = 0.25
@@ -52,6 +56,7 @@ ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))
 
 SAFETY = 0.9
+KINK = 0.05  # measured: larger values cost rejections and gain nothing
 LARGEST_GROWTH = 5.0
 STRONGEST_CUT = 0.2
 SMALLEST_STEP = 1e-10  # part of the communication step
@@ -61,7 +66,7 @@ SMALLEST_STEP = 1e-10  # part of the communication step
 def prepare(n, drive, time, h, x, v, parameters, w):
     """Matrix of the step, factorized, and the explicit time derivative of M v' [N/s]; False if it is singular.
 
-    Modifies w.mass, w.records, w.force_rate and the block arrays.
+    Modifies w.mass, w.branches, w.records, w.force_rate and the block arrays.
     """
     length = drive.length + drive.reeling * time
     chain.node_masses(n, length, parameters, w.mass)
@@ -74,6 +79,9 @@ def prepare(n, drive, time, h, x, v, parameters, w):
         chain.add_end_motion(
             n, True, velocity_at(drive.kite, time), acceleration_at(drive.kite, time), w.records, w.force_rate
         )
+    for s in range(n):
+        stretched = norm(sub(get(x, s + 1), get(x, s))) > chain.rest_length(s, length, parameters)
+        w.branches[s] = segment.TAUT if stretched else segment.SLACK
     d = GAMMA * h
     chain.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.diagonal, w.lower, w.upper)
     return factorize(drive.first, drive.last, w.diagonal, w.lower, w.upper)
@@ -84,12 +92,12 @@ def stage_force(n, drive, time, parameters, w):
     """Forces at a stage, times the mass of the start over the mass of now, into w.b (modified)."""
     length = drive.length + drive.reeling * time
     if drive.reeling == 0.0:
-        chain.node_forces(n, w.x_stage, w.v_stage, length, 0.0, drive.wind, w.mass, parameters, w.b)
+        chain.node_forces(n, w.branches, w.x_stage, w.v_stage, length, 0.0, drive.wind, w.mass, parameters, w.b)
         put(w.b, n, add(get(w.b, n), drive.load))
         return
     mass = w.force  # free here: only n + 1 of its places are used
     chain.node_masses(n, length, parameters, mass)
-    chain.node_forces(n, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, mass, parameters, w.b)
+    chain.node_forces(n, w.branches, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, mass, parameters, w.b)
     put(w.b, n, add(get(w.b, n), drive.load))
     for i in range(n + 1):
         ratio = w.mass[i] / mass[i]
@@ -199,6 +207,25 @@ def error_norm(n, drive, position_scale, velocity_scale, w):
 
 
 @kernel
+def kink_error(n, drive, length, h, parameters, w):
+    """Estimate of the velocity error [m/s] of a step of h [s] in which segments went over the kink at l = l0.
+
+    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part KINK of the step;
+    `length` is the unstretched length of the tether [m] at its end.
+    """
+    worst = 0.0
+    for s in range(n):
+        rest = chain.rest_length(s, length, parameters)
+        over = norm(sub(get(w.x_stage, s + 1), get(w.x_stage, s))) - rest
+        if over * w.branches[s] < 0.0:
+            taut, _ = segment.stiffness(True, rest, s, n, parameters)
+            slack, _ = segment.stiffness(False, rest, s, n, parameters)
+            mass = min(w.mass[s] if s >= drive.first else inf, w.mass[s + 1] if s + 1 <= drive.last else inf)
+            worst = max(worst, KINK * h * (taut - slack) * abs(over) / mass)
+    return worst
+
+
+@kernel
 def allowed_errors(n, drive, v, parameters):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
@@ -251,6 +278,10 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
         error = inf
         if step(n, drive, time, h_now, x, v, parameters, w):
             error = error_norm(n, drive, position_scale, velocity_scale, w)
+            length = drive.length + drive.reeling * (time + h_now)
+            kink = kink_error(n, drive, length, h_now, parameters, w) / velocity_scale
+            if kink > 1.0:
+                error = max(error, kink * kink)  # it falls with h^2, the other estimate with h^4
         if error <= 1.0:
             time = time + h_now if left > 1.0 else duration
             for k in range(3 * (n + 1)):

@@ -35,6 +35,8 @@ HEIGHT = 27  # a: change of the half drag with the height of the segment, throug
 DIRECTION = 30  # e
 DAMPER = 33  # c
 
+TAUT, SLACK, BY_LENGTH = 1.0, -1.0, 0.0  # which stiffness a segment has
+
 SHORTEST = 1e-9  # floor of |r| [m]: coincident nodes have no direction
 STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exists in still air
 
@@ -47,11 +49,11 @@ def geometry(r):
 
 
 @kernel
-def stiffness(length, rest_length, segment, n, parameters):
-    """Stiffness k [N/m] and damping c [N s/m] of a segment of this length [m] and unstretched length [m]."""
+def stiffness(taut, rest_length, segment, n, parameters):
+    """Stiffness k [N/m] and damping c [N s/m] of a taut or a slack segment of this unstretched length [m]."""
     k = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + segment] / rest_length
     c = parameters[at.PARAMETER_SCALARS + at.DAMPING * n + segment] / rest_length
-    if length > rest_length:
+    if taut:
         return k, c
     return parameters[at.SLACK_STIFFNESS_RATIO] * k, parameters[at.SLACK_DAMPING_RATIO] * c
 
@@ -93,10 +95,14 @@ def half_drag(segment, n, length, e, height, velocity, wind, parameters):
 
 
 @kernel
-def forces(segment, n, x_p, x_q, v_p, v_q, rest_length, rest_rate, wind, parameters):
-    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment."""
+def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, rest_rate, wind, parameters):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment.
+
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.
+    """
     length, e = geometry(sub(x_q, x_p))
-    k, c = stiffness(length, rest_length, segment, n, parameters)
+    taut = length > rest_length if branch == BY_LENGTH else branch > 0.0
+    k, c = stiffness(taut, rest_length, segment, n, parameters)
     pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, rest_rate, k, c, parameters)
     height = 0.5 * (x_p[2] + x_q[2])
     drag = half_drag(segment, n, length, e, height, scale(0.5, add(v_p, v_q)), wind, parameters)
@@ -110,7 +116,7 @@ def linearize_tension(segment, n, r, u, rest_length, rest_rate, parameters, reco
     Vector r [m] between the nodes and its rate u [m/s], unstretched length [m] and its rate [m/s].
     """
     length, e = geometry(r)
-    k, c = stiffness(length, rest_length, segment, n, parameters)
+    k, c = stiffness(length > rest_length, rest_length, segment, n, parameters)
     length_rate = dot(e, u)
     stretch = tension(length, length_rate, rest_length, rest_rate, k, c, parameters) / length
     strain_rate = 0.0

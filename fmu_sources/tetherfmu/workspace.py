@@ -9,13 +9,14 @@ from .vectors import put
 
 Workspace = namedtuple(
     "Workspace",
-    "trial y_stage x_stage v_stage right rx rv force force_rate b stages diagonal lower upper records mass",
+    "trial y_stage x_stage v_stage right rx rv force force_rate b stages diagonal lower upper records mass branches",
 )
 Workspace.__doc__ = """Scratch arrays of the kernels.
 
 trial : a whole state.  y_stage : 6 (n + 1), positions x_stage and velocities v_stage of a stage.  right : 6 (n + 1), its
 right-hand sides rx and rv.  force, force_rate, b : 3 (n + 1).  stages : `layout.STAGES` times 6 (n + 1).
-diagonal, lower, upper : 9 (n + 1).  records : n derivative records of `segment.py`.  mass : n + 1.
+diagonal, lower, upper : 9 (n + 1).  records : n derivative records of `segment.py`.  mass : n + 1.  branches : n, which
+stiffness each segment has, see `segment.TAUT`.
 """
 
 Drive = namedtuple("Drive", "ground kite first last length reeling wind load")
@@ -62,6 +63,7 @@ def workspace(n, work):
         work[d + 2 * blocks : e],
         work[e:f],
         work[f : f + n + 1],
+        work[f + n + 1 : f + 2 * n + 1],
     )
 
 

@@ -16,7 +16,9 @@ def forces(problem, x, v, length):
     out = np.zeros_like(x)
     mass = np.zeros(problem.n + 1)
     chain.node_masses(problem.n, length, problem.parameters, mass)
-    chain.node_forces(problem.n, x, v, length, problem.drive.reeling, problem.wind, mass, problem.parameters, out)
+    chain.node_forces(
+        problem.n, np.zeros(problem.n), x, v, length, problem.drive.reeling, problem.wind, mass, problem.parameters, out
+    )
     return out
 
 

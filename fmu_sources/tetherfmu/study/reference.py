@@ -16,7 +16,7 @@ TOLERANCE = 1e-11
 def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
     """Node accelerations [m/s2] into `force` (modified); `mass` is modified."""
     chain.node_masses(n, length, parameters, mass)
-    chain.node_forces(n, x, v, length, reeling, wind, mass, parameters, force)
+    chain.node_forces(n, np.zeros(n), x, v, length, reeling, wind, mass, parameters, force)
     for i in range(n + 1):
         for j in range(3 * i, 3 * i + 3):
             force[j] /= mass[i]
