@@ -20,7 +20,7 @@ from . import __version__, interface, status
 from . import layout as at
 from .library import load
 from .model_description import complete
-from .parameters import DEFAULT_TOLERANCE, effective, pack
+from .parameters import DEFAULT_TOLERANCE, LOOSEST_TOLERANCE, effective, pack
 from .quantities import checked
 
 OPTIONS_FILE = "options.json"
@@ -101,9 +101,16 @@ class TetherSlave(Fmi2Slave):
     # --- life cycle
 
     def setup_experiment(self, start_time, stop_time, tolerance):
-        """Remember the importer's tolerance, if it gives a sensible one."""
-        if tolerance is not None and 0.0 < tolerance <= 0.1:
+        """Remember the importer's tolerance; one that the solver cannot use is left out with a warning."""
+        if tolerance is None:
+            return
+        if 0.0 < tolerance <= LOOSEST_TOLERANCE:
             self._importer_tolerance = tolerance
+        else:
+            self._say(
+                f"the importer's tolerance {tolerance} is not used; allowed is up to {LOOSEST_TOLERANCE}",
+                Fmi2Status.warning,
+            )
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""

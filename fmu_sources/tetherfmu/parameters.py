@@ -10,6 +10,8 @@ from math import pi
 from . import layout as at
 from .quantities import check, quantity
 
+DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
+
 
 @dataclass(frozen=True)
 class Tether:
@@ -87,7 +89,7 @@ class Solver:
         "",
         "of the internal solver; 0: the importer's tolerance where it passes one, else 1e-4",
         minimum=0.0,
-        maximum=0.1,
+        maximum=LOOSEST_TOLERANCE,
     )
     fixed_step: float = quantity(
         0.0, "s", "0: adaptive; greater: the solver takes exactly these internal steps (real time)", minimum=0.0, maximum=1e3
@@ -103,7 +105,6 @@ class Solver:
         check(self)
 
 
-DEFAULT_TOLERANCE = 1e-4
 VARIANTS_WITHOUT_NODES = ("catenary", "straight")
 VARIANTS_WITHOUT_DAMPING = ("quasi_steady", "catenary", "straight")
 
