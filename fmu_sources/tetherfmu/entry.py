@@ -1,7 +1,7 @@
 """The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
 
 Each variant has three: initialize, advance, observe. Layout of the arrays: `layout.py`; return values: `status.py`. They are
-the functions that are compiled ahead of time.
+the functions that are compiled ahead of time, so each is written out: one that came from a factory could not be cached.
 """
 
 from numba import carray, types

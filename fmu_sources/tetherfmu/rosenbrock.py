@@ -14,8 +14,7 @@ For the chain y = (x, v), f = (v, F/m). With d = h gamma and q = U_v + r_x the p
 where r_x, r_v are the right-hand sides above: one block tridiagonal system with 3x3 blocks per stage.
 
 Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
-smooth equations; a step that goes too far beyond the kink is rejected (`kink_error`). At equal work this is 5 to 40 times
-more exact than stages that see the kink (docs/theory.md, "Rosenbrock step").
+smooth equations; a step that goes too far beyond the kink is rejected (`kink_error`). See docs/theory.md, "Rosenbrock step".
 """
 
 from math import ceil, inf, sqrt
