@@ -29,16 +29,13 @@ from flight_figures import plot_first_shape, plot_forces, plot_shapes
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from tetherfmu.build import SLAVES
-
 ROOT = Path(__file__).resolve().parent.parent
-FILES = {
+TETHERS = {
     "dynamic": "TetherDynamic",
     "quasi-steady": "TetherQuasiSteady",
     "catenary": "TetherCatenary",
     "straight": "TetherStraight",
 }
-TETHERS = {name: file for name, file in FILES.items() if file in SLAVES}
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])

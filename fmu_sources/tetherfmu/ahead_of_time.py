@@ -79,7 +79,7 @@ def intermediate_code(variant):
     ir = {}
     for verb in VERBS:
         name = f"{variant}_{verb}"
-        function = compile_entry_point(getattr(entry, name), cache=False)
+        function = compile_entry_point(getattr(entry, name), on_disk=False)
         ir[name] = (function._library.get_llvm_str(), function._wrapper_name)
     return ir
 

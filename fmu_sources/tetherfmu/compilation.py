@@ -9,6 +9,7 @@ Kernels are compiled into the entry points (`entry.py`), and only those are cach
 
 import hashlib
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 from numba import cfunc, config, njit
@@ -26,6 +27,7 @@ def view(function):
     return njit(error_model="numpy", forceinline=True)(function)
 
 
+@cache
 def source_digest():
     """Hash of all sources of the package: 12 hexadecimal digits."""
     digest = hashlib.sha256()
@@ -45,7 +47,7 @@ def _cache_of_these_sources():
         config.CACHE_DIR = users_choice
 
 
-def compile_entry_point(function, cache=True):
-    """Compile a function of `entry.py` to a numba.CFunc, or load it from the cache."""
+def compile_entry_point(function, on_disk=True):
+    """Compile a function of `entry.py` to a numba.CFunc, or load it from the cache, if `on_disk`."""
     with _cache_of_these_sources():
-        return cfunc(function.signature, error_model="numpy", cache=cache)(function)
+        return cfunc(function.signature, error_model="numpy", cache=on_disk)(function)

@@ -20,7 +20,7 @@ from .compilation import kernel
 from .end_motion import curve
 from .observation import observe_chain
 from .status import OK
-from .vectors import get, put, scale, sub
+from .vectors import get, put, scale
 from .workspace import Drive, place_ends, workspace
 
 
@@ -43,7 +43,7 @@ def initialize(n, parameters, inputs, state, work):
     spin = (0.0, 0.0, 0.0)
     stretching = 0.0
     if parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
-        spin, stretching = equilibrium.rigid_motion(sub(get(x, n), get(x, 0)), sub(kite_velocity, ground_velocity))
+        spin, stretching = equilibrium.rigid_motion(n, x, v)
     else:
         put(v, 0, spin)
         put(v, n, spin)

@@ -49,11 +49,14 @@ def straighten(n, parameters, x):
 
 
 @kernel
-def rigid_motion(r, u):
+def rigid_motion(n, x, v):
     """Angular velocity [rad/s] and rate of stretch [1/s] of a body about the ground end that carries the kite.
 
-    omega = r x u/|r|^2, s = r . u/|r|^2 with the vector r [m] from the ground end to the kite and its rate u [m/s].
+    omega = r x u/|r|^2, s = r . u/|r|^2 with the vector r from the ground end to the kite and its rate u, from the ends that
+    x [m] and v [m/s] hold.
     """
+    r = sub(get(x, n), get(x, 0))
+    u = sub(get(v, n), get(v, 0))
     square = max(dot(r, r), segment.SHORTEST**2)
     return scale(1.0 / square, cross(r, u)), dot(r, u) / square
 

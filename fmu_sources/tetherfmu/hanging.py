@@ -108,17 +108,16 @@ def march(n, first_tension, eps, length, load, parameters, x, tension):
 def hang(n, first_tension, length, load, parameters, x, tension):
     """Shape of the chain under given node loads, from a guess of its first tension vector [N].
 
-    The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given. Returns the
-    first tension vector [N] and the number of Newton iterations.
+    The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given.
     """
     ground = get(x, 0)
     chord = sub(get(x, n), ground)
     eps = rounding_tension(n, load)
     t = first_tension
     value, gap, hessian = energy(n, t, eps, chord, length, load, parameters)
-    iterations = 0
-    while iterations < MOST_ITERATIONS and norm(gap) > CLOSED * length:
-        iterations += 1
+    for _ in range(MOST_ITERATIONS):
+        if norm(gap) <= CLOSED * length:
+            break
         change = solve_symmetric(hessian, scale(-1.0, gap))
         part = 1.0
         for _ in range(MOST_HALVINGS):
@@ -132,4 +131,3 @@ def hang(n, first_tension, length, load, parameters, x, tension):
         t = trial
         value = then
     march(n, t, eps, length, load, parameters, x, tension)
-    return t, iterations

@@ -99,10 +99,15 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
+        before = self.get_state()
         result = self._kernels.initialize(
             self.segments, _address(self._parameters), _address(self._inputs), _address(self._state), _address(self._work)
         )
-        self._raise_unless_ok(result, 0.0)
+        try:
+            self._raise_unless_ok(result, 0.0)
+        except StepRefused:
+            self.set_state(before)
+            raise
         return self.outputs()
 
     def step(

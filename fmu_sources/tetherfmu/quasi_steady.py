@@ -25,19 +25,13 @@ from .workspace import workspace
 
 
 @kernel
-def rigid_motion_of(n, x, v):
-    """Angular velocity [rad/s] and rate of stretch [1/s] that carry the ends; see `equilibrium.rigid_motion`."""
-    return equilibrium.rigid_motion(sub(get(x, n), get(x, 0)), sub(get(v, n), get(v, 0)))
-
-
-@kernel
 def settle(n, parameters, state, warm, w):
     """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
 
     warm : whether the inner nodes and the tensions in w.rx are close to it.
     """
     x, v = positions_and_velocities(n, state)
-    spin, stretching = rigid_motion_of(n, x, v)
+    spin, stretching = equilibrium.rigid_motion(n, x, v)
     wind = vector(state, at.WIND)
     length = state[at.LENGTH]
     if warm:
@@ -97,6 +91,6 @@ def observe(n, parameters, state, shape_points, outputs, work):
     w = workspace(n, work)
     copy(state, w.trial)
     x, v = positions_and_velocities(n, w.trial)
-    spin, stretching = rigid_motion_of(n, x, v)
+    spin, stretching = equilibrium.rigid_motion(n, x, v)
     equilibrium.rigid_velocity(n, spin, stretching, x, v)
     observe_chain(n, parameters, w.trial, shape_points, outputs, w.mass)

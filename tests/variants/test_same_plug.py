@@ -181,3 +181,17 @@ def test_environment_is_not_ignored():
         plain = script(model(TAUT), 1)[-1]
         for change in ({"air_density": 1.0}, {"air_density_scale_height": 8550.0}, {"gravity": 9.0}, {"wind_profile": 2}):
             assert not same(script(model(TAUT, Environment(**change)), 1)[-1], plain), (variant, change)
+
+
+def test_refused_initialization_keeps_the_state():
+    """A tether that runs goes on after an initialization that cannot be done."""
+    tether = models.TetherDynamic()
+    tether.initialize()
+    tether.step(0.02)
+    state = tether.get_state()
+    with pytest.raises(models.StepRefused):
+        tether.initialize(kite_position=(np.nan, 0.0, 400.0))
+    with pytest.raises(models.StepRefused):
+        tether.initialize(kite_position=(1e200, 0.0, 0.0))
+    np.testing.assert_array_equal(tether.get_state(), state)
+    tether.step(0.02)
