@@ -38,7 +38,7 @@ _PHASES = ("before the initialization", "in initialization mode", "after the ini
 
 
 def hold_globals(module_globals):
-    """Keep the globals of a slave script alive: PythonFMU gives one of their references away per instance."""
+    """Keep the globals of the launcher script alive: PythonFMU gives one of their references away per instance."""
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(module_globals))
 
 
