@@ -226,6 +226,7 @@ class TetherModel:
         if result == status.OK:
             self._before[:] = self._state
             return self._collected()
+        length = self._state[at.LENGTH]  # a refused initialization has set it too
         self._state[:] = self._before
         place = status.index(result)
         raise StepRefused(
@@ -235,7 +236,7 @@ class TetherModel:
                 value=self._inputs[place],
                 step=step,
                 reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
-                length=self._state[at.LENGTH],
+                length=length,
                 relative_tolerance=self._tolerance,
                 fixed_step=self._solver.fixed_step,
                 budget=at.WORK_BUDGET // self.segments,
