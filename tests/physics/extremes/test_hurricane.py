@@ -1,4 +1,5 @@
-"""A slack line at rest is hit by a hurricane at once: it streams out, snaps taut downwind, and comes to rest in the equilibrium.
+"""A slack line at rest is hit by a hurricane at once: it streams out, snaps taut downwind, and comes to rest in the
+equilibrium.
 
     1/2 rho cd d l |w| w of each segment, some 100 times its weight at 80 m/s; sum of the end forces = weight + drag
 

@@ -1,8 +1,8 @@
 """Very many communication steps: nothing grows, nothing drifts, and a late revolution is an early one again.
 
-A kite on a circle in steady wind is a periodic load; after the start has died out the forces repeat. What accumulates in a state
-over the steps (counters, and rounding of the unstretched length while it reels to and fro) stays what it is by counting.
-1e7 steps: `python tests/benchmarks/extremes.py --long`.
+A kite on a circle in steady wind is a periodic load; after the start has died out the forces repeat. What accumulates in
+a state over the steps (counters, and rounding of the unstretched length while it reels to and fro) stays what it is by
+counting. 1e7 steps: `python tests/benchmarks/extremes.py --long`.
 """
 
 import numpy as np
@@ -34,7 +34,7 @@ def revolutions(count, fixed_step=0.0, every=10):
 
 def drift(count, fixed_step=0.0):
     """Largest difference of the last revolution's forces from the third's, over the largest force; and the model."""
-    for number, (forces, model) in enumerate(revolutions(count, fixed_step), start=1):
+    for number, (forces, model) in enumerate(revolutions(count, fixed_step), start=1):  # noqa: B007 (the last one)
         if number == 3:
             early = forces
     return np.abs(forces - early).max() / np.abs(early).max(), model

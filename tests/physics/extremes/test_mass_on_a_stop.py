@@ -2,8 +2,8 @@
 
     peak force = M g + sqrt((M g)^2 + 2 M g h k),   k = EA/L,      plus the weight of the tether at the upper end
 
-Source: S. Timoshenko, Strength of Materials, "Impact". The tether's inertia is left out: its mass m takes the part m/(3 M) of
-the kinetic energy, and its waves add the snap load Z sqrt(2 g h) of `test_snap_load.py`.
+Source: S. Timoshenko, Strength of Materials, "Impact". The tether's inertia is left out: its mass m takes the part m/(3
+M) of the kinetic energy, and its waves add the snap load Z sqrt(2 g h) of `test_snap_load.py`.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Reeling in to the shortest tether there is, 1 cm per segment, and out again: the motion ends where it began.
 
-A kite hovers near the winch. The winch shortens the tether to n * 0.01 m, then pays it out again. What was a loop is a loop
-again: the static equilibrium of the first length. Momentum of what is pulled in at the speed u needs the force mu u^2, so the
-tension stays at some newtons, with a spring of EA/l0 = 6e7 N/m. Shorter is refused (`test_reel_out.py`).
+A kite hovers near the winch. The winch shortens the tether to n * 0.01 m, then pays it out again. What was a loop is a
+loop again: the static equilibrium of the first length. Momentum of what is pulled in at the speed u needs the force mu
+u^2, so the tension stays at some newtons, with a spring of EA/l0 = 6e7 N/m. Shorter is refused (`test_reel_out.py`).
 
 Thick drag brings the tether to rest within seconds. Energy: trapezoidal rule over communication steps, order 2.
 """
@@ -66,8 +66,8 @@ def test_no_energy_is_left_over():
     for step in (0.002, 0.001):
         _, _, result = in_and_out(5, 5.0, 1.0, step)
         left.append(result.residual[-1] / result.turnover)
-    # held reeling speeds jump between steps and the damper, 5e4 N s/m, with them, for microseconds: the trapezoidal rule makes
-    # half a step of it. It comes in with the one sign and goes out with the other; what is left falls with the step squared
+    # held reeling speeds jump between steps and the damper, 5e4 N s/m, with them, for microseconds: the trapezoidal rule
+    # makes half a step of it. It comes in with the one sign and goes out with the other; the rest is of second order
     assert left[0] / left[1] > 2.5
     assert abs(left[1]) < 0.1
 

@@ -3,8 +3,8 @@
     no damping:     at L/c all of the elastic energy EA eps^2 L/2 is kinetic
     damping:        way of the end  eps c tau ((y - 1/2) erf(sqrt y) + sqrt(y/pi) exp(-y)),  y = t/tau, tau = D/EA
 
-the second from the transform eps c/(s^2 sqrt(1 + s tau)) of a semi-infinite Kelvin-Voigt rod. Source of eps c: K. F. Graff, Wave
-Motion in Elastic Solids, 2.1.
+the second from the transform eps c/(s^2 sqrt(1 + s tau)) of a semi-infinite Kelvin-Voigt rod. Source of eps c: K. F.
+Graff, Wave Motion in Elastic Solids, 2.1.
 """
 
 import numpy as np

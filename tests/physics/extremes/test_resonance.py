@@ -2,9 +2,10 @@
 
 axial, kite end moved by A sin(omega t), with damping, after the start has died out: complex amplitudes u_i of the nodes
 
-    -omega^2 m u_i = k (1 + i omega tau) (u_(i-1) - 2 u_i + u_(i+1)),  u_0 = 0, u_n = A,     ground tension k (1 + i omega tau) u_1
+    -omega^2 m u_i = k (1 + i omega tau) (u_(i-1) - 2 u_i + u_(i+1)),  u_0 = 0, u_n = A
+    ground tension k (1 + i omega tau) u_1,  tau = D/EA
 
-    continuum: ground tension EA (1 + i omega tau) kappa/sin(kappa L) A,  kappa^2 = mu omega^2/(EA (1 + i omega tau)), tau = D/EA
+    continuum: ground tension EA (1 + i omega tau) kappa/sin(kappa L) A,  kappa^2 = mu omega^2/(EA (1 + i omega tau))
 
 transverse, without damping (string of tension T, segment length l, spring T/l): amplitude q of the first mode
 
@@ -12,7 +13,8 @@ transverse, without damping (string of tension T, segment length l, spring T/l):
     at omega = omega_1   q = f/(2 omega^2) (sin omega t - omega t cos omega t)                      grows without end
     elsewhere            q = f/(omega_1^2 - omega^2) (sin omega t - omega/omega_1 sin omega_1 t)    beats
 
-Frequencies of free vibrations: `test_vibration.py`. Source: L. Meirovitch, Analytical Methods in Vibrations, chapters 4 and 5.
+Frequencies of free vibrations: `test_vibration.py`. Source: L. Meirovitch, Analytical Methods in Vibrations, chapters 4
+and 5.
 """
 
 import numpy as np
@@ -82,9 +84,9 @@ def rod_response(omega):
 def test_axial_resonance_of_the_chain(part):
     omega = part * first_axial(10)
     found, residual = measured_response(10, omega)
-    # an end led by inputs at 100 per period lags by omega h^2.. of order (2 pi/100)^2/2 = 0.2 %
-    assert found == pytest.approx(chain_response(10, omega), rel=3e-3)
-    assert residual < 5e-3  # trapezoidal rule with 100 steps per period, over 25 periods
+    # an end led by inputs at 100 per period is off by (2 pi/100)^3 5/12 = 1e-4
+    assert found == pytest.approx(chain_response(10, omega), rel=3e-4)
+    assert residual < 5e-4  # trapezoidal rule with 100 steps per period, over 25 periods
 
 
 @pytest.mark.parametrize("n", [20, 40])
@@ -93,7 +95,7 @@ def test_axial_resonance_of_the_continuum(n):
     found, _ = measured_response(n, omega)
     b = np.pi / (2 * n)
     # the chain's eigenfrequency is b^2/6 lower; at resonance that turns the response by b^2/6 over zeta = omega tau/2 = 0.1
-    assert found == pytest.approx(rod_response(omega), rel=b**2 / 6.0 / (0.5 * omega * TAU) + 3e-3)
+    assert found == pytest.approx(rod_response(omega), rel=1.2 * b**2 / 6.0 / (0.5 * omega * TAU))
     assert abs(found) > 4.0 * EA / LENGTH  # far above the static stiffness
 
 
@@ -113,6 +115,6 @@ def test_transverse_resonance(part):
         expected = force / (first**2 - omega**2) * (np.sin(omega * t) - part * np.sin(first * t))
     mode = np.sin(np.pi * np.arange(n + 1) / n)
     found = 2.0 / n * positions[:, 1:-1, 1] @ mode[1:-1]
-    # path of the end 0.2 % (above), at rest in the initial state while the end moves: one step of 600 in phase
-    np.testing.assert_allclose(found, expected, rtol=0, atol=5e-3 * np.abs(expected).max())
-    assert np.abs(result.residual).max() < 1e-2 * result.turnover  # as above
+    # path of the end as above; the first velocity input has no predecessor
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-3 * np.abs(expected).max())
+    assert np.abs(result.residual).max() < 5e-3 * result.turnover  # trapezoidal rule, as above

@@ -1,6 +1,6 @@
 """Snap load: an end that pulls away from a taut line at the speed v feels Z v, Z = sqrt(EA mu), at once: EA v/c with the
-wave speed c = sqrt(EA/mu). A held far end reflects the wave and feels 2 Z v. With damping (a Kelvin-Voigt rod, tau = D/EA) the
-end of a semi-infinite rod whose speed rises linearly within r feels
+wave speed c = sqrt(EA/mu). A held far end reflects the wave and feels 2 Z v. With damping (a Kelvin-Voigt rod, tau =
+D/EA) the end of a semi-infinite rod whose speed rises linearly within r feels
 
     T = Z v (R(t) - R(t - r))/r,    R(t) = tau ((y + 1/2) erf(sqrt y) + sqrt(y/pi) exp(-y)),   y = max(t, 0)/tau
 

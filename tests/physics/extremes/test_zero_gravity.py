@@ -8,7 +8,7 @@ Between held ends: the tension EA (c/L - 1) of its chord c, or no load at all.
 import numpy as np
 import pytest
 
-from audited import VOID, held, run
+from audited import VOID, run
 from mechanics import node_masses
 from tetherfmu import layout as at
 from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
