@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from mechanics import energy as energy_of_chain
+from mechanics import line_density
 from tetherfmu import chain, segment
 from tetherfmu import layout as at
 from tetherfmu.energy import EnergyAudit
@@ -133,6 +134,21 @@ def test_damping_loss_while_reeling(law):
     rate = 1.0 - 1.001 * 2.0
     expected = 473.0 / 50.0 * rate * {1: rate, 2: 1.0}[law]
     assert model.energy().damping_loss == pytest.approx(expected, rel=1e-9)  # rounding
+
+
+@pytest.mark.parametrize("reel_out_speed", [8.0, -8.0])
+def test_winches_and_material_make_a_drum(reel_out_speed):
+    """A tether straight up from its drum: winch_power + material_power = -T_ground dL/dt, though neither alone is that."""
+    tether = Tether(segments=50, initial_length=500.0, axial_damping=0.0)
+    model = TetherDynamic(tether)
+    out = model.initialize((0.0, 0.0, 500.3))
+    now = model.energy(reel_out_speed=reel_out_speed)
+    drum = -out.ground_force[2] * reel_out_speed
+    # strains of 6e-4 are left out of the formula
+    assert now.winch_power + now.material_power == pytest.approx(drum, rel=2e-3)
+    lifted = 0.5 * line_density(tether) * 9.81 * 500.0 * reel_out_speed
+    assert now.material_power == pytest.approx(lifted, rel=0.01)  # and it brings elastic energy, 1 W
+    assert abs(lifted) > 0.05 * abs(drum)
 
 
 def test_steady_circle_of_the_quasi_steady_tether():

@@ -9,7 +9,6 @@ did so until x = 0.97 L.
 """
 
 import numpy as np
-import pytest
 
 from audited import run
 from tetherfmu.models import TetherDynamic
@@ -41,9 +40,8 @@ def let_go(n, damping, tolerance=1e-5):
     return fall, speed / exact, speed / free, result.residual.max() / result.turnover
 
 
-@pytest.mark.parametrize("damping", [0.0, 5.0])
-def test_speed_of_the_tip(damping):
-    fall, part, free, residual = let_go(50, damping)
+def test_speed_of_the_tip():
+    fall, part, free, residual = let_go(50, 5.0)
     between = (fall > 0.3) & (fall < 0.85)
     # the fold is not a point: 0.5 m wide, and of segments of 0.2 m
     np.testing.assert_allclose(part[between], 1.0, atol=0.05)

@@ -28,7 +28,7 @@ def caught(mass, n=20, damping=0.0):
     weight, stiffness = 9.81 * mass, tether.axial_stiffness / LENGTH
     period = 2.0 * np.pi * np.sqrt(mass / stiffness)
     duration = np.sqrt(2.0 * FALL / 9.81) + 0.75 * period
-    step = 5e-4
+    step = 1e-3
     peak = weight + np.sqrt(weight**2 + 2.0 * weight * FALL * stiffness)
     return run(model, lambda time: {}, step, round(duration / step)), peak + 9.81 * line_density(tether) * LENGTH
 
@@ -46,10 +46,10 @@ def test_peak_with_damping(mass):
     peak, _, residual = peak_at_the_stop(mass, 473.0)
     # damping turns the waves into heat, and about pi zeta = 0.8 % of the force; observed 1.2 and 0.3 %
     assert peak == pytest.approx(1.0, abs=0.02)
-    assert residual < 1e-3  # the catch within one step of 0.5 ms
+    assert residual < 1e-3  # the catch within one step of 1 ms
 
 
-@pytest.mark.parametrize("mass", [20.0, 100.0, 500.0])
+@pytest.mark.parametrize("mass", [20.0, 500.0])
 def test_peak_without_damping_has_a_wave_on_top(mass):
     peak, snap, residual = peak_at_the_stop(mass, 0.0)
     assert 1.0 < peak < 1.0 + 2.0 * snap

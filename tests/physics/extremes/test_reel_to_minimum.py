@@ -52,7 +52,7 @@ def in_and_out(n, length, speed, step):
 
 @pytest.mark.parametrize(("n", "length", "speed"), [(5, 5.0, 1.0), (20, 40.0, 10.0)])
 def test_dynamic_in_and_out(n, length, speed):
-    model, start, result = in_and_out(n, length, speed, 0.002)
+    model, start, result = in_and_out(n, length, speed, 0.004)
     # the ends are some millimetres apart, so the loop may turn about the vertical: compare heights, of 20 m at most
     np.testing.assert_allclose(model.outputs().shape[:, 2], start.shape[:, 2], rtol=0, atol=2e-3 * length)
     # half of the tether hangs on either end, and is pulled in or falls at half of the reeling speed
@@ -63,13 +63,14 @@ def test_dynamic_in_and_out(n, length, speed):
 
 def test_no_energy_is_left_over():
     left = []
-    for step in (0.002, 0.001):
-        _, _, result = in_and_out(5, 5.0, 1.0, step)
+    for step in (0.004, 0.002):
+        model, _, _, inputs, count = session(TetherDynamic, 5, 5.0, 1.0, step)
+        result = run(model, inputs, step, 2 * count)
         left.append(result.residual[-1] / result.turnover)
     # held reeling speeds jump between steps and the damper, 5e4 N s/m, with them, for microseconds: the trapezoidal rule
     # makes half a step of it. It comes in with the one sign and goes out with the other; the rest is of second order
     assert left[0] / left[1] > 2.5
-    assert abs(left[1]) < 0.1
+    assert abs(left[1]) < 0.3
 
 
 def test_shorter_is_refused_and_the_way_back_is_open():

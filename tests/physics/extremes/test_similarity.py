@@ -23,7 +23,7 @@ from tetherfmu.parameters import Environment, Solver, Tether
 
 COUNT = 6
 SAME = np.eye(3)
-RUNS = settings(max_examples=50, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
+RUNS = settings(max_examples=30, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
 
 
 def vectors(size):
