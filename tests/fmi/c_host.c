@@ -4,7 +4,7 @@ SCENARIO: text: references of reals to start with, their values, the same of int
           integer outputs; count of steps, their sizes, their inputs. A list of references has its length in front.
 PLAN    : alone; interleaved: two instances; threads: four instances at once; relay: every step in a new thread; states: saved, set
           back, set in another instance, reset.
-END     : unload the library, finalize its interpreter with the library loaded, or stay: leave both to the exit.
+END     : unload the library; finalize its interpreter and keep it loaded; stay: do neither; abandon: free no instance either.
 stdout  : a flight per paragraph, the outputs of a communication point per line, exact to the last bit.
 Any status but fmi2OK ends the program with exit status 3. */
 #include <dlfcn.h>
@@ -64,6 +64,7 @@ typedef struct {
 } flight_t;
 
 static const char *guid, *resources;
+static int abandoned;
 
 static void fail(const char *what)
 {
@@ -202,6 +203,7 @@ static void print(const flight_t *flight)
 static void land(flight_t *flight)
 {
     print(flight);
+    if (abandoned) return;
     CALL(Terminate, flight->component);
     fmi.FreeInstance(flight->component);
     free(flight->real);
@@ -319,7 +321,7 @@ int main(int count, char **argument)
     void *library = dlopen(argument[1], RTLD_NOW | RTLD_LOCAL);
     if (!library) fail(dlerror());
     find_functions(library);
-    guid = argument[2], resources = argument[3];
+    guid = argument[2], resources = argument[3], abandoned = !strcmp(end, "abandon");
     read_scene(argument[4]);
     if (strcmp(fmi.GetTypesPlatform(), "default") || strcmp(fmi.GetVersion(), "2.0")) fail("platform or version");
     if (!strcmp(plan, "alone")) alone();

@@ -28,6 +28,6 @@ def test_python_host(poison, fmu_folder, name, end):
 
 
 @every_fmu
-@pytest.mark.parametrize("end", ["finalize", *(pytest.param(end, marks=twice) for end in ("stay", "unload"))])
+@pytest.mark.parametrize("end", ["finalize", *(pytest.param(end, marks=twice) for end in ("stay", "unload", "abandon"))])
 def test_c_host(poison, c_host_program, fmu_folder, tmp_path, name, end):
     assert len(clients.c_host(c_host_program, fmu_folder / f"{name}.fmu", tmp_path, "alone", end, [poison])) == 1
