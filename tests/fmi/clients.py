@@ -135,8 +135,13 @@ def libcosim(path):
     return result
 
 
-def container(paths, folder):
-    """A container of fmu-manipulation-toolbox in FMPy: FMUs with common inputs and parameters.
+def container(paths, folder, **options):
+    """A container of fmu-manipulation-toolbox in FMPy."""
+    return fmpy(build_container(paths, folder, **options))
+
+
+def build_container(paths, folder, **options):
+    """A container of FMUs with common inputs and parameters; returns its path.
 
     Outputs carry the name of their FMU in front where there are several.
     """
@@ -150,8 +155,8 @@ def container(paths, folder):
             built.add_input(name, path.name, name)
         for name in reals + integers:
             built.add_output(path.name, name, name if len(paths) == 1 else f"{path.stem}.{name}")
-    built.make_fmu(folder / "tethers.fmu", step_size=STEP)
-    return fmpy(folder / "tethers.fmu")
+    built.make_fmu(folder / "tethers.fmu", step_size=STEP, **options)
+    return folder / "tethers.fmu"
 
 
 def python_library():

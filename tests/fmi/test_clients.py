@@ -46,10 +46,11 @@ def test_container_of_one_tether(fmu_folder, tmp_path, name):
     assert different(own_process(clients.container, paths=[path], folder=tmp_path), expected) == []
 
 
-def test_container_of_all_tethers(fmu_folder, tmp_path):
+@pytest.mark.parametrize("mt", [False, True], ids=["one thread", "a thread for each"])
+def test_container_of_all_tethers(fmu_folder, tmp_path, mt):
     """All of them side by side in one process, with common inputs and parameters."""
     paths = [fmu_folder / f"{name}.fmu" for name in SLAVES]
-    found = own_process(clients.container, paths=paths, folder=tmp_path)
+    found = own_process(clients.container, paths=paths, folder=tmp_path, mt=mt)
     for path in paths:
         expected = own_process(clients.fmpy, path=path)
         result = {name: found[f"{path.stem}.{name}"] for name in expected}
