@@ -171,11 +171,11 @@ static void initialize(flight_t *flight)
 
 static flight_t start(const char *name)
 {
-    flight_t flight = {.component = fmi.Instantiate(name, 1, guid, resources, &callbacks, 0, 1)};
+    flight_t flight = {.component = fmi.Instantiate(name, 1, guid, resources, &callbacks, 0, 0)};
     if (!flight.component) fail("Instantiate");
     flight.real = calloc((scene.steps + 1) * scene.real_outputs + 1, sizeof(double));
     flight.integer = calloc((scene.steps + 1) * scene.integer_outputs + 1, sizeof(int));
-    CALL(SetDebugLogging, flight.component, 1, 0, NULL);
+    CALL(SetDebugLogging, flight.component, 0, 0, NULL);
     initialize(&flight);
     return flight;
 }

@@ -42,6 +42,13 @@ def different(found, expected):
     return [name for name in expected if array("d", found[name]).tobytes() != array("d", expected[name]).tobytes()]
 
 
+def difference(found, expected):
+    """Largest difference between two results, relative to the largest value of each output."""
+    assert list(found) == list(expected)
+    largest = {name: max(map(abs, values)) or 1.0 for name, values in expected.items()}
+    return max(abs(a - b) / largest[name] for name in expected for a, b in zip(found[name], expected[name], strict=True))
+
+
 def variables(path):
     """Of an FMU: value references by name; names of the Real and of the Integer outputs."""
     description = read_model_description(str(path))
