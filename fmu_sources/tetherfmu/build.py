@@ -70,7 +70,7 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
     folder.mkdir(parents=True, exist_ok=True)
     _, variant = SLAVES[name]
     kernels = kernels_folder()
-    libraries(kernels, platforms)
+    libraries(kernels, platforms, [variant])
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
         shipped = _write_package(resources, name)

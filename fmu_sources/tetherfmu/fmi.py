@@ -30,8 +30,9 @@ OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
 DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
 
-# magic, variant, length of the rest, its checksum, phase, segments, the importer's tolerance, time
-_BLOB = struct.Struct("<8s16sIIIIdd")
+# a saved state: header, facts, all FMI values, and the state array once the tether is initialized
+_HEADER = struct.Struct("<8sII")  # magic with version, length and checksum of what follows
+_FACTS = struct.Struct("<16sIIdd")  # variant, phase, segments, the importer's tolerance, time
 _MAGIC = b"tether02"
 _BEFORE, _INITIALIZING, _STEPPING, _TERMINATED = range(4)
 _PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
@@ -66,7 +67,7 @@ class TetherSlave(Fmi2Slave):
         options = _options(self.resources)
         self._shape_points = options["shape_points"]
         self._load_kernels()
-        self._table = interface.variables(self.variant, self._shape_points, [("segments", options["segments"])])
+        self._table = interface.variables(self.variant, self._shape_points, (("segments", options["segments"]),))
         self._make_values()
         self._phase = _BEFORE
         self._importer_tolerance = 0.0
@@ -158,7 +159,10 @@ class TetherSlave(Fmi2Slave):
 
     def terminate(self):
         """No step can follow, but values can still be read; an instance holds memory only."""
-        self._phase = _TERMINATED
+        if self._phase == _STEPPING:
+            self._phase = _TERMINATED
+        else:
+            self._refuse(f"the tether cannot be terminated {_PHASES[self._phase]}")
 
     # --- values
 
@@ -326,11 +330,11 @@ class TetherSlave(Fmi2Slave):
 
     def _get_fmu_state(self):
         """The whole state as bytes: all FMI values and, once initialized, the state array."""
-        body = self._values.tobytes()
+        facts = (self.variant.encode(), self._phase, self._segments, self._importer_tolerance, self._time)
+        body = _FACTS.pack(*facts) + self._values.tobytes()
         if self._phase >= _STEPPING:
             body += self._state.tobytes()
-        facts = (len(body), zlib.crc32(body), self._phase, self._segments, self._importer_tolerance, self._time)
-        return _BLOB.pack(_MAGIC, self.variant.encode(), *facts) + body
+        return _HEADER.pack(_MAGIC, len(body), zlib.crc32(body)) + body
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
@@ -338,7 +342,7 @@ class TetherSlave(Fmi2Slave):
         if problem:
             self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
             return
-        *_, phase, _, self._importer_tolerance, self._time = _BLOB.unpack_from(blob)
+        _, phase, _, self._importer_tolerance, self._time = _FACTS.unpack_from(blob, _HEADER.size)
         values, state = self._arrays_of_blob(blob)
         self._values[:] = values
         self._phase = phase
@@ -348,21 +352,20 @@ class TetherSlave(Fmi2Slave):
             self._state[:] = state
 
     def _arrays_of_blob(self, blob):
-        body = array("d", blob[_BLOB.size :])
-        return body[: len(self._values)], body[len(self._values) :]
+        numbers = array("d", blob[_HEADER.size + _FACTS.size :])
+        return numbers[: len(self._values)], numbers[len(self._values) :]
 
     def _problem_of_blob(self, blob):
         """What is wrong with a state, in words, or None."""
-        if not isinstance(blob, bytes) or len(blob) < _BLOB.size:
-            return "is no state of a tether"
-        magic, variant, length, checksum, phase, segments, _, _ = _BLOB.unpack_from(blob)
-        if magic != _MAGIC:
+        smallest = _HEADER.size + _FACTS.size
+        if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(_MAGIC):
             return "is no state of a tether, or of another version"
-        body = blob[_BLOB.size :]
-        if length != len(body) or zlib.crc32(body) != checksum:
+        _, length, checksum = _HEADER.unpack_from(blob)
+        if length != len(blob) - _HEADER.size or zlib.crc32(blob[_HEADER.size :]) != checksum:
             return "is damaged"
-        expected = 8 * (len(self._values) + (at.state_size(segments) if phase >= _STEPPING else 0))
-        if variant.rstrip(b"\0") != self.variant.encode() or phase > _TERMINATED or length != expected:
+        variant, phase, segments, _, _ = _FACTS.unpack_from(blob, _HEADER.size)
+        numbers = len(self._values) + (at.state_size(segments) if phase >= _STEPPING else 0)
+        if variant.rstrip(b"\0") != self.variant.encode() or phase > _TERMINATED or len(blob) != smallest + 8 * numbers:
             return "belongs to another tether FMU"
         return self._problem_of_parameters(*self._arrays_of_blob(blob)) if phase >= _STEPPING else None
 
