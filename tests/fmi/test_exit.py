@@ -13,12 +13,11 @@ import pytest
 from fmi import clients
 from tetherfmu.build import SLAVES
 
-twice = pytest.mark.xfail(strict=True, reason="PythonFMU's library frees its interpreter state twice")
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
 @every_fmu
-@pytest.mark.parametrize("end", ["handler", *(pytest.param(end, marks=twice) for end in ("nothing", "free", "unload"))])
+@pytest.mark.parametrize("end", ["handler", "nothing", "free", "unload"])
 def test_python_host(poison, fmu_folder, name, end):
     command = [sys.executable, Path(__file__).parent / "leave.py", fmu_folder / f"{name}.fmu", end]
     done = subprocess.run(
@@ -28,6 +27,6 @@ def test_python_host(poison, fmu_folder, name, end):
 
 
 @every_fmu
-@pytest.mark.parametrize("end", ["finalize", *(pytest.param(end, marks=twice) for end in ("stay", "unload", "abandon"))])
+@pytest.mark.parametrize("end", ["finalize", "stay", "unload", "abandon"])
 def test_c_host(poison, c_host_program, fmu_folder, tmp_path, name, end):
     assert len(clients.c_host(c_host_program, fmu_folder / f"{name}.fmu", tmp_path, "alone", end, [poison])) == 1
