@@ -18,18 +18,28 @@ from pythonfmu.builder import FmuBuilder
 
 from .ahead_of_time import TARGETS, libraries
 from .fmi import KERNELS_FOLDER, OPTIONS_FILE
+from .kernel_sources import PACKAGE, source_digest
 from .library import file_name
 
-PACKAGE = Path(__file__).resolve().parent
 SLAVES = {  # name: (slave script, variant)
     "TetherStraight": ("tether_straight.py", "straight"),
     "TetherCatenary": ("tether_catenary.py", "catenary"),
     "TetherQuasiSteady": ("tether_quasi_steady.py", "quasi_steady"),
     "TetherDynamic": ("tether_dynamic.py", "dynamic"),
 }
-SHIPPED = ("__init__", "layout", "quantities", "parameters", "status", "interface", "library", "model_description", "fmi")
+SHIPPED = (
+    "__init__",
+    "layout",
+    "quantities",
+    "parameters",
+    "status",
+    "dependencies",
+    "interface",
+    "library",
+    "model_description",
+    "fmi",
+)
 DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
-KERNEL_SOURCES_APART = ("build", "fmi", "models", "model_description", "interface", "quantities", "parameters", "__init__")
 DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 
@@ -81,13 +91,10 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
 
 def kernels_folder():
     """Where compiled libraries are kept: named by all that they are made from."""
-    digest = hashlib.sha256(platform.python_version().encode())
-    for package in ("numba", "llvmlite", "ziglang"):
-        digest.update(f"{package} {version(package)}".encode())
-    for path in sorted(PACKAGE.glob("*.py")):
-        if path.stem not in KERNEL_SOURCES_APART:
-            digest.update(path.read_bytes())
-    return PACKAGE / "__pycache__" / f"libraries_{digest.hexdigest()[:12]}"
+    tools = [f"{package} {version(package)}" for package in ("numba", "llvmlite", "ziglang")]
+    made_from = [platform.python_version(), *tools, source_digest("ahead_of_time", "library")]
+    digest = hashlib.sha256("\n".join(made_from).encode()).hexdigest()[:12]
+    return PACKAGE / "__pycache__" / f"libraries_{digest}"
 
 
 def contents(path):
