@@ -80,7 +80,7 @@ def draw_figure():
     draw_station(axes, nodes[0], 0.11)
     draw_kite(axes, nodes[-1], 0.22)
     along = (nodes[1] - nodes[0]) / np.linalg.norm(nodes[1] - nodes[0])
-    arrow(axes, nodes[0], 0.3 * along, FORCE, "ground_force", (0.24, -0.03))
+    arrow(axes, nodes[0], 0.3 * along, FORCE, "ground_force", (0.25, -0.05))
     along = (nodes[-2] - nodes[-1]) / np.linalg.norm(nodes[-2] - nodes[-1])
     arrow(axes, nodes[-1], 0.34 * along, FORCE, "kite_force", (0.2, 0.0))
     arrow(axes, nodes[-1], (0.33, -0.02), MOTION, "kite_velocity", (0.16, 0.06))
@@ -90,7 +90,7 @@ def draw_figure():
         arrow(
             axes, (-0.6, height), (0.22 + 0.12 * height, 0.0), WIND, "wind_velocity" if height == 0.95 else "", (0.0, 0.08)
         )
-    arrow(axes, nodes[3], (0.0, -0.2), "0.4", "weight", (0.0, -0.05))
+    arrow(axes, nodes[3], (0.0, -0.17), "0.4", "weight", (0.13, 0.02))
     arrow(axes, nodes[3], (0.22, 0.0), WIND, "drag", (0.08, 0.0))
     middle = 0.5 * (nodes[2] + nodes[3])
     axes.annotate(
