@@ -1,6 +1,7 @@
 """What can be said of an FMU and of this machine without running the FMU; needs FMPy."""
 
 import platform
+import string
 import sys
 import sysconfig
 import zipfile
@@ -17,7 +18,7 @@ RECOMMENDED = (
     *("model.png", "documentation/index.html", "documentation/externalDependencies.txt"),
     "documentation/licenses/license.txt",
 )
-CRASHING = "+#%()[]',"
+HARMLESS = frozenset(string.ascii_letters + string.digits + "_-.~ ")  # in a path that PythonFMU's library must understand
 
 
 class Finding(NamedTuple):
@@ -146,7 +147,8 @@ def shared_python():
 
 def crashing_characters(path):
     """Characters of a path on which PythonFMU's library crashes when an FMU is extracted there."""
-    return sorted({character for character in str(path) if character in CRASHING or not character.isascii()})
+    path = Path(path).resolve()
+    return sorted(set("".join(path.parts).removeprefix(path.anchor)) - HARMLESS)
 
 
 def paths(path, temporary):

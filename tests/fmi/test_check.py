@@ -129,15 +129,32 @@ def test_a_wrong_model_description(tmp_path):
     assert run(broken)[0] == 1
 
 
-def test_a_folder_for_extraction_that_crashes_pythonfmu(tmp_path, fmu_folder):
-    """The run is refused with the remedy; were it tried, the process would die."""
-    special = tmp_path / "a#b"
+@pytest.mark.parametrize("character", "+#%()[]',&;=@!ä")
+def test_a_folder_for_extraction_that_crashes_pythonfmu(tmp_path, fmu_folder, character):
+    """The run is refused with the remedy."""
+    special = tmp_path / f"a{character}b"
     special.mkdir()
     status, said = run(fmu_folder / "TetherStraight.fmu", TMPDIR=str(special))
     assert status == 1
-    assert "crashes on # in that path" in said
+    assert f"crashes on {character} in that path" in said
     assert "TMPDIR" in said
     assert "the evidence set was not run" in said
+
+
+@pytest.mark.parametrize(("folder", "dies"), [("a b_c-d.e~F1", False), ("a#b", True), ("käfer", True)])
+def test_what_crashes_pythonfmu_is_known(tmp_path, fmu_folder, folder, dies):
+    """The folder for extraction is what the check takes for harmless, or not: then the process dies indeed."""
+    (tmp_path / folder).mkdir()
+    assert bool(inspection.crashing_characters(tmp_path / folder)) is dies
+    command = [
+        sys.executable,
+        "-m",
+        "tetherfmu.replay",
+        str(fmu_folder / "TetherStraight.fmu"),
+        str(tmp_path / "result.json"),
+    ]
+    done = subprocess.run(command, env={**os.environ, "TMPDIR": str(tmp_path / folder)}, capture_output=True, check=False)
+    assert (done.returncode != 0) is dies
 
 
 @pytest.mark.parametrize("folder", ["a+b", "käfer", "it's, [50%] (new)"])
