@@ -38,7 +38,7 @@ def not_seen(fmu, output, known):
     name = output.partition("[")[0]
     if fmu not in CHAINS:
         return False
-    # no segment of a hanging chain is pressed together; where one is, its stiffness and its count depend on everything
+    # no segment is in compression here: that takes air which blows a slack tether back on itself (theory, "Initial shape")
     if known == "slack_stiffness_ratio" and (fmu == "TetherQuasiSteady" or name in STEADY):
         return True
     return name == "slack_segments"
