@@ -128,6 +128,7 @@ def main(arguments=None):
         if not path.is_file():
             print(f"There is no file {path}", file=sys.stderr)
             return 2
+    sys.stdout.reconfigure(errors="backslashreplace")  # paths may have letters that the terminal does not know
     show(inspection.machine())
     problems = 0
     for path in files:

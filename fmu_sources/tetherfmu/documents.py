@@ -29,7 +29,7 @@ def documents(name, variant, description, options, platforms):
         "documentation/index.html": page(name, variant, description, table, osp_file),
         "documentation/externalDependencies.txt": _filled("externalDependencies.txt", platforms=", ".join(platforms)),
         "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8"),
-        "documentation/licenses/PythonFMU.txt": distribution("pythonfmu").read_text("licenses/LICENSE"),
+        "documentation/licenses/PythonFMU.txt": _licence_of_pythonfmu(),
         "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
         osp_file: osp.model_description(table),
     }
@@ -95,6 +95,12 @@ def _rows(table, causality, columns):
         cells = "".join(f"<td>{escape(text)}</td>" for text in columns(each))
         rows.append(f"<tr><td><code>{name}</code></td>{cells}</tr>")
     return "\n".join(rows)
+
+
+def _licence_of_pythonfmu():
+    """Licence text of the installed PythonFMU, which the FMU carries."""
+    metadata = distribution("pythonfmu")
+    return metadata.read_text("licenses/LICENSE") or metadata.read_text("LICENSE")
 
 
 def _filled(file, **values):

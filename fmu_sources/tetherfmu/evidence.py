@@ -96,10 +96,10 @@ def _rounded(value):
     """A number or a vector with the digits of the input file."""
     if isinstance(value, tuple):
         return tuple(map(_rounded, value))
-    return float(_text(value, INPUT_DIGITS))
+    return float(text_of(value, INPUT_DIGITS))
 
 
-def _text(value, digits):
+def text_of(value, digits):
     """A number with so many digits, two of them less behind the point: what rounding leaves of a zero becomes 0."""
     return f"{round(value, digits - 2) + 0.0:.{digits}g}"
 
@@ -108,7 +108,7 @@ def _table(names, rows, digits):
     """CSV as FMI's cross-check wants it: quoted names, commas, the time first."""
     lines = [",".join(f'"{name}"' for name in ("time", *names))]
     for k, row in enumerate(rows):
-        lines.append(",".join([f"{k * STEP:.10g}", *(_text(value, digits) for value in row)]))
+        lines.append(",".join([f"{k * STEP:.10g}", *(text_of(value, digits) for value in row)]))
     return "\n".join(lines) + "\n"
 
 

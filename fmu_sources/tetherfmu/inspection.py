@@ -5,6 +5,7 @@ import string
 import sys
 import sysconfig
 import zipfile
+import zlib
 from importlib.metadata import version
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
@@ -42,11 +43,11 @@ def archive(path):
         with zipfile.ZipFile(path) as opened:
             names = opened.namelist()
             damaged = opened.testzip()
-    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, NotImplementedError) as error:
         return [Finding(PROBLEM, f"this is no zip archive that can be read: {error}", "build or download the FMU again")]
     found = []
     if damaged:
-        found.append(Finding(PROBLEM, f"{damaged} is damaged in the archive", "build or download the FMU again"))
+        found.append(Finding(PROBLEM, f"{damaged!r} is damaged in the archive", "build or download the FMU again"))
     if "modelDescription.xml" not in names:
         found.append(Finding(PROBLEM, "this is no FMU: it has no modelDescription.xml at its root"))
     for name in names:
@@ -91,7 +92,7 @@ def units(path):
     """Units of the variables of an FMU: dict of name to unit or None."""
     from fmpy import read_model_description
 
-    return {variable.name: variable.unit for variable in read_model_description(str(path)).modelVariables}
+    return {variable.name: variable.unit for variable in read_model_description(str(path), validate=False).modelVariables}
 
 
 def layout(names):

@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 EVIDENCE_FOLDER = "documentation/evidence/"
+OPTIONS = ("StartTime", "StopTime", "StepSize", "RelTol", "AllowedDeviation")
 
 
 class Evidence(NamedTuple):
@@ -41,7 +42,8 @@ def evidence_of(path):
     columns = zip(*rows, strict=True)
     reference = {name: [float(text) for text in column] for name, column in zip(head, columns, strict=True)}
     pairs = csv.reader(io.StringIO(files["ref.opt"]), skipinitialspace=True)
-    return Evidence(files["in.csv"], reference, {name: float(value) for name, value in pairs})
+    given = {name: float(value) for name, value in pairs}
+    return Evidence(files["in.csv"], reference, {name: given[name] for name in OPTIONS})
 
 
 def replay(path, evidence):

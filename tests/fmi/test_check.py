@@ -94,9 +94,10 @@ def test_files_that_are_no_fmu(tmp_path):
     assert "no modelDescription.xml" in said
 
 
-def test_damaged_archive(tmp_path, fmu_folder):
+@pytest.mark.parametrize("place", [30, 2000, 40_000, 150_000, -200, -5])
+def test_damaged_archive(tmp_path, fmu_folder, place):
     content = bytearray((fmu_folder / "TetherStraight.fmu").read_bytes())
-    content[2000] ^= 0xFF
+    content[place] ^= 0xFF
     damaged = tmp_path / "TetherStraight.fmu"
     damaged.write_bytes(content)
     status, said = run(damaged)
@@ -221,8 +222,17 @@ def test_a_refused_step(tmp_path, fmu_folder):
     assert "the run ended at 5 s instead of 10 s: a step was refused" in said
 
 
-def test_an_evidence_set_that_cannot_be_read(tmp_path, fmu_folder):
-    status, said = run(with_evidence(fmu_folder, tmp_path, "_ref.csv", rb"^5,[^,]*", b"5,many"))
+@pytest.mark.parametrize(
+    ("ending", "pattern", "text"),
+    [
+        ("_ref.csv", rb"^5,[^,]*", b"5,many"),
+        ("_ref.csv", rb"^5,[^,]*,", b"5,"),
+        ("_ref.opt", rb"^AllowedDeviation.*\n", b""),
+        ("_ref.opt", rb"^StepSize.*", b"StepSize"),
+    ],
+)
+def test_an_evidence_set_that_cannot_be_read(tmp_path, fmu_folder, ending, pattern, text):
+    status, said = run(with_evidence(fmu_folder, tmp_path, ending, pattern, text))
     assert status == 1
     assert "the evidence set cannot be read" in said
 

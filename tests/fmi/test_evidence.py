@@ -84,5 +84,5 @@ def test_the_set_belongs_to_the_start_values_of_the_fmu(segments):
 
 
 def test_digits_hide_the_last_bit_of_a_zero():
-    assert evidence._text(-3e-15, 8) == "0"
-    assert evidence._text(123.456789012, 8) == "123.45679"
+    assert evidence.text_of(-3e-15, 8) == "0"
+    assert evidence.text_of(123.456789012, 8) == "123.45679"
