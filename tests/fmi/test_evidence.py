@@ -65,7 +65,7 @@ def test_the_scene_moves_what_it_says():
 
 
 def deviation(relative_tolerance):
-    """Largest difference of the dynamic tether's tension at the kite from the reference, as a part of the largest tension."""
+    """Largest difference of the dynamic tether's kite_tension from the reference, as a part of the largest tension."""
     scene = [evidence.inputs_at(k * evidence.STEP) for k in range(evidence.STEPS + 1)]
     reference = np.array(evidence.reference(models.TetherDynamic, 20, scene))[:, 7]
     tether = models.TetherDynamic(Tether(), solver=Solver(relative_tolerance=relative_tolerance))
