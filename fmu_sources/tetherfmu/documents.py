@@ -23,7 +23,7 @@ def documents(name, variant, description, options, platforms):
     paragraph.  options : dict of the build options `segments` and `shape_points`.  platforms : names of those that the FMU
     has kernels for.
     """
-    table = variables(variant, options["shape_points"], [("segments", options["segments"])])
+    table = variables(variant, options["shape_points"], (("segments", options["segments"]),))
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     texts = {
         "documentation/index.html": page(name, variant, description, table, osp_file),
