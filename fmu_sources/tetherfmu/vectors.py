@@ -5,6 +5,7 @@ from math import sqrt
 import numpy as np
 
 from .compilation import kernel
+from .pairs import first, load_pair, pair, second, store_pair, unzip
 
 ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 
@@ -23,6 +24,27 @@ def put(array, index, a):
     array[k] = a[0]
     array[k + ONE] = a[1]
     array[k + TWO] = a[2]
+
+
+@kernel
+def get_two(array, i, j):
+    """Three-vectors number i and j of a flat array, as pairs."""
+    p = np.uint64(3 * i)
+    q = np.uint64(3 * j)
+    x, y = unzip(load_pair(array, p), load_pair(array, q))
+    return x, y, pair(array[p + TWO], array[q + TWO])
+
+
+@kernel
+def put_two(array, i, j, a):
+    """Write a vector of pairs to the three-vectors number i and j of a flat array (modified)."""
+    p = np.uint64(3 * i)
+    q = np.uint64(3 * j)
+    at_i, at_j = unzip(a[0], a[1])
+    store_pair(array, p, at_i)
+    store_pair(array, q, at_j)
+    array[p + TWO] = first(a[2])
+    array[q + TWO] = second(a[2])
 
 
 @kernel
