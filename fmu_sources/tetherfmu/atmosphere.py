@@ -12,8 +12,11 @@ negative. Theory: docs/theory.md, "Air".
 
 from math import exp, log
 
+from numba.extending import overload
+
 from . import layout as at
 from .compilation import kernel
+from .pairs import first, is_pair, pair, second
 
 _LOWEST = 1e-3  # the slope of the power law is taken at no less than this part of h: it is infinite at z = 0
 
@@ -65,3 +68,25 @@ def air_density(height, parameters):
         return density, 0.0
     density *= exp(-height / scale_height)
     return density, -density / scale_height
+
+
+@kernel
+def air_at_one(height, parameters):
+    """Wind factor [-] and density [kg/m3] at a height [m]."""
+    factor, _ = wind_factor(height, parameters)
+    density, _ = air_density(height, parameters)
+    return factor, density
+
+
+def air(height, parameters):
+    """Wind at a height [m] over wind at the reference height [-], and density [kg/m3]; pairs for a pair of heights."""
+    return air_at_one(height, parameters)
+
+
+def _air_at_two(height, parameters):
+    return pair(air_at_one(first(height), parameters), air_at_one(second(height), parameters))
+
+
+@overload(air)
+def _air(height, parameters):
+    return _air_at_two if is_pair(height) else air

@@ -111,13 +111,12 @@ def factorize_halves(rows, up, down, diagonal, lower, upper):
         regular = regular and is_regular(first(determinant)) and is_regular(second(determinant))
         inward = get_blocks(upper, up, lower, down)
         weave(diagonal, up, diagonal, down, pivot)
-        inward = multiply(pivot, inward)
         weave(upper, up, lower, down, inward)
         up += 1
         down -= 1
-        outward = get_blocks(lower, up, upper, down)
-        weave(lower, up, upper, down, multiply(outward, pivot))
-        loss = multiply(outward, inward)
+        factor = multiply(get_blocks(lower, up, upper, down), pivot)
+        weave(lower, up, upper, down, factor)
+        loss = multiply(factor, inward)
         block = subtract(get_blocks(diagonal, up, diagonal, down), loss)
     return loss, regular
 
@@ -180,6 +179,6 @@ def solve(first_row, last_row, diagonal, lower, upper, b):
     for k in range(1, rows + 1):
         i = middle - k
         j = below + k
-        own = apply(get_woven(diagonal, i, diagonal, j), get_two(b, i, j))
-        two = minus_product(own, get_woven(upper, i, lower, j), two)
+        rest = minus_product(get_two(b, i, j), get_woven(upper, i, lower, j), two)
+        two = apply(get_woven(diagonal, i, diagonal, j), rest)
         put_two(b, i, j, two)

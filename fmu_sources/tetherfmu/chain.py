@@ -13,13 +13,14 @@ only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. 
 from . import layout as at
 from . import segment
 from .compilation import kernel
-from .vectors import add, apply, dot, get, get_matrix, put, put_matrix, scale, sub
+from .pairs import first, number_at, pair, second
+from .vectors import add, apply, dot, get, get_matrix, get_two, put, put_matrix, put_two, scale, sub
 
 
 @kernel
 def rest_length(s, length, parameters):
-    """Unstretched length [m] of segment s when that of the tether is `length` [m]."""
-    return parameters[at.PARAMETER_SCALARS + s] * length
+    """Unstretched length [m] of segment s (of two, as a pair) when that of the tether is `length` [m]."""
+    return number_at(parameters, at.PARAMETER_SCALARS, s) * length
 
 
 @kernel
@@ -43,21 +44,26 @@ def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, forc
     length of the tether [m] and its rate [m/s], wind at the reference height [m/s] as a tuple, node masses [kg].
     """
     gravity = parameters[at.GRAVITY]
-    from_below = (0.0, 0.0, 0.0)
-    x_p = get(x, 0)
-    v_p = get(v, 0)
-    for s in range(n):
-        x_q = get(x, s + 1)
-        v_q = get(v, s + 1)
-        rest = rest_length(s, length, parameters)
-        rest_rate = rest_length(s, reeling, parameters)
-        pull, drag, _, _ = segment.forces(s, n, branches[s], x_p, x_q, v_p, v_q, rest, rest_rate, wind, parameters)
-        total = add(add(from_below, pull), drag)
-        put(force, s, (total[0], total[1], total[2] - mass[s] * gravity))
-        from_below = sub(drag, pull)
+    growth = reeling / length
+    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    x_p = get_two(x, 0, n)
+    v_p = get_two(v, 0, n)
+    for s in range((n + 1) // 2):  # from both ends at once; p is the outer node, q the inner one
+        mirror = n - 1 - s
+        x_q = get_two(x, s + 1, mirror)
+        v_q = get_two(v, s + 1, mirror)
+        rest = rest_length((s, mirror), length, parameters)
+        branch = pair(branches[s], branches[mirror])
+        pull, drag, _, _ = segment.forces((s, mirror), n, branch, x_p, x_q, v_p, v_q, rest, growth, wind, parameters)
+        total = add(add(from_outside, pull), drag)
+        put_two(force, s, n - s, (total[0], total[1], total[2] - gravity * pair(mass[s], mass[n - s])))
+        from_outside = sub(drag, pull)
         x_p = x_q
         v_p = v_q
-    put(force, n, (from_below[0], from_below[1], from_below[2] - mass[n] * gravity))
+    if n % 2 == 0:
+        middle = n // 2
+        total = add(first(from_outside), second(from_outside))
+        put(force, middle, (total[0], total[1], total[2] - gravity * mass[middle]))
 
 
 @kernel
@@ -70,9 +76,8 @@ def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     """
     s = n - 1 if kite_end else 0
     rest = rest_length(s, length, parameters)
-    rest_rate = rest_length(s, reeling, parameters)
     pull, drag, tension, _ = segment.forces(
-        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, reeling / length, wind, parameters
     )
     if kite_end:
         pull = scale(-1.0, pull)
@@ -91,6 +96,7 @@ def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
     size = at.SEGMENT_RECORD
     line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
     gravity = parameters[at.GRAVITY]
+    growth = reeling / length
     put(force_rate, 0, (0.0, 0.0, 0.0))
     for s in range(n):
         record = records[size * s : size * (s + 1)]
@@ -101,7 +107,7 @@ def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
         v_p = get(v, s)
         v_q = get(v, s + 1)
         r = sub(x_q, x_p)
-        slope = segment.linearize_tension(s, n, r, sub(v_q, v_p), rest, rest_rate, parameters, record)
+        slope = segment.linearize_tension(s, n, r, sub(v_q, v_p), rest, growth, parameters, record)
         height = 0.5 * (x_p[2] + x_q[2])
         segment.linearize_drag(s, n, r, height, scale(0.5, add(v_p, v_q)), wind, parameters, record)
         half_weight = 0.5 * parameters[line + s] * rest_rate * gravity

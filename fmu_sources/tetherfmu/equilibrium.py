@@ -91,7 +91,7 @@ def node_loads(n, spin, stretching, wind, length, tense, parameters, x, v, mass,
         pull = (0.0, 0.0, 0.0)
         if tense:
             rest = chain.rest_length(s, length, parameters)
-            stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+            stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
             pull = scale(stiffness * (distance - rest), e)
         acceleration = cross(spin, cross(spin, sub(x_p, ground)))
         body = scale(-mass[s], (acceleration[0], acceleration[1], acceleration[2] + gravity))
@@ -121,7 +121,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
         segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
         rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
         stretch = tension[s] / distance
         for i in range(3):
             for j in range(3):
@@ -163,7 +163,7 @@ def apply_step(n, length, parameters, x, tension, change):
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
         predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
         tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
     farthest = 0.0

@@ -8,6 +8,7 @@ divide, `sqrt` and `choose` take numbers and pairs alike. Each of the two number
 import operator
 from math import sqrt
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -158,6 +159,13 @@ for _operation, _instruction in (
     _operate(_operation, _instruction)
 
 
+@overload(operator.neg)
+def _negative(a):
+    if a is _PAIR:
+        return lambda a: -1.0 * a
+    return None
+
+
 @intrinsic
 def _sqrt_of_pair(typing, a):
     def code(context, builder, signature, values):
@@ -195,3 +203,20 @@ def _choose(sign, a, b):
     if _are_pairs(sign, a, b):
         return lambda sign, a, b: _choose_in_pairs(sign, a, b)
     return choose
+
+
+def number_at(array, start, s):
+    """Number at place start + s of an array; for two s, the pair of the numbers at both places."""
+    return array[start + s]
+
+
+@overload(number_at)
+def _number_at(array, start, s):
+    if isinstance(s, types.UniTuple):
+        return lambda array, start, s: pair(array[np.uint64(start + s[0])], array[np.uint64(start + s[1])])
+    return lambda array, start, s: array[np.uint64(start + s)]
+
+
+def is_pair(kind):
+    """Whether a type of numba is that of pairs; for functions that differ for pairs."""
+    return kind is _PAIR

@@ -217,8 +217,8 @@ def kink_error(n, drive, length, h, parameters, w):
         rest = chain.rest_length(s, length, parameters)
         over = norm(sub(get(w.x_stage, s + 1), get(w.x_stage, s))) - rest
         if over * w.branches[s] < 0.0:
-            taut, _ = segment.stiffness(True, rest, s, n, parameters)
-            slack, _ = segment.stiffness(False, rest, s, n, parameters)
+            taut, _ = segment.stiffness(segment.TAUT, rest, s, n, parameters)
+            slack, _ = segment.stiffness(segment.SLACK, rest, s, n, parameters)
             mass = min(w.mass[s] if s >= drive.first else inf, w.mass[s + 1] if s + 1 <= drive.last else inf)
             worst = max(worst, KINK * h * (taut - slack) * abs(over) / mass)
     return worst

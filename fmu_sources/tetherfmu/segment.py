@@ -23,8 +23,9 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
 from math import sqrt
 
 from . import layout as at
-from .atmosphere import air_density, wind_factor
+from .atmosphere import air, air_density, wind_factor
 from .compilation import kernel
+from .pairs import choose, number_at
 from .vectors import add, along, apply, dot, get_matrix, scale, sub
 
 # places in the record of derivatives
@@ -44,30 +45,34 @@ STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exis
 @kernel
 def geometry(r):
     """Length [m] and direction of a segment from the vector [m] between its nodes."""
-    length = max(sqrt(dot(r, r)), SHORTEST)
+    length = sqrt(dot(r, r))
+    length = choose(length - SHORTEST, length, SHORTEST)
     return length, scale(1.0 / length, r)
 
 
 @kernel
-def stiffness(taut, rest_length, segment, n, parameters):
-    """Stiffness k [N/m] and damping c [N s/m] of a taut or a slack segment of this unstretched length [m]."""
-    k = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + segment] / rest_length
-    c = parameters[at.PARAMETER_SCALARS + at.DAMPING * n + segment] / rest_length
-    if taut:
-        return k, c
-    return parameters[at.SLACK_STIFFNESS_RATIO] * k, parameters[at.SLACK_DAMPING_RATIO] * c
+def property_of(segment, which, n, parameters):
+    """One of the properties `layout.SHARE`, ... of a segment, or of two segments, as a pair."""
+    return number_at(parameters, at.PARAMETER_SCALARS + which * n, segment)
 
 
 @kernel
-def tension(length, length_rate, rest_length, rest_rate, k, c, parameters):
+def stiffness(branch, rest_length, segment, n, parameters):
+    """Stiffness k [N/m] and damping c [N s/m] of a segment of this unstretched length [m], taut if branch > 0, else slack."""
+    per_length = 1.0 / rest_length
+    k = per_length * property_of(segment, at.STIFFNESS, n, parameters)
+    c = per_length * property_of(segment, at.DAMPING, n, parameters)
+    return choose(branch, k, parameters[at.SLACK_STIFFNESS_RATIO] * k), choose(branch, c, parameters[at.SLACK_DAMPING_RATIO] * c)
+
+
+@kernel
+def tension(length, length_rate, rest_length, growth, k, c, parameters):
     """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
 
-    Lengths [m], their rates [m/s], k [N/m], c [N s/m]. Source: docs/theory.md, "One segment".
+    Lengths [m], rate of the length [m/s], growth (dl0/dt)/l0 [1/s], k [N/m], c [N s/m]. Source: docs/theory.md, "One segment".
     """
-    strain_rate_term = 0.0
-    if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
-        strain_rate_term = length / rest_length * rest_rate
-    return k * (length - rest_length) + c * (length_rate - strain_rate_term)
+    seen = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
+    return k * (length - rest_length) + c * (length_rate - seen * length)
 
 
 @kernel
@@ -76,8 +81,7 @@ def apparent_wind(e, height, velocity, wind, parameters):
 
     Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s], wind at the reference height [m/s].
     """
-    factor, _ = wind_factor(height, parameters)
-    density, _ = air_density(height, parameters)
+    factor, density = air(height, parameters)
     relative = sub(scale(factor, wind), velocity)
     lengthwise = dot(relative, e)
     return along(relative, -lengthwise, e), lengthwise, density
@@ -90,38 +94,36 @@ def half_drag(segment, n, length, e, height, velocity, wind, parameters):
     Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes, wind at the reference height [m/s].
     """
     w, _, density = apparent_wind(e, height, velocity, wind, parameters)
-    drag_width = parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
+    drag_width = property_of(segment, at.DRAG_WIDTH, n, parameters)
     return scale(0.25 * density * drag_width * length * sqrt(dot(w, w) + STILLEST), w)
 
 
 @kernel
-def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, rest_rate, wind, parameters):
-    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment.
+def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, growth, wind, parameters):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment, or of two, as pairs.
 
-    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.  growth : (dl0/dt)/l0 [1/s].
     """
     length, e = geometry(sub(x_q, x_p))
-    taut = length > rest_length if branch == BY_LENGTH else branch > 0.0
-    k, c = stiffness(taut, rest_length, segment, n, parameters)
-    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, rest_rate, k, c, parameters)
+    branch = choose(branch * branch, branch, length - rest_length)
+    k, c = stiffness(branch, rest_length, segment, n, parameters)
+    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, growth, k, c, parameters)
     height = 0.5 * (x_p[2] + x_q[2])
     drag = half_drag(segment, n, length, e, height, scale(0.5, add(v_p, v_q)), wind, parameters)
     return scale(pull, e), drag, pull, length
 
 
 @kernel
-def linearize_tension(segment, n, r, u, rest_length, rest_rate, parameters, record):
+def linearize_tension(segment, n, r, u, rest_length, growth, parameters, record):
     """Derivatives of the tension vector into K, DIRECTION and DAMPER of the record (modified); returns dT/dl0 [N/m].
 
-    Vector r [m] between the nodes and its rate u [m/s], unstretched length [m] and its rate [m/s].
+    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s].
     """
     length, e = geometry(r)
-    k, c = stiffness(length > rest_length, rest_length, segment, n, parameters)
+    k, c = stiffness(length - rest_length, rest_length, segment, n, parameters)
     length_rate = dot(e, u)
-    stretch = tension(length, length_rate, rest_length, rest_rate, k, c, parameters) / length
-    strain_rate = 0.0
-    if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
-        strain_rate = rest_rate / rest_length
+    stretch = tension(length, length_rate, rest_length, growth, k, c, parameters) / length
+    strain_rate = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
     turning = scale(c / length, along(u, -length_rate, e))
     for i in range(3):
         g = (k - c * strain_rate) * e[i] + turning[i]
