@@ -72,14 +72,14 @@ def air_density(height, parameters):
 
 @kernel
 def air_at_one(height, parameters):
-    """Wind factor [-] and density [kg/m3] at a height [m]."""
-    factor, _ = wind_factor(height, parameters)
-    density, _ = air_density(height, parameters)
-    return factor, density
+    """What `air` returns, at one height [m]."""
+    factor, wind_slope = wind_factor(height, parameters)
+    density, density_slope = air_density(height, parameters)
+    return factor, density, wind_slope, density_slope
 
 
 def air(height, parameters):
-    """Wind at a height [m] over wind at the reference height [-], and density [kg/m3]; pairs for a pair of heights."""
+    """Wind factor [-] and density [kg/m3] at a height [m] and their slopes [1/m], [kg/m4]; pairs for a pair of heights."""
     return air_at_one(height, parameters)
 
 

@@ -14,7 +14,7 @@ from . import layout as at
 from . import segment
 from .compilation import kernel
 from .pairs import first, number_at, pair, second
-from .vectors import add, apply, dot, get, get_matrix, get_two, put, put_matrix, put_two, scale, sub
+from .vectors import add, apply, dot, get, get_matrix, get_two, put, put_matrix, put_side_by_side, put_two, scale, sub
 
 
 @kernel
@@ -94,28 +94,48 @@ def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
     `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
     """
     size = at.SEGMENT_RECORD
-    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
-    gravity = parameters[at.GRAVITY]
     growth = reeling / length
-    put(force_rate, 0, (0.0, 0.0, 0.0))
+    for s in range((n + 1) // 2):
+        mirror = n - 1 - s
+        x_p = get_two(x, s, mirror)
+        x_q = get_two(x, s + 1, mirror + 1)
+        v_p = get_two(v, s, mirror)
+        v_q = get_two(v, s + 1, mirror + 1)
+        both = (s, mirror)
+        r = sub(x_q, x_p)
+        rest = rest_length(both, length, parameters)
+        axial, e, damper, slope = segment.linearize_tension(both, n, r, sub(v_q, v_p), rest, growth, parameters)
+        height = 0.5 * (x_p[2] + x_q[2])
+        velocity = scale(0.5, add(v_p, v_q))
+        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
+        p = size * s
+        q = size * mirror
+        put_side_by_side(records, p + segment.K, q + segment.K, axial)
+        put_side_by_side(records, p + segment.G, q + segment.G, drag)
+        put_side_by_side(records, p + segment.A, q + segment.A, drag_by_velocity)
+        put_side_by_side(records, p + segment.HEIGHT, q + segment.HEIGHT, (*a, *e, damper, slope))
+    rate_from_reeling(n, reeling, parameters, records, force_rate)
+
+
+@kernel
+def rate_from_reeling(n, reeling, parameters, records, force_rate):
+    """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities."""
+    size = at.SEGMENT_RECORD
+    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
+    for k in range(3 * (n + 1)):
+        force_rate[k] = 0.0
+    if reeling == 0.0:
+        return
     for s in range(n):
         record = records[size * s : size * (s + 1)]
-        rest = rest_length(s, length, parameters)
         rest_rate = rest_length(s, reeling, parameters)
-        x_p = get(x, s)
-        x_q = get(x, s + 1)
-        v_p = get(v, s)
-        v_q = get(v, s + 1)
-        r = sub(x_q, x_p)
-        slope = segment.linearize_tension(s, n, r, sub(v_q, v_p), rest, growth, parameters, record)
-        height = 0.5 * (x_p[2] + x_q[2])
-        segment.linearize_drag(s, n, r, height, scale(0.5, add(v_p, v_q)), wind, parameters, record)
-        half_weight = 0.5 * parameters[line + s] * rest_rate * gravity
+        half_weight = 0.5 * parameters[line + s] * rest_rate * parameters[at.GRAVITY]
+        pull = record[segment.SLOPE] * rest_rate
         for i in range(3):
-            pull = slope * rest_rate * record[segment.DIRECTION + i]
+            along_e = pull * record[segment.DIRECTION + i]
             weight = half_weight if i == 2 else 0.0
-            force_rate[3 * s + i] += pull - weight
-            force_rate[3 * s + 3 + i] = -pull - weight
+            force_rate[3 * s + i] += along_e - weight
+            force_rate[3 * s + 3 + i] = -along_e - weight
 
 
 @kernel

@@ -23,10 +23,25 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
 from math import sqrt
 
 from . import layout as at
-from .atmosphere import air, air_density, wind_factor
+from .atmosphere import air
 from .compilation import kernel
 from .pairs import choose, number_at
-from .vectors import add, along, apply, dot, get_matrix, scale, sub
+from .vectors import (
+    add,
+    add_to_diagonal,
+    along,
+    apply,
+    cross,
+    dot,
+    get_matrix,
+    outer,
+    scale,
+    scale_matrix,
+    skew,
+    sub,
+    subtract,
+    symmetric,
+)
 
 # places in the record of derivatives
 K = 0  # 3x3
@@ -35,6 +50,7 @@ A = 18  # 3x3
 HEIGHT = 27  # a: change of the half drag with the height of the segment, through wind and density
 DIRECTION = 30  # e
 DAMPER = 33  # c
+SLOPE = 34  # dT/dl0
 
 TAUT, SLACK, BY_LENGTH = 1.0, -1.0, 0.0  # which stiffness a segment has
 
@@ -81,7 +97,7 @@ def apparent_wind(e, height, velocity, wind, parameters):
 
     Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s], wind at the reference height [m/s].
     """
-    factor, density = air(height, parameters)
+    factor, density, _, _ = air(height, parameters)
     relative = sub(scale(factor, wind), velocity)
     lengthwise = dot(relative, e)
     return along(relative, -lengthwise, e), lengthwise, density
@@ -114,10 +130,11 @@ def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, growth, wind, pa
 
 
 @kernel
-def linearize_tension(segment, n, r, u, rest_length, growth, parameters, record):
-    """Derivatives of the tension vector into K, DIRECTION and DAMPER of the record (modified); returns dT/dl0 [N/m].
+def linearize_tension(segment, n, r, u, rest_length, growth, parameters):
+    """Derivatives of the tension vector of one segment, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
 
-    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s].
+    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s]; dT/dl0 is that
+    at constant l, dl/dt, dl0/dt, where k and c fall as 1/l0.
     """
     length, e = geometry(r)
     k, c = stiffness(length - rest_length, rest_length, segment, n, parameters)
@@ -125,40 +142,29 @@ def linearize_tension(segment, n, r, u, rest_length, growth, parameters, record)
     stretch = tension(length, length_rate, rest_length, growth, k, c, parameters) / length
     strain_rate = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
     turning = scale(c / length, along(u, -length_rate, e))
-    for i in range(3):
-        g = (k - c * strain_rate) * e[i] + turning[i]
-        for j in range(3):
-            record[K + 3 * j + i] = e[j] * (g - stretch * e[i])
-        record[K + 4 * i] += stretch
-        record[DIRECTION + i] = e[i]
-    record[DAMPER] = c
-    # at constant l, dl/dt, dl0/dt; k and c fall as 1/l0
-    return -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+    g = along(turning, k - c * strain_rate - stretch, e)
+    slope = -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+    return add_to_diagonal(outer(e, g), stretch), e, c, slope
 
 
 @kernel
-def linearize_drag(segment, n, r, height, velocity, wind, parameters, record):
-    """Derivatives of the half drag into G, A and HEIGHT of the record (modified).
+def linearize_drag(segment, n, r, height, velocity, wind, parameters):
+    """Derivatives of the half drag of one segment, or of two: G [N/m], A [N s/m] and a [N/m].
 
     Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s], wind at the reference height [m/s].
+    G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
     """
     length, e = geometry(r)
     w, lengthwise, density = apparent_wind(e, height, velocity, wind, parameters)
+    _, _, wind_slope, density_slope = air(height, parameters)
     speed = sqrt(dot(w, w) + STILLEST)
-    per_speed = 1.0 / speed  # one division instead of nine
-    width = 0.25 * parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
-    for i in range(3):
-        for j in range(3):
-            bend = per_speed * w[i] * w[j] - speed * e[i] * e[j]
-            record[A + 3 * i + j] = width * density * length * bend
-            record[G + 3 * i + j] = width * density * (speed * (w[i] * e[j] - e[i] * w[j]) - lengthwise * bend)
-        record[A + 4 * i] += width * density * length * speed
-        record[G + 4 * i] -= width * density * lengthwise * speed
-    _, wind_slope = wind_factor(height, parameters)
-    _, density_slope = air_density(height, parameters)
-    shear = apply(get_matrix(record, A), scale(wind_slope, wind))
-    for i in range(3):
-        record[HEIGHT + i] = shear[i] + width * density_slope * length * speed * w[i]
+    width = 0.25 * property_of(segment, at.DRAG_WIDTH, n, parameters)
+    across = add_to_diagonal(subtract(symmetric(1.0 / speed, w), symmetric(speed, e)), speed)
+    drag_by_velocity = scale_matrix(width * density * length, across)
+    turn = skew(scale(width * density * speed, cross(e, w)))
+    drag_by_position = subtract(turn, scale_matrix(width * density * lengthwise, across))
+    shear = apply(drag_by_velocity, scale(wind_slope, wind))
+    return drag_by_position, drag_by_velocity, along(shear, width * density_slope * length * speed, w)
 
 
 @kernel
