@@ -65,7 +65,7 @@ def module_for(ir, names, target, machine):
         if not item.is_declaration and item.name not in names:
             item.linkage = "internal"
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
-    tuning.slp_vectorization = True
+    tuning.slp_vectorization = True  # two statements in one instruction; numba leaves it out
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(linked, builder)
     items = [*linked.functions, *linked.global_variables]

@@ -38,7 +38,7 @@ def node_masses(n, length, parameters, mass):
 
 @kernel
 def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, force):
-    """Forces of tension, drag and weight on all nodes [N] into `force` (modified).
+    """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], unstretched
     length of the tether [m] and its rate [m/s], wind at the reference height [m/s] as a tuple, node masses [kg].
@@ -48,7 +48,7 @@ def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, forc
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     x_p = get_two(x, 0, n)
     v_p = get_two(v, 0, n)
-    for s in range((n + 1) // 2):  # from both ends at once; p is the outer node, q the inner one
+    for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
         mirror = n - 1 - s
         x_q = get_two(x, s + 1, mirror)
         v_q = get_two(v, s + 1, mirror)

@@ -1,8 +1,9 @@
 """Pairs: two numbers that the processor adds, multiplies, divides at once.
 
 A chain has two ends, and what happens to a segment near one end happens to its mirror image near the other. Kernels go along
-both halves at once: first number of a pair towards the kite, second towards the ground. Kernels that only add, subtract, multiply,
-divide, `sqrt` and `choose` take numbers and pairs alike. Each of the two numbers is what it would be alone, bit for bit.
+both halves at once: the first number of a pair belongs to the half at the ground, the second to that at the kite. Kernels
+that only add, subtract, multiply, divide, `sqrt` and `choose` take numbers and pairs alike. Each of the two numbers is what
+it would be alone, bit for bit.
 """
 
 import operator

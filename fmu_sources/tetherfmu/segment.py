@@ -74,18 +74,21 @@ def property_of(segment, which, n, parameters):
 
 @kernel
 def stiffness(branch, rest_length, segment, n, parameters):
-    """Stiffness k [N/m] and damping c [N s/m] of a segment of this unstretched length [m], taut if branch > 0, else slack."""
+    """Stiffness k [N/m] and damping c [N s/m] of a segment of this unstretched length [m]: taut if branch > 0."""
     per_length = 1.0 / rest_length
     k = per_length * property_of(segment, at.STIFFNESS, n, parameters)
     c = per_length * property_of(segment, at.DAMPING, n, parameters)
-    return choose(branch, k, parameters[at.SLACK_STIFFNESS_RATIO] * k), choose(branch, c, parameters[at.SLACK_DAMPING_RATIO] * c)
+    return choose(branch, k, parameters[at.SLACK_STIFFNESS_RATIO] * k), choose(
+        branch, c, parameters[at.SLACK_DAMPING_RATIO] * c
+    )
 
 
 @kernel
 def tension(length, length_rate, rest_length, growth, k, c, parameters):
     """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
 
-    Lengths [m], rate of the length [m/s], growth (dl0/dt)/l0 [1/s], k [N/m], c [N s/m]. Source: docs/theory.md, "One segment".
+    Lengths [m], rate of the length [m/s], growth (dl0/dt)/l0 [1/s], k [N/m], c [N s/m].
+    Source: docs/theory.md, "One segment".
     """
     seen = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
     return k * (length - rest_length) + c * (length_rate - seen * length)
@@ -133,8 +136,8 @@ def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, growth, wind, pa
 def linearize_tension(segment, n, r, u, rest_length, growth, parameters):
     """Derivatives of the tension vector of one segment, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
 
-    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s]; dT/dl0 is that
-    at constant l, dl/dt, dl0/dt, where k and c fall as 1/l0.
+    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s]. dT/dl0 is
+    that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
     """
     length, e = geometry(r)
     k, c = stiffness(length - rest_length, rest_length, segment, n, parameters)
