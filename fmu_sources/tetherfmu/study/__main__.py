@@ -1,4 +1,4 @@
-"""How much tether does my scene need? `python -m tetherfmu.study tradeoff|advise SCENE ...`, see `--help`."""
+"""How much tether does my scene need? `python -m tetherfmu.study tradeoff|advise SCENE`; see `--help`."""
 
 import argparse
 import sys
@@ -6,11 +6,16 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..models import StepRefused
 from .advise import advise
-from .advise_text import explain
+from .advise_text import explain, explain_fast
+from .costs import TABLE, measure_costs
 from .executors import executor_of, progress_bar
+from .forecast import fast_advice
+from .numbers import numbers
 from .scene_files import SceneError, load
 from .store import Store
+from .thresholds import thresholds, write
 from .tradeoff import LEVELS, cheapest, study
 
 
@@ -29,6 +34,13 @@ def parse(arguments):
     trade.add_argument("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
     advice = commands.add_parser("advise", help="say which FMU, segments, tolerance and communication step to use")
     advice.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    advice.add_argument("--fast", action="store_true", help="from the dimensionless numbers alone, not checked")
+    doc = commands.add_parser("page", help="measure and write docs/how_much_tether.md and its figures")
+    doc.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
+    doc.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
+    doc.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
+    commands.add_parser("costs", help="measure the unit costs anew (costs.csv of this package)")
+    commands.add_parser("thresholds", help="measure the thresholds anew (thresholds.csv of this package)")
     return parser.parse_args(arguments)
 
 
@@ -68,18 +80,58 @@ def tradeoff_command(options):
 def advise_command(options):
     """Print the advice for a scene; returns 0, or 1 if nothing meets what it asks for."""
     scene = load(options.scene)
+    if options.fast:
+        advice = fast_advice(scene)
+        print(explain_fast(scene, advice))
+        return 0 if advice.met else 1
     advice = advise(scene)
-    print(explain(scene, advice))
+    print(explain(scene, advice, numbers(scene)))
     return 0 if advice.met else 1
+
+
+def costs_command(options):
+    """Measure the unit costs; returns 0."""
+    measure_costs()
+    print(TABLE.read_text(encoding="utf-8"), end="")
+    return 0
+
+
+def thresholds_command(options):
+    """Measure the thresholds; returns 0."""
+    with executor_of() as executor:
+        rows, points = thresholds(executor, progress_bar("thresholds"))
+    write(rows, points)
+    return 0
+
+
+def page_command(options):
+    """Write the page of the manual; returns 0."""
+    from .page import make
+
+    with executor_of() as executor:
+        make(options.scenes, options.out, options.store, executor, progress_bar)
+    return 0
+
+
+COMMANDS = {
+    "page": page_command,
+    "tradeoff": tradeoff_command,
+    "advise": advise_command,
+    "costs": costs_command,
+    "thresholds": thresholds_command,
+}
 
 
 def main(arguments=None):
     """Do what the command line says; returns the exit status, 2 for a wrong scene file."""
     options = parse(arguments)
     try:
-        return {"tradeoff": tradeoff_command, "advise": advise_command}[options.command](options)
+        return COMMANDS[options.command](options)
     except SceneError as error:
         print(error, file=sys.stderr)
+        return 2
+    except StepRefused as refusal:
+        print(f"{options.scene}: this scene cannot be flown: {refusal}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("stopped; the finished points are kept, the same command goes on", file=sys.stderr)

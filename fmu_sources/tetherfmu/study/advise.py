@@ -9,7 +9,7 @@ from math import ceil, sqrt
 from typing import NamedTuple
 
 from .converged import Reference, converged
-from .costs import cost
+from .forecast import least_cost
 from .runs import Config
 from .tradeoff import Point, ladder, measure, steps
 
@@ -27,12 +27,6 @@ class Advice(NamedTuple):
     expected: float  # error to expect: that against the finer model plus the finer model's own
     met: bool  # whether it is allowed
     tried: int  # configurations that were flown
-
-
-def least_cost(scene, config):
-    """What a configuration costs at least: one internal step or iteration in each communication step."""
-    calls = round(scene.count * scene.every / config.step)
-    return cost(scene, config, calls, 0 if config.variant == "straight" else calls)
 
 
 def finer_model(scene):

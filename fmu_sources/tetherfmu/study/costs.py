@@ -8,19 +8,25 @@ a, b, c, d are fitted to times measured on one machine and stored in costs.csv: 
 """
 
 import csv
+import tempfile
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import nnls
 
+from ..build import build
+from ..library import this_platform
 from ..models import StepRefused
+from .random_scenes import random_scenes
 from .runs import VARIANTS, Config, run
+from .through_fmpy import measured
 
 TABLE = Path(__file__).with_name("costs.csv")
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
 COLUMNS = ("variant", "per call", "per call and segment", "per work", "per work and segment")
-SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 5
+SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
+SCENES, HOST_STEPS = 4, 3000
 
 
 def regressors(config, calls, work):
@@ -62,12 +68,20 @@ def fitted(scenes, variant):
     return nnls(np.array(rows) * weights[:, None], np.ones(len(rows)))[0]
 
 
-def measure(scenes, host_seconds, table=TABLE):
-    """Measure all unit costs and store them; `host_seconds` [s] is what FMPy adds to a communication step."""
+def measure_costs(table=TABLE):
+    """Measure all unit costs in random scenes and store them."""
+    scenes = random_scenes(SCENES)
     with open(table, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
         for variant in VARIANTS:
             writer.writerow([variant, *(f"{each:.3g}" for each in fitted(scenes, variant))])
-        writer.writerow([HOST, f"{host_seconds:.3g}", 0, 0, 0])
+        writer.writerow([HOST, f"{host_seconds():.3g}", 0, 0, 0])
     units.cache_clear()
+
+
+def host_seconds():
+    """What FMPy adds to a communication step [s]: time of a straight tether's FMU, whose kernel costs next to nothing."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = build("TetherStraight", folder, platforms=(this_platform(),))
+        return sum(measured("costs", path, HOST_STEPS, REPEATS))

@@ -115,7 +115,7 @@ def equal_errors(points):
         mine = [p for p in points if (p.scene, p.segments) == key]
         others = [name for name in dict.fromkeys(p.solver for p in mine) if name != OURS]
         reached = [p.error for p in mine if p.solver == OURS]
-        if key[0] == "circle":
+        if key[0] != "release":
             wanted = [min((p for p in mine if p.solver == OURS), key=lambda p: abs(p.tolerance - 1e-4)).error]
         else:
             wanted = [e for e in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6) if min(reached) <= e]

@@ -4,6 +4,7 @@
 """
 
 import hashlib
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
@@ -16,12 +17,14 @@ from .errors import errors, worst
 from .executors import finished
 from .runs import Config, run
 
-SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32)
+SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)  # communication steps [s]
+SHORT_STEP = 0.002  # [s]
 LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is told
 REFERENCE_ERROR = 3e-4  # asked of the reference: a tenth of the smallest level
 FORMAT = 1  # of a stored point
+DECISIVE = ("converged.py", "errors.py", "flights.py", "runs.py", "scene_files.py", "series.py")
 LONG_RUN = 0.05  # [s], not repeated
 
 
@@ -52,10 +55,14 @@ def steps(scene):
 
 
 def ladder(scene):
-    """All configurations of the study."""
+    """All configurations of the study; at short steps the tolerance does not matter: the solver takes one step in each."""
     lines = [Config(variant, 0, 0.0, h) for variant, h in product(("straight", "catenary"), steps(scene))]
     steady = [Config("quasi_steady", n, 0.0, h) for n, h in product(SEGMENTS, steps(scene))]
-    dynamic = [Config("dynamic", n, tol, h) for n, tol, h in product(SEGMENTS, TOLERANCES, steps(scene))]
+    dynamic = [
+        Config("dynamic", n, tolerance, h)
+        for n, tolerance, h in product(SEGMENTS, TOLERANCES, steps(scene))
+        if h > SHORT_STEP or tolerance == TOLERANCES[-1]
+    ]
     return lines + steady + dynamic
 
 
@@ -73,17 +80,18 @@ def measure(scene, config, reference, repeats=1):
     return Point(config, found, first.calls, first.steps, seconds, cost(scene, config, first.calls, first.steps))
 
 
-def study_digest():
-    """Hash of all sources of this package: a stored result of other sources is not taken."""
+@cache
+def sources():
+    """Hash of all sources that a point depends on: a stored result of other sources is not taken."""
     digest = hashlib.sha256(source_digest().encode())
-    for path in sorted(Path(__file__).parent.glob("*.*")):
-        digest.update(path.read_bytes() if path.suffix in (".py", ".csv") else b"")
+    for name in DECISIVE:
+        digest.update(Path(__file__).with_name(name).read_bytes())
     return digest.hexdigest()[:12]
 
 
 def key(scene, config):
     """Name of a point in the store."""
-    return hashlib.sha256(repr((FORMAT, study_digest(), scene.digest, tuple(config))).encode()).hexdigest()[:24]
+    return hashlib.sha256(repr((FORMAT, sources(), scene.digest, tuple(config))).encode()).hexdigest()[:24]
 
 
 def study(scene, store, executor, progress, configs=None, repeats=3):
@@ -107,8 +115,9 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
     Reference, list of Point
     """
     configs = ladder(scene) if configs is None else configs
-    reference = store.kept(key(scene, ("reference",)), lambda: converged(scene, REFERENCE_ERROR, scene.wanted.outputs))
-    points = {config: point_of(store.points.get(key(scene, config))) for config in configs}
+    names = scene.wanted.outputs
+    reference = store.kept(key(scene, ("reference", *names)), lambda: converged(scene, REFERENCE_ERROR, names))
+    points = {config: point_of(scene, store.points.get(key(scene, config))) for config in configs}
     missing = [config for config, point in points.items() if point is None]
     tasks = [(measure, scene, config, reference.run, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
@@ -117,9 +126,12 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
     return reference, list(points.values())
 
 
-def point_of(stored):
-    """A point from what the store holds, or None."""
-    return None if stored is None else Point(**{**stored, "config": Config(*stored["config"])})
+def point_of(scene, stored):
+    """A point from what the store holds, its cost by the present unit costs; or None."""
+    if stored is None:
+        return None
+    config = Config(*stored["config"])
+    return Point(**{**stored, "config": config, "cost": cost(scene, config, stored["calls"], stored["work"])})
 
 
 def cheapest(points, level, names):
