@@ -95,15 +95,17 @@ def host_table(paths, quick):
     return Table("FMUs in FMPy", ABOUT_HOST, ("FMU", "set us", "step us", "get us", "together us", "start ms"), rows)
 
 
-def race_tables(libraries, cvodes, quick):
-    """Tables of all points, and of times at equal error; also the points."""
-    if quick:
+def race_tables(libraries, cvodes, quick, flights=False):
+    """Tables of all points, and of times at equal error; also the points. `flights`: of the two flights only."""
+    if flights:
+        scenes = [circle_scene(20), figure_of_eight_scene(20)]
+    elif quick:
         scenes = [circle_scene(20, 2.0), figure_of_eight_scene(20, 1.0), release_scene(10, 0.5)]
     else:
         scenes = [circle_scene(20), figure_of_eight_scene(20), release_scene(10), release_scene(40)]
     points = []
     for scene in scenes:
-        points += race(libraries, scene, cvodes, quick, 1 if quick else 3)
+        points += race(libraries, scene, cvodes, quick, not (quick or flights), 1 if quick else 3)
     rows = [(p.scene, p.segments, p.solver, p.tolerance, p.error, 1e3 * p.seconds, p.steps or None) for p in points]
     text = ABOUT_RACES
     if cvodes:
@@ -150,6 +152,7 @@ def parse(arguments):
     """Command line options."""
     parser = argparse.ArgumentParser(prog="python -m tetherfmu.study.benchmark", description="Measure what tethers cost.")
     parser.add_argument("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
+    parser.add_argument("--flights", action="store_true", help="only the races of the two flights, without compiled C")
     parser.add_argument("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
     parser.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
     parser.add_argument("--out", metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv")
@@ -167,10 +170,12 @@ def main(arguments=None):
         libraries.mkdir()
         paths = fmus_in(options.fmus or temporary)
         unpack_libraries(paths, libraries)
-        tables = [kernel_table(libraries, options.quick), host_table(paths, options.quick)]
-        races, points = race_tables(libraries, cvodes, options.quick)
+        tables = []
+        if not options.flights:
+            tables += [kernel_table(libraries, options.quick), host_table(paths, options.quick)]
+        races, points = race_tables(libraries, cvodes, options.quick, options.flights)
         tables += races
-        if line:
+        if line and not options.flights:
             tables.append(moordyn_table(libraries, line, options.quick))
     if options.figure:
         from .figure import draw

@@ -100,9 +100,10 @@ def page(results, verdicts, work_precision):
 
 
 WORK_PRECISION = """\
-![Time against error of our tether and of CVODES](figures/work_precision.png)
+Our tether against CasADi + CVODES on two flights, 20 segments, drawn by `python -m tetherfmu.study.benchmark --flights`;
+[Benchmarks](benchmarks.md) says what is timed.
 
-Drawn by `python -m tetherfmu.study.benchmark`, see [Benchmarks](benchmarks.md)."""
+![Time against error of our tether and of CVODES](figures/work_precision_flights.png)"""
 
 
 def make(scene_files, folder, store_folder, executor, progress):
@@ -119,5 +120,5 @@ def make(scene_files, folder, store_folder, executor, progress):
     (folder / "figures").mkdir(parents=True, exist_ok=True)
     draw_scenes(done, NAMES, folder / "figures" / "scenes.png")
     draw_sweeps(folder / "figures" / "thresholds.png")
-    text = page(done, verdicts, (folder / "figures" / "work_precision.png").exists())
+    text = page(done, verdicts, (folder / "figures" / "work_precision_flights.png").exists())
     (folder / "how_much_tether.md").write_text(text, encoding="utf-8")

@@ -43,7 +43,8 @@ def draw_scenes(results, names, path):
         axis.tick_params(labelbottom=True)
     figure.supxlabel("error of the force on the kite [%]", fontsize=10)
     figure.supylabel("kernel time per simulated second [µs]", fontsize=10)
-    figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)
+    legend = {"loc": "outside upper center", "ncols": 5, "frameon": False, "fontsize": 9, "markerscale": 3.0}
+    figure.legend(*axes.flat[0].get_legend_handles_labels(), **legend)
     figure.savefig(path, dpi=90, metadata={"Software": None})
     plt.close(figure)
 
