@@ -4,8 +4,8 @@ import argparse
 import sys
 import traceback
 
-from tetherfmu.ahead_of_time import TARGETS
-from tetherfmu.build import DEFAULT_PLATFORMS, SLAVES, build, contents
+from tetherfmu.ahead_of_time import TARGETS, libraries
+from tetherfmu.build import DEFAULT_PLATFORMS, SLAVES, build, contents, kernels_folder
 from tetherfmu.layout import MAX_SEGMENTS
 
 MAX_SHAPE_POINTS = 1001
@@ -45,7 +45,9 @@ def main(arguments=None):
     """Build what was asked for; returns the number of FMUs that failed."""
     options = parse(arguments)
     failed = 0
-    for name in options.names or SLAVES:
+    names = options.names or list(SLAVES)
+    libraries(kernels_folder(), options.platforms, [SLAVES[name][1] for name in names])  # all at once is faster
+    for name in names:
         try:
             path = build(name, options.out, options.segments, options.shape_points, options.platforms)
             print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(contents(path))}")

@@ -5,6 +5,7 @@ reference is its place in `variables()`. Standard library only: finished FMUs sh
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from math import degrees
 
 from . import layout as at
@@ -207,8 +208,9 @@ def _depends_on(variant, variable):
     return tuple(name for name in names if name not in IGNORED[variant])
 
 
+@lru_cache
 def variables(variant, shape_points, starts=()):
-    """The table of all variables: inputs, outputs, parameters.
+    """The table of all variables, a tuple: inputs, outputs, parameters.
 
     variant : "dynamic", "quasi_steady", "catenary" or "straight".  shape_points : number of points of the output `shape`.
     starts : pairs (parameter, start value) that replace defaults.
@@ -221,7 +223,7 @@ def variables(variant, shape_points, starts=()):
         )
         for variable in _output_variables(shape_points)
     ]
-    return _input_variables() + outputs + _parameter_variables(variant, dict(starts))
+    return (*_input_variables(), *outputs, *_parameter_variables(variant, dict(starts)))
 
 
 def records(values):
