@@ -13,6 +13,7 @@ import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
 from pythonfmu.builder import FmuBuilder
 
@@ -40,7 +41,18 @@ DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS):
+class Trim(NamedTuple):
+    """What an FMU of one scene has of its own."""
+
+    name: str
+    starts: list  # pairs (input or parameter, start value)
+    left_out: list  # names of inputs and outputs
+    about: str  # sentence that is added to the description
+    step: float  # communication step of the default experiment [s]
+    page: str  # documentation, HTML
+
+
+def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
     """Build one FMU.
 
     Parameters
@@ -55,6 +67,8 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         Points of the output `shape`; 0 leaves it out.
     platforms : sequence of str
         Names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : Trim
+        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
 
     Returns
     -------
@@ -77,12 +91,15 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         (resources / KERNELS_FOLDER).mkdir()
         for each in platforms:
             shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
-        options = {"segments": segments, "shape_points": shape_points}
+        options = {"starts": [["segments", segments]], "shape_points": shape_points}
+        if scene:
+            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         raw = _pack(resources, shipped, Path(temporary))
-        partial = folder / f"{name}.fmu.partial"
-        _rewrite(raw, partial)
-        return partial.replace(folder / f"{name}.fmu")
+        file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
+        partial = folder / f"{file}.partial"
+        _rewrite(raw, partial, {"documentation/index.html": scene.page.encode()} if scene else {})
+        return partial.replace(folder / file)
 
 
 def kernels_folder():
@@ -135,11 +152,11 @@ def _pack(resources, shipped, folder):
             del sys.modules[module]
 
 
-def _rewrite(source, target):
-    """Copy an FMU with a guid from its content, fixed dates and sorted entries."""
+def _rewrite(source, target, more):
+    """Copy an FMU, and more files into it, with a guid from its content, fixed dates and sorted entries."""
     with zipfile.ZipFile(source) as archive:
         names = [name for name in archive.namelist() if not name.endswith("/") and "__pycache__" not in name]
-        files = {name: archive.read(name) for name in names}
+        files = {name: archive.read(name) for name in names} | more
     description = files["modelDescription.xml"].decode("utf-8")
     description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
     description = _replace_attribute(description, "guid", "")

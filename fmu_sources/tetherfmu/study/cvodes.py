@@ -74,7 +74,9 @@ def equations(scene, exact_path):
     """
     free = scene.tether.segments if scene.kite_is_free else scene.tether.segments - 1
     time, y, p = casadi.SX.sym("t"), casadi.SX.sym("y", 6 * free), casadi.SX.sym("p", 0 if exact_path else 12)
-    if exact_path:
+    if scene.kite_is_free:
+        kite, velocity = None, None
+    elif exact_path:
         kite, velocity = scene.path(time, casadi.sin, casadi.cos)
     else:
         x0, v0, c2, c3 = (p[k : k + 3] for k in (0, 3, 6, 9))
