@@ -98,8 +98,8 @@ def advised(path, shape_points):
     text = explain(scene, advice, numbers(scene))
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
-        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in the "
-        f"scene ({groups_of(inputs)}); outputs that it does not ask for ({groups_of(outputs)})."
+        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in "
+        f"the scene ({groups_of(inputs)}); outputs that it does not ask for ({groups_of(outputs)})."
     )
     page = HTML.format(
         title=scene.name, body=markdown(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```", extensions=["fenced_code"])
