@@ -1,6 +1,6 @@
 """PythonFMU slave: the elastic catenary."""
 
-from tetherfmu.fmi import TetherSlave, hold_globals
+from tetherfmu.fmi import TetherSlave
 
 
 class TetherCatenary(TetherSlave):
@@ -12,7 +12,3 @@ class TetherCatenary(TetherSlave):
         "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
         "Out: force of the tether on kite and ground."
     )
-
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        hold_globals(globals())

@@ -1,6 +1,6 @@
 """PythonFMU slave: the straight elastic line."""
 
-from tetherfmu.fmi import TetherSlave, hold_globals
+from tetherfmu.fmi import TetherSlave
 
 
 class TetherStraight(TetherSlave):
@@ -12,7 +12,3 @@ class TetherStraight(TetherSlave):
         "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
         "Out: force of the tether on kite and ground."
     )
-
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        hold_globals(globals())

@@ -27,13 +27,13 @@ def in_own_process(function):
         process.start()
         sender.close()
         try:
-            assert receiver.poll(TIMEOUT), "the process hangs"
-            problem = receiver.recv()
+            problem = receiver.recv() if receiver.poll(TIMEOUT) else "the process hangs"
         except EOFError:
             problem = "the process died"
-        process.join(TIMEOUT)
+        process.join(TIMEOUT if problem != "the process hangs" else 0.0)
         if process.is_alive():
             process.kill()
+            process.join()
         assert problem is None, problem
         assert process.exitcode == 0, f"the process ended with exit code {process.exitcode}"
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")
+SOURCES = Path(__file__).resolve().parents[1]
 VERBS = ("initialize", "advance", "observe")
 MATHEMATICS = {"sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "memset", "memcpy"}
 # the plainest processor of each kind, so that the library runs on all of them
@@ -84,13 +85,13 @@ def intermediate_code(variant):
     return ir
 
 
-def write_objects(folder, platforms):
+def write_objects(folder, platforms, variants):
     """Write an object file for each variant and platform; RuntimeError if one needs more than mathematics."""
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    for variant in VARIANTS:
+    for variant in variants:
         ir = intermediate_code(variant)
         for platform in platforms:
             target = TARGETS[platform]
@@ -113,8 +114,8 @@ def link(objects, variant, platform, library):
         raise RuntimeError(f"linking {library.name} failed: {done.stderr.strip()}")
 
 
-def libraries(folder, platforms):
-    """Libraries of all variants for some platforms, in a folder; what is there already is kept.
+def libraries(folder, platforms, variants):
+    """Libraries of some variants for some platforms, in a folder; what is there already is kept.
 
     folder : Path, named by the content of the sources.  platforms : names in `TARGETS`.  RuntimeError if the compiler or the
     linker fails.
@@ -122,25 +123,34 @@ def libraries(folder, platforms):
     from .library import file_name
 
     folder.mkdir(parents=True, exist_ok=True)
-    missing = [platform for platform in platforms if not (folder / file_name(VARIANTS[-1], platform)).exists()]
+    pairs = [(each, platform) for each in variants for platform in platforms]
+    missing = [pair for pair in pairs if not (folder / file_name(*pair)).exists()]
     if not missing:
         return
+    new_variants, new_platforms = (sorted(set(names)) for names in zip(*missing, strict=True))
     with tempfile.TemporaryDirectory() as temporary:
         objects = Path(temporary)
-        command = [sys.executable, "-m", "tetherfmu.ahead_of_time", temporary, *missing]
-        done = subprocess.run(command, env={**os.environ, **PLAIN_CPU}, capture_output=True, text=True, check=False)
+        command = [
+            sys.executable,
+            "-m",
+            "tetherfmu.ahead_of_time",
+            temporary,
+            *(",".join(x) for x in (new_platforms, new_variants)),
+        ]
+        environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": str(SOURCES)}  # the child compiles this very package
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"compiling the kernels failed: {done.stderr.strip()}")
 
         def link_platform(platform):
-            for variant in VARIANTS:
+            for variant in new_variants:
                 partial = objects / file_name(variant, platform)
                 link(objects, variant, platform, partial)
                 (folder / partial.name).write_bytes(partial.read_bytes())
 
         with ThreadPoolExecutor(max_workers=2) as pool:
-            list(pool.map(link_platform, missing))
+            list(pool.map(link_platform, new_platforms))
 
 
 if __name__ == "__main__":
-    write_objects(Path(sys.argv[1]), sys.argv[2:])
+    write_objects(Path(sys.argv[1]), sys.argv[2].split(","), sys.argv[3].split(","))

@@ -13,6 +13,7 @@ import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
 from pythonfmu.builder import FmuBuilder
 
@@ -30,11 +31,28 @@ SLAVES = {  # name: (slave script, variant)
 SHIPPED = ("__init__", "layout", "quantities", "parameters", "status", "interface", "library", "model_description", "fmi")
 DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
 KERNEL_SOURCES_APART = ("build", "fmi", "models", "model_description", "interface", "quantities", "parameters", "__init__")
+# PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
+LAUNCHER = """from {package}.fmi import hold_globals
+from {package}.{module} import {name}
+
+hold_globals(globals())
+"""
 DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS):
+class Trim(NamedTuple):
+    """What an FMU of one scene has of its own."""
+
+    name: str
+    starts: list  # pairs (input or parameter, start value)
+    left_out: list  # names of inputs and outputs
+    about: str  # sentence that is added to the description
+    step: float  # communication step of the default experiment [s]
+    page: str  # documentation, HTML
+
+
+def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
     """Build one FMU.
 
     Parameters
@@ -49,6 +67,8 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         Points of the output `shape`; 0 leaves it out.
     platforms : sequence of str
         Names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : Trim
+        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
 
     Returns
     -------
@@ -62,21 +82,24 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    script, variant = SLAVES[name]
+    _, variant = SLAVES[name]
     kernels = kernels_folder()
-    libraries(kernels, platforms)
+    libraries(kernels, platforms, [variant])
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = _write_package(resources, script)
+        shipped = _write_package(resources, name)
         (resources / KERNELS_FOLDER).mkdir()
         for each in platforms:
             shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
-        options = {"segments": segments, "shape_points": shape_points}
+        options = {"starts": [["segments", segments]], "shape_points": shape_points}
+        if scene:
+            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         raw = _pack(resources, shipped, Path(temporary))
-        partial = folder / f"{name}.fmu.partial"
-        _rewrite(raw, partial)
-        return partial.replace(folder / f"{name}.fmu")
+        file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
+        partial = folder / f"{file}.partial"
+        _rewrite(raw, partial, {"documentation/index.html": scene.page.encode()} if scene else {})
+        return partial.replace(folder / file)
 
 
 def kernels_folder():
@@ -97,19 +120,22 @@ def contents(path):
     return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
 
 
-def _write_package(resources, script):
-    """Write the slave script and its package under names with their hash; returns (script, package) paths."""
-    resources.mkdir()
+def _write_package(resources, name):
+    """Write the package with the slave in it, and its launcher, under names with their hash; returns both paths."""
+    script, _ = SLAVES[name]
     sources = {f"{module}.py": (PACKAGE / f"{module}.py").read_text(encoding="utf-8") for module in SHIPPED}
-    slave = (PACKAGE.parent / script).read_text(encoding="utf-8")
-    digest = hashlib.sha256(json.dumps([slave, sources], sort_keys=True).encode("utf-8")).hexdigest()[:12]
-    package = resources / f"tetherfmu_{digest}"
-    package.mkdir()
+    sources[script] = (PACKAGE.parent / script).read_text(encoding="utf-8").replace("from tetherfmu.", "from .")
+    digest = hashlib.sha256(json.dumps(sources, sort_keys=True).encode("utf-8"))
+    digest.update(str(kernels_folder().name).encode("utf-8"))
+    package = resources / f"tetherfmu_{digest.hexdigest()[:12]}"
+    package.mkdir(parents=True)
     for file, text in sources.items():
         (package / file).write_text(text, encoding="utf-8", newline="\n")
-    target = resources / f"{Path(script).stem}_{digest}.py"
-    target.write_text(slave.replace("from tetherfmu.", f"from {package.name}."), encoding="utf-8", newline="\n")
-    return target, package
+    module = Path(script).stem
+    launcher = resources / f"{module}_{digest.hexdigest()[:12]}.py"
+    text = LAUNCHER.format(package=package.name, module=module, name=name)
+    launcher.write_text(text, encoding="utf-8", newline="\n")
+    return launcher, package
 
 
 def _pack(resources, shipped, folder):
@@ -126,11 +152,11 @@ def _pack(resources, shipped, folder):
             del sys.modules[module]
 
 
-def _rewrite(source, target):
-    """Copy an FMU with a guid from its content, fixed dates and sorted entries."""
+def _rewrite(source, target, more):
+    """Copy an FMU, and more files into it, with a guid from its content, fixed dates and sorted entries."""
     with zipfile.ZipFile(source) as archive:
         names = [name for name in archive.namelist() if not name.endswith("/") and "__pycache__" not in name]
-        files = {name: archive.read(name) for name in names}
+        files = {name: archive.read(name) for name in names} | more
     description = files["modelDescription.xml"].decode("utf-8")
     description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
     description = _replace_attribute(description, "guid", "")

@@ -6,7 +6,7 @@ from . import chain
 from . import layout as at
 from .compilation import kernel, view
 from .end_motion import estimated_acceleration, target
-from .status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
+from .status import INPUT_NOT_FINITE, OK, OUTPUT_NOT_FINITE, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
 from .vectors import put
 from .workspace import state_size
 
@@ -37,9 +37,9 @@ def positions_and_velocities(n, state):
 
 @kernel
 def check_inputs(inputs):
-    """OK, or INPUT_NOT_FINITE with the place of the first input that is not a finite number."""
+    """OK, or INPUT_NOT_FINITE with the place of the first input that is no finite number or a huge one."""
     for i in range(at.INPUTS):
-        if not abs(inputs[i]) < inf:
+        if not abs(inputs[i]) <= at.LARGEST_INPUT:
             return INPUT_NOT_FINITE | i << 8
     return OK
 
@@ -78,12 +78,21 @@ def check_step(n, parameters, inputs, step, state):
     status = check_inputs(inputs)
     if status != OK:
         return status
-    if not (step > 0.0 and step < inf):
+    if not (step > 0.0 and step <= at.LONGEST_STEP):
         return STEP_NOT_POSITIVE
     new_length = state[at.LENGTH] + inputs[at.REEL_OUT_SPEED] * step
     for s in range(n):
         if chain.rest_length(s, new_length, parameters) < at.MIN_SEGMENT_LENGTH:
             return REELED_TOO_SHORT
+    return OK
+
+
+@kernel
+def check_outputs(outputs):
+    """OK, or OUTPUT_NOT_FINITE."""
+    for k in range(len(outputs)):
+        if not abs(outputs[k]) < inf:
+            return OUTPUT_NOT_FINITE
     return OK
 
 

@@ -7,6 +7,7 @@ the functions that are compiled ahead of time, so each is written out: one that 
 from numba import carray, types
 
 from . import dynamic, lines, quasi_steady
+from .communication import check_outputs
 from .layout import INPUTS
 from .workspace import outputs_size, parameters_size, state_size, work_size
 
@@ -63,7 +64,7 @@ def dynamic_observe(n, parameters, state, shape_points, outputs, work):
         carray(outputs, outputs_size(shape_points)),
         carray(work, work_size(n)),
     )
-    return 0
+    return check_outputs(carray(outputs, outputs_size(shape_points)))
 
 
 @_entry_point(_INITIALIZE)
@@ -102,7 +103,7 @@ def quasi_steady_observe(n, parameters, state, shape_points, outputs, work):
         carray(outputs, outputs_size(shape_points)),
         carray(work, work_size(n)),
     )
-    return 0
+    return check_outputs(carray(outputs, outputs_size(shape_points)))
 
 
 @_entry_point(_INITIALIZE)
@@ -141,7 +142,7 @@ def catenary_observe(n, parameters, state, shape_points, outputs, work):
         carray(outputs, outputs_size(shape_points)),
         carray(work, work_size(n)),
     )
-    return 0
+    return check_outputs(carray(outputs, outputs_size(shape_points)))
 
 
 @_entry_point(_INITIALIZE)
@@ -180,4 +181,4 @@ def straight_observe(n, parameters, state, shape_points, outputs, work):
         carray(outputs, outputs_size(shape_points)),
         carray(work, work_size(n)),
     )
-    return 0
+    return check_outputs(carray(outputs, outputs_size(shape_points)))

@@ -10,6 +10,9 @@ import struct
 import sys
 import zlib
 from array import array
+from contextlib import suppress
+from functools import lru_cache
+from math import isfinite, nan
 from pathlib import Path
 
 from pythonfmu import Fmi2Slave
@@ -25,16 +28,26 @@ from .quantities import checked
 
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
-DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
+DEFAULT_OPTIONS = {"shape_points": 21, "starts": [["segments", 20]], "left_out": [], "about": "", "step": 0.02}
 
-_BLOB = struct.Struct("<8s16sIIIId")  # magic, variant, length of the rest, checksum, phase, segments, importer's tolerance
-_MAGIC = b"tether01"
-_BEFORE, _INITIALIZING, _STEPPING = range(3)
+# a saved state: header, facts, all FMI values, and the state array once the tether is initialized
+_HEADER = struct.Struct("<8sII")  # magic with version, length and checksum of what follows
+_FACTS = struct.Struct("<16sIIdd")  # variant, phase, segments, the importer's tolerance, time
+_MAGIC = b"tether02"
+_BEFORE, _INITIALIZING, _STEPPING, _TERMINATED = range(4)
+_PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
 
 
 def hold_globals(module_globals):
-    """Keep the globals of a slave script alive: PythonFMU gives one of their references away per instance."""
+    """Keep the globals of the launcher script alive: PythonFMU gives one of their references away per instance."""
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(module_globals))
+
+
+@lru_cache
+def _options(resources):
+    """Build options in the resources of an FMU, read once: its folder may vanish while instances live."""
+    file = Path(resources or ".") / OPTIONS_FILE
+    return DEFAULT_OPTIONS | (json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {})
 
 
 class TetherSlave(Fmi2Slave):
@@ -47,17 +60,22 @@ class TetherSlave(Fmi2Slave):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=0.02, tolerance=1e-4)
-        options = dict(DEFAULT_OPTIONS)
-        file = Path(self.resources or ".") / OPTIONS_FILE
-        if file.is_file():
-            options.update(json.loads(file.read_text(encoding="utf-8")))
+        if "visible" in kwargs:  # made by PythonFMU's library, not by its builder
+            with suppress(ValueError):
+                sys.path.remove(self.resources)  # the library puts it there for each instance and leaves it
+        options = _options(self.resources)
+        step = options["step"]
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=step, tolerance=1e-4)
+        self._about = options["about"]
         self._shape_points = options["shape_points"]
         self._load_kernels()
-        self._table = interface.variables(self.variant, self._shape_points, [("segments", options["segments"])])
+        starts = tuple(map(tuple, options["starts"]))
+        self._table = interface.variables(self.variant, self._shape_points, starts, tuple(options["left_out"]))
         self._make_values()
         self._phase = _BEFORE
         self._importer_tolerance = 0.0
+        self._time = nan
+        self._time_was_told = False
         self._refusal = None
         self._segments = 0
         self._state = array("d")
@@ -95,6 +113,8 @@ class TetherSlave(Fmi2Slave):
         options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
         root = super().to_xml(options)
         root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
+        if self._about:
+            root.set("description", f"{self.__class__.description} {self._about}")
         complete(root, self._table, self._references)
         return root
 
@@ -114,10 +134,16 @@ class TetherSlave(Fmi2Slave):
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""
-        self._phase = _INITIALIZING
+        if self._phase == _BEFORE:
+            self._phase = _INITIALIZING
+        else:
+            self._refuse(f"initialization mode cannot be entered {_PHASES[self._phase]}")
 
     def exit_initialization_mode(self):
         """Check the parameters and find the first shape; the only place where an exception leaves the slave."""
+        if self._phase != _INITIALIZING:
+            self._refuse(f"initialization mode cannot be left {_PHASES[self._phase]}")
+            return
         problem = self._refusal or self._start()
         if problem:
             self._say(problem, Fmi2Status.error)
@@ -128,24 +154,20 @@ class TetherSlave(Fmi2Slave):
 
     def do_step(self, current_time, step_size):
         """One communication step. False (fmi2Discard), a message and the state of before if it cannot be done."""
-        if self._refusal:
-            self._say(self._refusal, Fmi2Status.discard)
+        problem = self._refusal or self._problem_of_time(current_time, step_size) or self._advance(step_size)
+        if problem:
             self._refusal = None
+            self._say(problem, Fmi2Status.discard)
             return False
-        if self._phase != _STEPPING:
-            self._say("a step was asked for before the initialization ended", Fmi2Status.discard)
-            return False
-        result = self._kernels.advance(
-            self._segments, self._parameters_address, self._address, step_size, self._state_address, self._work_address
-        )
-        if result != status.OK:
-            self._say(self._sentence(result, step_size), Fmi2Status.discard)
-            return False
-        self._observe()
+        self._time = current_time + step_size
         return True
 
     def terminate(self):
-        """Nothing to do: an instance holds memory only."""
+        """No step can follow, but values can still be read; an instance holds memory only."""
+        if self._phase == _STEPPING:
+            self._phase = _TERMINATED
+        else:
+            self._refuse(f"the tether cannot be terminated {_PHASES[self._phase]}")
 
     # --- values
 
@@ -189,7 +211,7 @@ class TetherSlave(Fmi2Slave):
     def _get(self, vrs, allowed):
         if not allowed.issuperset(vrs):
             unknown = [reference for reference in vrs if reference not in allowed]
-            self._say(f"value references {unknown} are not of the type that was asked for", Fmi2Status.error)
+            self._refuse(f"value references {unknown} cannot be read: they are no variables of this type")
             return [0.0 if reference in unknown else self._values[reference] for reference in vrs]
         if self._phase == _INITIALIZING and not self._outputs.isdisjoint(vrs):
             problem = self._start()
@@ -204,7 +226,7 @@ class TetherSlave(Fmi2Slave):
                 self._refuse(
                     f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
                 )
-            elif reference >= self._parameters_at and self._phase == _STEPPING:
+            elif reference >= self._parameters_at and self._phase >= _STEPPING:
                 name = interface.parameter_names()[reference - self._parameters_at]
                 self._refuse(f"{name} cannot be set to {value!r} now; it is fixed when the initialization ends")
             else:
@@ -223,26 +245,61 @@ class TetherSlave(Fmi2Slave):
         result = self._kernels.initialize(
             self._segments, self._parameters_address, self._address, self._state_address, self._work_address
         )
-        if result != status.OK:
-            return self._sentence(result, 0.0)
-        self._observe()
+        if result == status.OK:
+            result = self._observe()
+        return None if result == status.OK else self._sentence(result, 0.0)
+
+    def _advance(self, step):
+        """Do a communication step of `step` [s], or keep the state. Returns what is wrong, or None."""
+        self._before[:] = self._state
+        result = self._kernels.advance(
+            self._segments, self._parameters_address, self._address, step, self._state_address, self._work_address
+        )
+        if result == status.OK:
+            result = self._observe()
+            if result == status.OK:
+                return None
+            problem = self._sentence(result, step)
+            self._state[:] = self._before
+            self._observe()
+            return problem
+        return self._sentence(result, step)
+
+    def _problem_of_time(self, time, step):
+        """Why no step can be done now, or None; a communication point where no step ended is told once."""
+        if self._phase != _STEPPING:
+            return f"a step cannot be done {_PHASES[self._phase]}"
+        if time == self._time:
+            return None
+        if not isfinite(time):
+            return f"the communication point is {time}; it must be a finite number"
+        if abs(time - self._time) > 1e-3 * abs(step) + 1e-9 * abs(time) and not self._time_was_told:
+            self._time_was_told = True
+            self._say(
+                f"the communication point is {time} s, the last step ended at {self._time} s; the tether goes on from there",
+                Fmi2Status.warning,
+            )
         return None
+
+    def _records(self, values):
+        """Records of the parameters in an array of all values; ValueError if one is out of range."""
+        parameters = dict(zip(interface.parameter_names(), values[self._parameters_at :], strict=True))
+        for variable in self._table:
+            if variable.causality == "parameter":
+                checked(variable.name, parameters[variable.name], variable.quantity)
+                if variable.kind != "Real":
+                    parameters[variable.name] = int(parameters[variable.name])
+        tether, environment, solver = interface.records(parameters)
+        return effective(tether, self.variant), environment, solver
 
     def _allocate(self):
         """Arrays for the parameters, the state and the work; ValueError if a parameter is out of range."""
-        names = interface.parameter_names()
-        values = dict(zip(names, self._values[self._parameters_at :], strict=True))
-        for variable in self._table:
-            if variable.causality == "parameter":
-                checked(variable.name, values[variable.name], variable.quantity)
-                if variable.kind != "Real":
-                    values[variable.name] = int(values[variable.name])
-        tether, environment, solver = interface.records(values)
-        tether = effective(tether, self.variant)
+        tether, environment, solver = self._records(self._values)
         self._tolerance = solver.relative_tolerance or self._importer_tolerance or DEFAULT_TOLERANCE
         self._parameters = pack((tether,), environment, solver, self._tolerance)
         if self._segments != tether.segments:
             self._state = array("d", bytes(8 * at.state_size(tether.segments)))
+            self._before = array("d", self._state)
             self._work = array("d", bytes(8 * at.work_size(tether.segments)))
         self._segments = tether.segments
         self._fixed_step = solver.fixed_step
@@ -251,7 +308,7 @@ class TetherSlave(Fmi2Slave):
         self._work_address = self._work.buffer_info()[0]
 
     def _observe(self):
-        self._kernels.observe(
+        return self._kernels.observe(
             self._segments,
             self._parameters_address,
             self._state_address,
@@ -269,7 +326,6 @@ class TetherSlave(Fmi2Slave):
             step=step,
             reel_out_speed=self._values[at.REEL_OUT_SPEED],
             length=self._state[at.LENGTH],
-            shortest=at.MIN_SEGMENT_LENGTH,
             relative_tolerance=self._tolerance,
             fixed_step=self._fixed_step,
             budget=at.WORK_BUDGET // self._segments,
@@ -279,44 +335,52 @@ class TetherSlave(Fmi2Slave):
 
     def _get_fmu_state(self):
         """The whole state as bytes: all FMI values and, once initialized, the state array."""
-        body = self._values.tobytes()
-        if self._phase == _STEPPING:
+        facts = (self.variant.encode(), self._phase, self._segments, self._importer_tolerance, self._time)
+        body = _FACTS.pack(*facts) + self._values.tobytes()
+        if self._phase >= _STEPPING:
             body += self._state.tobytes()
-        facts = (len(body), zlib.crc32(body), self._phase, self._segments, self._importer_tolerance)
-        return _BLOB.pack(_MAGIC, self.variant.encode(), *facts) + body
+        return _HEADER.pack(_MAGIC, len(body), zlib.crc32(body)) + body
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
         problem = self._problem_of_blob(blob)
         if problem:
-            self._refuse(problem)
+            self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
             return
-        _, _, _, _, phase, _, tolerance = _BLOB.unpack_from(blob)
-        values_end = _BLOB.size + 8 * len(self._values)
-        memory = memoryview(blob)
-        self._values[:] = array("d", memory[_BLOB.size : values_end].tobytes())
-        self._importer_tolerance = tolerance
+        _, phase, _, self._importer_tolerance, self._time = _FACTS.unpack_from(blob, _HEADER.size)
+        values, state = self._arrays_of_blob(blob)
+        self._values[:] = values
         self._phase = phase
         self._refusal = None
-        if phase == _STEPPING:
-            self._allocate()  # the parameters were checked before the state was made
-            self._state[:] = array("d", memory[values_end:].tobytes())
+        if phase >= _STEPPING:
+            self._allocate()
+            self._state[:] = state
+
+    def _arrays_of_blob(self, blob):
+        numbers = array("d", blob[_HEADER.size + _FACTS.size :])
+        return numbers[: len(self._values)], numbers[len(self._values) :]
 
     def _problem_of_blob(self, blob):
         """What is wrong with a state, in words, or None."""
-        sentence = "the FMU state that was set {}; the state of before is kept"
-        if not isinstance(blob, bytes) or len(blob) < _BLOB.size:
-            return sentence.format("is no state of a tether")
-        magic, variant, length, checksum, phase, segments, _ = _BLOB.unpack_from(blob)
-        body = blob[_BLOB.size :]
-        if magic != _MAGIC:
-            return sentence.format("is no state of a tether, or of another version")
-        if length != len(body) or zlib.crc32(body) != checksum:
-            return sentence.format("is damaged")
-        expected = 8 * (len(self._values) + (at.state_size(segments) if phase == _STEPPING else 0))
-        if variant.rstrip(b"\0").decode("ascii", "replace") != self.variant or phase > _STEPPING or length != expected:
-            return sentence.format("belongs to another tether FMU")
-        return None
+        smallest = _HEADER.size + _FACTS.size
+        if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(_MAGIC):
+            return "is no state of a tether, or of another version"
+        _, length, checksum = _HEADER.unpack_from(blob)
+        if length != len(blob) - _HEADER.size or zlib.crc32(blob[_HEADER.size :]) != checksum:
+            return "is damaged"
+        variant, phase, segments, _, _ = _FACTS.unpack_from(blob, _HEADER.size)
+        numbers = len(self._values) + (at.state_size(segments) if phase >= _STEPPING else 0)
+        if variant.rstrip(b"\0") != self.variant.encode() or phase > _TERMINATED or len(blob) != smallest + 8 * numbers:
+            return "belongs to another tether FMU"
+        return self._problem_of_parameters(*self._arrays_of_blob(blob)) if phase >= _STEPPING else None
+
+    def _problem_of_parameters(self, values, state):
+        """Why the parameters in a saved state cannot be used with its state array, in words, or None."""
+        try:
+            tether, _, _ = self._records(values)
+        except (ValueError, OverflowError) as error:
+            return f"has a wrong parameter ({error})"
+        return None if at.state_size(tether.segments) == len(state) else "is damaged"
 
     @staticmethod
     def _fmu_state_to_bytes(state):
@@ -338,4 +402,5 @@ class TetherSlave(Fmi2Slave):
         text = f"{self.instance_name}: {message}"
         self.log(text.replace("%", "%%"), level)
         if sys.stderr is not None:
-            print(text, file=sys.stderr)
+            with suppress(OSError, ValueError):  # a host may have closed it
+                print(text, file=sys.stderr)

@@ -5,6 +5,7 @@ reference is its place in `variables()`. Standard library only: finished FMUs sh
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from math import degrees
 
 from . import layout as at
@@ -207,12 +208,16 @@ def _depends_on(variant, variable):
     return tuple(name for name in names if name not in IGNORED[variant])
 
 
-def variables(variant, shape_points, starts=()):
-    """The table of all variables: inputs, outputs, parameters.
+@lru_cache
+def variables(variant, shape_points, starts=(), left_out=()):
+    """The table of all variables, a tuple: inputs, outputs, parameters.
 
     variant : "dynamic", "quasi_steady", "catenary" or "straight".  shape_points : number of points of the output `shape`.
-    starts : pairs (parameter, start value) that replace defaults.
+    starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
+    FMU for one scene goes without; such inputs stay 0.
     """
+    first = dict(starts)
+    inputs = [replace(variable, start=first.get(variable.name, variable.start)) for variable in _input_variables()]
     outputs = [
         replace(
             variable,
@@ -221,7 +226,11 @@ def variables(variant, shape_points, starts=()):
         )
         for variable in _output_variables(shape_points)
     ]
-    return _input_variables() + outputs + _parameter_variables(variant, dict(starts))
+    return tuple(
+        replace(variable, depends_on=tuple(name for name in variable.depends_on or () if name not in left_out))
+        for variable in (*inputs, *outputs, *_parameter_variables(variant, first))
+        if variable.name not in left_out
+    )
 
 
 def records(values):

@@ -93,6 +93,8 @@ NODE_ARRAYS = 7 + 2 * STAGES
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 34  # derivatives of one segment, see `segment.py`
 
+LARGEST_INPUT = 1e9  # in magnitude, any input
+LONGEST_STEP = 1e6  # [s]
 MAX_SEGMENTS = 300
 WORK_BUDGET = 2_000_000  # segments times internal steps in one communication step: about a second
 MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused

@@ -10,6 +10,7 @@ import platform
 import sys
 from collections import namedtuple
 from ctypes import CDLL, CFUNCTYPE, c_double, c_int32, c_int64, c_void_p
+from functools import lru_cache
 from pathlib import Path
 
 Kernels = namedtuple("Kernels", "initialize advance observe")
@@ -34,8 +35,12 @@ def file_name(variant, target):
     return f"{variant}-{target}{SUFFIXES[target.rsplit('-', 1)[1]]}"
 
 
+@lru_cache
 def load(folder, variant):
-    """Entry points of a variant, from its library for this platform in a folder; OSError says what is missing."""
+    """Entry points of a variant, from its library for this platform in a folder; OSError says what is missing.
+
+    Loaded once: all instances share them (they hold no state), and the folder may vanish afterwards.
+    """
     available = sorted(path.name for path in Path(folder).glob(f"{variant}-*"))
     names = [name for name in available if name.startswith(f"{variant}-{this_platform()}.")]
     if not names:

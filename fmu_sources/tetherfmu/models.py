@@ -79,6 +79,7 @@ class TetherModel:
         self._parameters = np.array(pack(tethers, environment, solver, self._tolerance, masses.items(), _free_ends))
         self._inputs = np.zeros(at.INPUTS)
         self._state = np.zeros(at.state_size(self.segments))
+        self._before = self._state.copy()
         self._outputs = np.zeros(at.outputs_size(self._points))
         self._work = np.zeros(at.work_size(self.segments))
         self._kernels = kernels(self.variant)
@@ -99,16 +100,10 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
-        before = self.get_state()
         result = self._kernels.initialize(
             self.segments, _address(self._parameters), _address(self._inputs), _address(self._state), _address(self._work)
         )
-        try:
-            self._raise_unless_ok(result, 0.0)
-        except StepRefused:
-            self.set_state(before)
-            raise
-        return self.outputs()
+        return self._outputs_or_refusal(result, 0.0)
 
     def step(
         self,
@@ -137,8 +132,7 @@ class TetherModel:
             _address(self._state),
             _address(self._work),
         )
-        self._raise_unless_ok(result, step)
-        return self.outputs()
+        return self._outputs_or_refusal(result, step)
 
     def get_state(self):
         """Copy of the whole state, one flat array; see `layout.py`."""
@@ -150,17 +144,14 @@ class TetherModel:
         if state.shape != self._state.shape:
             raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
         self._state[:] = state
+        self._before[:] = state
 
     def outputs(self):
         """`Outputs` that belong to the present state."""
-        self._kernels.observe(
-            self.segments,
-            _address(self._parameters),
-            _address(self._state),
-            self._points,
-            _address(self._outputs),
-            _address(self._work),
-        )
+        self._observe()
+        return self._collected()
+
+    def _collected(self):
         values = self._outputs
         return Outputs(
             values[at.GROUND_FORCE : at.GROUND_FORCE + 3].copy(),
@@ -200,9 +191,24 @@ class TetherModel:
         inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
         inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = load
 
-    def _raise_unless_ok(self, result, step):
+    def _observe(self):
+        return self._kernels.observe(
+            self.segments,
+            _address(self._parameters),
+            _address(self._state),
+            self._points,
+            _address(self._outputs),
+            _address(self._work),
+        )
+
+    def _outputs_or_refusal(self, result, step):
+        """`Outputs` after a call of the kernels that returned `result`, or StepRefused and the state of before."""
         if result == status.OK:
-            return
+            result = self._observe()
+        if result == status.OK:
+            self._before[:] = self._state
+            return self._collected()
+        self._state[:] = self._before
         place = status.index(result)
         raise StepRefused(
             status.sentence(
@@ -212,7 +218,6 @@ class TetherModel:
                 step=step,
                 reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
                 length=self._state[at.LENGTH],
-                shortest=at.MIN_SEGMENT_LENGTH,
                 relative_tolerance=self._tolerance,
                 fixed_step=self._solver.fixed_step,
                 budget=at.WORK_BUDGET // self.segments,

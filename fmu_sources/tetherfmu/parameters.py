@@ -18,12 +18,12 @@ class Tether:
     """A uniform tether. Numbers in SI units; ValueError if one is out of range."""
 
     segments: int = quantity(20, "", "number of segments", minimum=1, maximum=at.MAX_SEGMENTS)
-    initial_length: float = quantity(505.0, "m", "unstretched length at the start", minimum=0.0, above=True, maximum=1e5)
-    diameter: float = quantity(0.004, "m", "diameter", minimum=0.0, above=True, maximum=10.0, display=("mm", 1000.0))
-    density: float = quantity(724.0, "kg/m3", "density of the tether material", minimum=0.0, above=True, maximum=1e5)
-    axial_stiffness: float = quantity(
-        614600.0, "N", "stiffness E A: force per strain", minimum=0.0, above=True, maximum=1e12
+    initial_length: float = quantity(
+        505.0, "m", "unstretched length at the start", minimum=at.MIN_SEGMENT_LENGTH, maximum=1e5
     )
+    diameter: float = quantity(0.004, "m", "diameter", minimum=1e-6, maximum=10.0, display=("mm", 1000.0))
+    density: float = quantity(724.0, "kg/m3", "density of the tether material", minimum=1e-3, maximum=1e5)
+    axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", minimum=1e-3, maximum=1e12)
     axial_damping: float = quantity(
         473.0, "N.s", "damping constant times length: force per strain rate", minimum=0.0, maximum=1e9
     )
@@ -55,6 +55,7 @@ class Environment:
         "m",
         "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere",
         minimum=0.0,
+        maximum=1e9,
     )
     gravity: float = quantity(9.81, "m/s2", "gravity along -z", minimum=0.0, maximum=1000.0)
     wind_profile: int = quantity(
@@ -63,12 +64,10 @@ class Environment:
         "growth of the wind with the height z: uniform; (z/h)^alpha; ln(z/z0)/ln(h/z0); log + (log - power)",
         choices=("uniform", "power_law", "logarithmic", "explog"),
     )
-    wind_reference_height: float = quantity(
-        6.0, "m", "height h at which wind_velocity is given", minimum=0.0, above=True, maximum=1e5
-    )
+    wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", minimum=1e-3, maximum=1e5)
     wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", minimum=0.0, maximum=2.0)
     surface_roughness: float = quantity(
-        0.0002, "m", "roughness z0 of the logarithmic law of the wind", minimum=0.0, above=True, maximum=100.0
+        0.0002, "m", "roughness z0 of the logarithmic law of the wind", minimum=1e-9, maximum=100.0
     )
 
     def __post_init__(self):

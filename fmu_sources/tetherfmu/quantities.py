@@ -11,16 +11,15 @@ from math import inf, isfinite
 class Quantity:
     """One number with its meaning.
 
-    unit : of the number; "" for none.  meaning : one line for people.  minimum, maximum : allowed range, both included
-    unless `above` is set (then the minimum itself is not allowed).  choices : names of an enumeration, in the order of
-    its numbers 1, 2, ...  display : (unit, factor) for people: shown value = factor times value.
+    unit : of the number; "" for none.  meaning : one line for people.  minimum, maximum : allowed range, both included.
+    choices : names of an enumeration, in the order of its numbers 1, 2, ...  display : (unit, factor) for people: shown
+    value = factor times value.
     """
 
     unit: str
     meaning: str
     minimum: float = -inf
     maximum: float = inf
-    above: bool = False
     choices: tuple = ()
     display: tuple = ()
 
@@ -29,7 +28,7 @@ class Quantity:
         if self.choices:
             return "one of " + ", ".join(f"{number} ({name})" for number, name in enumerate(self.choices, start=1))
         unit = f" {self.unit}" if self.unit else ""
-        lower = f"{'greater than' if self.above else 'at least'} {self.minimum:g}{unit}"
+        lower = f"at least {self.minimum:g}{unit}"
         upper = f"at most {self.maximum:g}{unit}"
         if self.minimum == -inf:
             return upper if self.maximum < inf else "a finite number"
@@ -45,7 +44,7 @@ class Quantity:
             return False
         if self.choices:
             return number in range(1, len(self.choices) + 1)
-        return (self.minimum < number if self.above else self.minimum <= number) and number <= self.maximum
+        return self.minimum <= number <= self.maximum
 
 
 def checked(name, value, quantity):

@@ -4,6 +4,8 @@ A kernel returns one 32-bit number: the code in the low byte, above it an index 
 Standard library only: finished FMUs ship this file.
 """
 
+from . import layout as at
+
 OK = 0
 INPUT_NOT_FINITE = 1
 STEP_NOT_POSITIVE = 2
@@ -13,11 +15,12 @@ STEP_TOO_SMALL = 5
 STATE_NOT_FINITE = 6
 NO_EQUILIBRIUM = 7
 FIXED_STEPS_TOO_MANY = 8
+OUTPUT_NOT_FINITE = 9
 
 SENTENCES = {
     OK: "done",
-    INPUT_NOT_FINITE: "the input {name} is {value}; it must be a finite number",
-    STEP_NOT_POSITIVE: "the communication step is {step} s; it must be finite and greater than 0",
+    INPUT_NOT_FINITE: "the input {name} is {value}; it must be a finite number, at most {largest:g} in magnitude",
+    STEP_NOT_POSITIVE: "the communication step is {step} s; it must be greater than 0 and at most {longest:g} s",
     REELED_TOO_SHORT: (
         "the reel_out_speed {reel_out_speed} m/s over a step of {step} s would leave segments shorter than "
         "{shortest} m (tether_length {length} m); stop reeling in earlier or use fewer segments"
@@ -39,6 +42,10 @@ SENTENCES = {
         "a communication step of {step} s needs more than {budget} internal steps of fixed_step {fixed_step} s; use a "
         "longer fixed_step or a shorter communication step"
     ),
+    OUTPUT_NOT_FINITE: (
+        "an output would not be a finite number after a step of {step} s; check kite_position, wind_velocity and "
+        "air_density_scale_height"
+    ),
 }
 
 
@@ -54,4 +61,6 @@ def index(status):
 
 def sentence(status, **facts):
     """What a status says, with the facts that its sentence asks for."""
-    return SENTENCES[code(status)].format(**facts)
+    return SENTENCES[code(status)].format(
+        largest=at.LARGEST_INPUT, longest=at.LONGEST_STEP, shortest=at.MIN_SEGMENT_LENGTH, **facts
+    )

@@ -2,6 +2,7 @@
 
 import atexit
 import shutil
+from zipfile import is_zipfile
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
@@ -10,12 +11,13 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 class Host:
     """One instance of an FMU.
 
-    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`.
+    path : of the FMU, or of a folder where it was extracted before.
+    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `folder`.
     """
 
     def __init__(self, path, name="tether"):
         self.description = read_model_description(str(path))
-        self.folder = extract(str(path))
+        self.folder = extract(str(path)) if is_zipfile(path) else path
         self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         self.kind = {variable.name: variable.type for variable in self.description.modelVariables}
         self.messages = []
@@ -72,6 +74,10 @@ class Host:
         self.set(**values)
         self.fmu.doStep(self.time, step)
         self.time += step
+
+    def free(self):
+        """Free the instance; the library stays loaded."""
+        self.fmu.fmi2FreeInstance(self.fmu.component)
 
     def close(self):
         """Terminate, free and remove the extracted files."""

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is no
 def host(tmp_path_factory):
     """The host program and the libraries, in one folder."""
     folder = tmp_path_factory.mktemp("windows")
-    libraries(kernels_folder(), ["x86_64-windows"])
+    libraries(kernels_folder(), ["x86_64-windows"], VARIANTS)
     for variant in VARIANTS:
         shutil.copy(kernels_folder() / file_name(variant, "x86_64-windows"), folder)
     source = Path(__file__).parent / "windows_host.c"

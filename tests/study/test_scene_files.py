@@ -16,7 +16,7 @@ WRONG = {
     "missing key": ("allowed_error.*", "", "the key wanted.allowed_error is missing"),
     "unknown key": ("rate =", "rte =", "unknown key flight.rte"),
     "wrong unit": ("505 m", "505 kg", "tether.initial_length is '505 kg'; it must be a number with one of the units m"),
-    "not a number": ('"505 m"', "nan", "tether.initial_length is nan; it must be greater than 0 m"),
+    "not a number": ('"505 m"', "nan", "tether.initial_length is nan; it must be at least 0.01 m"),
     "out of range": ('"3 %"', "7", "wanted.allowed_error is 7; it must be at least 0.0001 and at most 0.5"),
     "NaN in a vector": (r"\[8.0", "[nan", "wind.velocity is [nan, 0.0, 0.0]; each must be a finite number"),
     "unknown flight": ("circle", "spiral", "flight.kind is 'spiral'; it must be one of circle"),

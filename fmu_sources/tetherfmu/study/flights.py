@@ -27,12 +27,12 @@ class Motion(NamedTuple):
 
 def metres(default, meaning):
     """A length [m] above zero."""
-    return quantity(default, "m", meaning, minimum=0.0, above=True, maximum=1e5)
+    return quantity(default, "m", meaning, minimum=1e-3, maximum=1e5)
 
 
 def seconds(default, meaning):
     """A time [s] above zero."""
-    return quantity(default, "s", meaning, minimum=0.0, above=True, maximum=1e6)
+    return quantity(default, "s", meaning, minimum=1e-3, maximum=1e6)
 
 
 def radians(default, meaning):

@@ -67,9 +67,10 @@ def fly(advance, observe, n, parameters, inputs, step, state, work, every, outpu
     largest = 0.0
     for k in range(len(inputs)):
         result = advance(n, parameters.ctypes, inputs[k].ctypes, step, state.ctypes, work.ctypes)
+        if result == 0:
+            result = observe(n, parameters.ctypes, state.ctypes, points, outputs.ctypes, work.ctypes)
         if result != 0:
             return result
-        observe(n, parameters.ctypes, state.ctypes, points, outputs.ctypes, work.ctypes)
         force = outputs[at.KITE_FORCE : at.KITE_FORCE + 3]
         largest = max(largest, np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2))
         if (k + 1) % every == 0:

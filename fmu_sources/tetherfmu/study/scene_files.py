@@ -37,7 +37,7 @@ class Wind:
 
     velocity: tuple = (0.0, 0.0, 0.0)
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
-    gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=0.0, above=True, maximum=1e6)
+    gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
 
     def __post_init__(self):
         check(self)
