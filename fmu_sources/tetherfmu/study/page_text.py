@@ -27,7 +27,9 @@ expect. It flies the scene with a finer model, tries the configurations in the o
 cheapest whose error against the finer model, plus the finer model's own error, is allowed. `--fast` forecasts the errors
 from dimensionless numbers and the thresholds below. `tradeoff` measures every configuration and writes a CSV file, a figure
 and a report (Markdown and HTML) to `study/NAME`; stop it when you like, the same command goes on. `--dask ADDRESS` spreads
-it over a cluster (`pip install "tetherfmu[cluster]"`).
+it over a cluster (`pip install "tetherfmu[cluster]"`). `python build_fmus.py --scene examples/scenes/circle.toml` builds the
+advised FMU: the scene's values as start values, without the inputs that are 0 in it and the outputs that it does not ask
+for.
 """
 
 CLOSING = """\
