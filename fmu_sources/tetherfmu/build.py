@@ -91,7 +91,7 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         (resources / KERNELS_FOLDER).mkdir()
         for each in platforms:
             shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
-        options = {"starts": [["segments", segments]], "shape_points": shape_points}
+        options = {"segments": segments, "shape_points": shape_points}
         if scene:
             options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))

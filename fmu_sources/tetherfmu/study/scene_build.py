@@ -12,6 +12,7 @@ from markdown import markdown
 
 from ..build import Trim
 from ..interface import INPUT, OUTPUT, variables
+from ..models import StepRefused
 from .advise import advise
 from .advise_text import explain
 from .flown_fmu import FMUS
@@ -88,10 +89,13 @@ def advised(path, shape_points):
     Raises
     ------
     SceneError
-        In one line: what is wrong with the file.
+        In one line: what is wrong with the file, or why its scene cannot be flown.
     """
     scene = load(path)
-    advice = advise(scene)
+    try:
+        advice = advise(scene)
+    except StepRefused as refusal:
+        raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
     config = advice.point.config
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs, outputs = still(scene, config.step), unasked(scene, points)
