@@ -1,7 +1,7 @@
 """The advice in words: what to use, why, and what error to expect."""
 
 from .flown_fmu import FMUS
-from .forecast import GROUPS, fast_advice, group_error, limit
+from .forecast import GROUPS, MARGIN, fast_advice, group_error, limit
 from .runs import VARIANTS, Config
 from .scene_report import NAMES, factor, percent
 from .tradeoff import SEGMENTS
@@ -85,5 +85,11 @@ def explain_fast(scene, advice=None):
     parts = ", ".join(f"{group} {percent(error)}" for group, error in chosen.errors.items() if error > 1e-4)
     expect = f"  expect    an error of about {percent(chosen.error)}: {parts or 'nothing above 0.01 %'}"
     return "\n".join(
-        [*lines, *use(chosen.config), expect, numbers_of(advice.numbers), *reasons(chosen.config, advice.numbers, allowed)]
+        [
+            *lines,
+            *use(chosen.config),
+            expect,
+            numbers_of(advice.numbers),
+            *reasons(chosen.config, advice.numbers, MARGIN * allowed),
+        ]
     )
