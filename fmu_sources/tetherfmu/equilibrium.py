@@ -24,7 +24,7 @@ from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
 from .status import NO_EQUILIBRIUM, OK
-from .vectors import add, along, cross, dot, get, get_matrix, multiply, norm, put, put_matrix, scale, sub
+from .vectors import add, add_to_diagonal, along, cross, dot, get, multiply, norm, put, put_matrix, scale, skew, sub
 
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
@@ -91,7 +91,7 @@ def node_loads(n, spin, stretching, wind, length, tense, parameters, x, v, mass,
         pull = (0.0, 0.0, 0.0)
         if tense:
             rest = chain.rest_length(s, length, parameters)
-            stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+            stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
             pull = scale(stiffness * (distance - rest), e)
         acceleration = cross(spin, cross(spin, sub(x_p, ground)))
         body = scale(-mass[s], (acceleration[0], acceleration[1], acceleration[2] + gravity))
@@ -110,8 +110,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
 
     K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
-    a, b, c = spin
-    motion = (stretching, -c, b, c, stretching, -a, -b, a, stretching)
+    motion = add_to_diagonal(skew(spin), stretching)
     for s in range(n):
         record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
         x_p = get(x, s)
@@ -119,16 +118,19 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         r = sub(x_q, x_p)
         distance, e = segment.geometry(r)
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
-        segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
+        height = 0.5 * (x_p[2] + x_q[2])
+        drag, drag_by_velocity, a = segment.linearize_drag(s, n, r, height, velocity, wind, parameters)
         rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
         stretch = tension[s] / distance
         for i in range(3):
             for j in range(3):
                 record[segment.K + 3 * i + j] = (stiffness - stretch) * e[i] * e[j]
             record[segment.K + 4 * i] += stretch
             record[segment.DIRECTION + i] = e[i]
-        put_matrix(record, segment.A, multiply(get_matrix(record, segment.A), motion))
+            record[segment.HEIGHT + i] = a[i]
+        put_matrix(record, segment.G, drag)
+        put_matrix(record, segment.A, multiply(drag_by_velocity, motion))
         record[segment.DAMPER] = 0.0
 
 
@@ -163,7 +165,7 @@ def apply_step(n, length, parameters, x, tension, change):
     for s in range(n):
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
         predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
         tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
     farthest = 0.0

@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
-from ..compilation import source_digest
+from ..kernel_sources import source_digest
 from ..models import StepRefused
 from .converged import converged
 from .costs import cost, host_cost
