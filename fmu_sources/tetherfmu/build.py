@@ -110,11 +110,9 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = _unpacked(_pack(resources, shipped, Path(temporary)))
     file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
-    if scene:
-        files["documentation/index.html"] = scene.page.encode()
-    else:
-        description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
-        files.update(documents(name, variant, description, options, platforms))
+    description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
+    files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
+    if not scene:
         (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
     partial = folder / f"{file}.partial"
     _write(files, partial)

@@ -36,6 +36,8 @@ def test_only_what_the_scene_needs(fmu):
     assert names["input"] == {"kite_position", "kite_velocity", "wind_velocity"}
     assert names["output"] == {"kite_force"}
     assert validate_fmu(str(fmu)) == []
+    with zipfile.ZipFile(fmu) as archive:
+        assert "documentation/licenses/license.txt" in archive.namelist()
 
 
 def test_start_values_are_those_of_the_scene(fmu):
