@@ -18,7 +18,7 @@ OSP_FOLDER = "extra/com.open-simulation-platform"
 
 def table_of(variant, options):
     """Table of the variables of an FMU with these build options."""
-    starts = (("segments", options["segments"]), *options.get("starts", ()))
+    starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
     return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
 
 
