@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from tetherfmu.build import SLAVES
+from tetherfmu.documents import folded, meaning, start
 from tetherfmu.fmi import DEFAULT_OPTIONS
 from tetherfmu.interface import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
 from tetherfmu.model_description import number
@@ -87,27 +88,6 @@ def table(head, rows):
     """Markdown table of rows of texts."""
     lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
     return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
-
-
-def folded(listed):
-    """Pairs (name, variables) with the components of a vector in one pair, and the whole shape in another."""
-    found = {}
-    for variable in listed:
-        name = variable.name.partition("[")[0]
-        found.setdefault(name, []).append(variable)
-    indices = {1: "", 3: "[1..3]"}
-    return [(name + indices.get(len(each), "[1..K,1..3]"), each) for name, each in found.items()]
-
-
-def meaning(each):
-    """What a variable or a vector of them means."""
-    text = each[0].quantity.meaning
-    return text if len(each) == 1 else text.removesuffix(", x").replace("point 1 of 21", "points")
-
-
-def start(each):
-    """Start value of a variable or of a vector."""
-    return ", ".join(number(variable.start) for variable in each)
 
 
 def signals(causality):

@@ -1,4 +1,4 @@
-"""Run a test in a process of its own, so that a crash is a failed test and not a dead test run."""
+"""Run code in a process of its own, so that a crash is a failed test and not a dead test run."""
 
 import functools
 import importlib
@@ -10,10 +10,30 @@ TIMEOUT = 120.0  # seconds; no test takes longer than a few, compilation include
 
 def _child(connection, module, name, arguments):
     try:
-        getattr(importlib.import_module(module), name).__wrapped__(**arguments)
-        connection.send(None)
+        function = getattr(importlib.import_module(module), name)
+        connection.send((None, getattr(function, "__wrapped__", function)(**arguments)))
     except BaseException:
-        connection.send(traceback.format_exc())
+        connection.send((traceback.format_exc(), None))
+
+
+def own_process(function, **arguments):
+    """What a function of a module returns, called in a new process, which must also end cleanly."""
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_child, args=(sender, function.__module__, function.__name__, arguments))
+    process.start()
+    sender.close()
+    try:
+        problem, result = receiver.recv() if receiver.poll(TIMEOUT) else ("the process hangs", None)
+    except EOFError:
+        problem = "the process died"
+    process.join(TIMEOUT if problem != "the process hangs" else 0.0)
+    if process.is_alive():
+        process.kill()
+        process.join()
+    assert problem is None, problem
+    assert process.exitcode == 0, f"the process ended with exit code {process.exitcode}"
+    return result
 
 
 def in_own_process(function):
@@ -21,20 +41,6 @@ def in_own_process(function):
 
     @functools.wraps(function)
     def test(**arguments):
-        context = multiprocessing.get_context("spawn")
-        receiver, sender = context.Pipe(duplex=False)
-        process = context.Process(target=_child, args=(sender, function.__module__, function.__name__, arguments))
-        process.start()
-        sender.close()
-        try:
-            problem = receiver.recv() if receiver.poll(TIMEOUT) else "the process hangs"
-        except EOFError:
-            problem = "the process died"
-        process.join(TIMEOUT if problem != "the process hangs" else 0.0)
-        if process.is_alive():
-            process.kill()
-            process.join()
-        assert problem is None, problem
-        assert process.exitcode == 0, f"the process ended with exit code {process.exitcode}"
+        own_process(function, **arguments)
 
     return test

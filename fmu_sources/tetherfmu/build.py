@@ -13,23 +13,37 @@ import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
+from . import osp
 from .ahead_of_time import TARGETS, libraries
+from .documents import OSP_FOLDER, documents
 from .fmi import KERNELS_FOLDER, OPTIONS_FILE
+from .kernel_sources import PACKAGE, source_digest
 from .library import file_name
 
-PACKAGE = Path(__file__).resolve().parent
 SLAVES = {  # name: (slave script, variant)
     "TetherStraight": ("tether_straight.py", "straight"),
     "TetherCatenary": ("tether_catenary.py", "catenary"),
     "TetherQuasiSteady": ("tether_quasi_steady.py", "quasi_steady"),
     "TetherDynamic": ("tether_dynamic.py", "dynamic"),
 }
-SHIPPED = ("__init__", "layout", "quantities", "parameters", "status", "interface", "library", "model_description", "fmi")
+SHIPPED = (
+    "__init__",
+    "layout",
+    "quantities",
+    "parameters",
+    "status",
+    "dependencies",
+    "interface",
+    "library",
+    "model_description",
+    "fmi",
+)
 DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
-KERNEL_SOURCES_APART = ("build", "fmi", "models", "model_description", "interface", "quantities", "parameters", "__init__")
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 LAUNCHER = """from {package}.fmi import hold_globals
 from {package}.{module} import {name}
@@ -40,7 +54,18 @@ DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS):
+class Trim(NamedTuple):
+    """What an FMU of one scene has of its own."""
+
+    name: str
+    starts: list  # pairs (input or parameter, start value)
+    left_out: list  # names of inputs and outputs
+    about: str  # sentence that is added to the description
+    step: float  # communication step of the default experiment [s]
+    page: str  # documentation, HTML
+
+
+def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
     """Build one FMU.
 
     Parameters
@@ -55,11 +80,13 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         Points of the output `shape`; 0 leaves it out.
     platforms : sequence of str
         Names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : Trim
+        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
 
     Returns
     -------
     Path
-        Of the FMU.
+        Of the FMU. The groups of variables for the Open Simulation Platform are written beside it (`osp.py`).
 
     Raises
     ------
@@ -78,22 +105,26 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         for each in platforms:
             shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
         options = {"segments": segments, "shape_points": shape_points}
+        if scene:
+            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
-        raw = _pack(resources, shipped, Path(temporary))
-        partial = folder / f"{name}.fmu.partial"
-        _rewrite(raw, partial)
-        return partial.replace(folder / f"{name}.fmu")
+        files = _unpacked(_pack(resources, shipped, Path(temporary)))
+    file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
+    description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
+    files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
+    if not scene:
+        (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
+    partial = folder / f"{file}.partial"
+    _write(files, partial)
+    return partial.replace(folder / file)
 
 
 def kernels_folder():
     """Where compiled libraries are kept: named by all that they are made from."""
-    digest = hashlib.sha256(platform.python_version().encode())
-    for package in ("numba", "llvmlite", "ziglang"):
-        digest.update(f"{package} {version(package)}".encode())
-    for path in sorted(PACKAGE.glob("*.py")):
-        if path.stem not in KERNEL_SOURCES_APART:
-            digest.update(path.read_bytes())
-    return PACKAGE / "__pycache__" / f"libraries_{digest.hexdigest()[:12]}"
+    tools = [f"{package} {version(package)}" for package in ("numba", "llvmlite", "ziglang")]
+    made_from = [platform.python_version(), *tools, source_digest("ahead_of_time", "library")]
+    digest = hashlib.sha256("\n".join(made_from).encode()).hexdigest()[:12]
+    return PACKAGE / "__pycache__" / f"libraries_{digest}"
 
 
 def contents(path):
@@ -135,11 +166,15 @@ def _pack(resources, shipped, folder):
             del sys.modules[module]
 
 
-def _rewrite(source, target):
-    """Copy an FMU with a guid from its content, fixed dates and sorted entries."""
-    with zipfile.ZipFile(source) as archive:
-        names = [name for name in archive.namelist() if not name.endswith("/") and "__pycache__" not in name]
-        files = {name: archive.read(name) for name in names}
+def _unpacked(archive):
+    """Files of an archive: dict of path to bytes."""
+    with zipfile.ZipFile(archive) as opened:
+        names = [name for name in opened.namelist() if not name.endswith("/") and "__pycache__" not in name]
+        return {name: opened.read(name) for name in names}
+
+
+def _write(files, target):
+    """Write an FMU with a guid from its content, fixed dates and sorted entries."""
     description = files["modelDescription.xml"].decode("utf-8")
     description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
     description = _replace_attribute(description, "guid", "")
@@ -149,7 +184,7 @@ def _rewrite(source, target):
             digest.update(name.encode("utf-8"))
             digest.update(files[name])
     description = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}")
-    files["modelDescription.xml"] = description.encode("utf-8")
+    files = {**files, "modelDescription.xml": description.encode("utf-8")}
     with zipfile.ZipFile(target, "w") as archive:
         for name in sorted(files):
             item = zipfile.ZipInfo(name, DATE)

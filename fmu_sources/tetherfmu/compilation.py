@@ -7,14 +7,11 @@ is allocated, raised or received as a function.
 Kernels are compiled into the entry points (`entry.py`), and only those are cached on disk.
 """
 
-import hashlib
 from contextlib import contextmanager
-from functools import cache
-from pathlib import Path
 
 from numba import cfunc, config, njit
 
-_PACKAGE = Path(__file__).parent
+from .kernel_sources import PACKAGE, source_digest
 
 
 def kernel(function):
@@ -27,20 +24,11 @@ def view(function):
     return njit(error_model="numpy", forceinline=True)(function)
 
 
-@cache
-def source_digest():
-    """Hash of all sources of the package: 12 hexadecimal digits."""
-    digest = hashlib.sha256()
-    for path in sorted(_PACKAGE.glob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:12]
-
-
 @contextmanager
 def _cache_of_these_sources():
     """Point numba's cache at a folder named by the sources: numba itself does not see an edit in another file."""
     users_choice = config.CACHE_DIR
-    config.CACHE_DIR = users_choice or str(_PACKAGE / "__pycache__" / f"kernels_{source_digest()}")
+    config.CACHE_DIR = users_choice or str(PACKAGE / "__pycache__" / f"kernels_{source_digest()}")
     try:
         yield
     finally:

@@ -6,6 +6,7 @@ while it is being made; pass a `%` to the log unescaped.
 
 import ctypes
 import json
+import os
 import struct
 import sys
 import zlib
@@ -28,7 +29,7 @@ from .quantities import checked
 
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
-DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
+DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21, "starts": [], "left_out": [], "about": "", "step": 0.02}
 
 # a saved state: header, facts, all FMI values, and the state array once the tether is initialized
 _HEADER = struct.Struct("<8sII")  # magic with version, length and checksum of what follows
@@ -50,6 +51,23 @@ def _options(resources):
     return DEFAULT_OPTIONS | (json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {})
 
 
+@lru_cache
+def _free_interpreter_once(resources):
+    """Let a Linux process end cleanly with PythonFMU's library loaded.
+
+    At the exit the library frees its interpreter state in a static destructor and then again in its unload function. An exit
+    handler registered now runs before both and takes the state away. glibc never unloads the library, because it has unique
+    symbols; `RTLD_NODELETE` says so for others, so that the handler stays valid.
+    """
+    if sys.platform != "linux":
+        return
+    for path in Path(resources).parent.glob("binaries/linux64/*.so"):
+        with suppress(OSError, AttributeError):  # not loaded from there, or a C library of another kind
+            library = ctypes.CDLL(str(path), mode=os.RTLD_NOW | os.RTLD_NOLOAD | os.RTLD_NODELETE)
+            handler = ctypes.cast(library.finalizePythonInterpreter, ctypes.c_void_p)
+            ctypes.CDLL(None).__cxa_atexit(handler, None, None)
+
+
 class TetherSlave(Fmi2Slave):
     """A tether as a PythonFMU slave. A variant is a subclass that sets `variant` and `description`."""
 
@@ -63,11 +81,15 @@ class TetherSlave(Fmi2Slave):
         if "visible" in kwargs:  # made by PythonFMU's library, not by its builder
             with suppress(ValueError):
                 sys.path.remove(self.resources)  # the library puts it there for each instance and leaves it
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=0.02, tolerance=1e-4)
+            _free_interpreter_once(self.resources)
         options = _options(self.resources)
+        step = options["step"]
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=step, tolerance=1e-4)
+        self._about = options["about"]
         self._shape_points = options["shape_points"]
         self._load_kernels()
-        self._table = interface.variables(self.variant, self._shape_points, (("segments", options["segments"]),))
+        starts = (("segments", options["segments"]), *map(tuple, options["starts"]))
+        self._table = interface.variables(self.variant, self._shape_points, starts, tuple(options["left_out"]))
         self._make_values()
         self._phase = _BEFORE
         self._importer_tolerance = 0.0
@@ -110,6 +132,8 @@ class TetherSlave(Fmi2Slave):
         options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
         root = super().to_xml(options)
         root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
+        if self._about:
+            root.set("description", f"{self.__class__.description} {self._about}")
         complete(root, self._table, self._references)
         return root
 

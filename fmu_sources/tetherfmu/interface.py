@@ -6,9 +6,10 @@ reference is its place in `variables()`. Standard library only: finished FMUs sh
 
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from math import degrees
+from math import degrees, pi
 
 from . import layout as at
+from .dependencies import depends_on
 from .parameters import Environment, Solver, Tether
 from .quantities import Quantity, quantities
 
@@ -57,8 +58,8 @@ def _input_variables():
     ]
 
 
-def _scalar_output(name, place, unit, meaning, kind="Real", depends_on=None, **limits):
-    return Variable(name, OUTPUT, kind, Quantity(unit, meaning, **limits), place, depends_on=depends_on)
+def _scalar_output(name, place, unit, meaning, kind="Real", **limits):
+    return Variable(name, OUTPUT, kind, Quantity(unit, meaning, **limits), place)
 
 
 def _output_variables(shape_points):
@@ -66,7 +67,6 @@ def _output_variables(shape_points):
         *_vector("ground_force", OUTPUT, at.GROUND_FORCE, "N", "force of the tether on the ground station"),
         *_vector("kite_force", OUTPUT, at.KITE_FORCE, "N", "force of the tether on the kite"),
     ]
-    mass_of = ("segments", "initial_length", "diameter", "density")
     scalar = _scalar_output
     points = []
     for k in range(shape_points):
@@ -78,12 +78,14 @@ def _output_variables(shape_points):
         scalar("ground_tension", at.GROUND_TENSION, "N", "tension of the first segment"),
         scalar("kite_tension", at.KITE_TENSION, "N", "tension of the last segment"),
         scalar("max_tension", at.MAX_TENSION, "N", "largest tension of all segments now"),
-        scalar("tether_length", at.TETHER_LENGTH, "m", "unstretched length now", depends_on=("initial_length",)),
+        scalar("tether_length", at.TETHER_LENGTH, "m", "unstretched length now", minimum=0.0),
         scalar(
             "ground_elevation",
             at.GROUND_ELEVATION,
             "rad",
             "elevation at which the tether leaves the ground end",
+            minimum=-pi / 2.0,
+            maximum=pi / 2.0,
             display=DEGREES,
         ),
         scalar(
@@ -91,6 +93,8 @@ def _output_variables(shape_points):
             at.GROUND_AZIMUTH,
             "rad",
             "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above",
+            minimum=-pi,
+            maximum=pi,
             display=DEGREES,
         ),
         scalar(
@@ -102,20 +106,20 @@ def _output_variables(shape_points):
             minimum=0,
             maximum=at.MAX_SEGMENTS,
         ),
-        scalar("kite_end_mass", at.KITE_END_MASS, "kg", "tether mass lumped at the kite end", depends_on=mass_of),
+        scalar("kite_end_mass", at.KITE_END_MASS, "kg", "tether mass lumped at the kite end", minimum=0.0),
         scalar(
             "kite_stiffness",
             at.KITE_STIFFNESS,
             "N/m",
             "stiffness along the tether that the kite feels, all segments taut",
-            depends_on=("initial_length", "axial_stiffness"),
+            minimum=0.0,
         ),
         scalar(
             "kite_damping",
             at.KITE_DAMPING,
             "N.s/m",
             "damping along the tether that the kite feels, all segments taut",
-            depends_on=("initial_length", "axial_damping"),
+            minimum=0.0,
         ),
         scalar("wave_time", at.WAVE_TIME, "s", "travel time of a transverse wave over the tether", minimum=0.0),
         scalar("sag", at.SAG, "m", "largest distance of the tether from its chord", minimum=0.0),
@@ -129,8 +133,6 @@ def parameter_names():
 
 
 INPUT_NAMES = {variable.place: variable.name for variable in _input_variables()}
-_SOLVER_PARAMETERS = ("relative_tolerance", "fixed_step")
-_KNOWN = (*INPUT_NAMES.values(), *(name for name in parameter_names() if name not in _SOLVER_PARAMETERS))
 
 
 _SOLVER = "there is no motion to integrate"
@@ -193,37 +195,29 @@ NOTES = {  # meanings of outputs where they differ from the dynamic tether's
 }
 
 
-def _depends_on(variant, variable):
-    """Names of what an output depends on when initialization ends."""
-    names = variable.depends_on
-    if names is None:
-        names = _KNOWN
-    constant = {
-        "quasi_steady": ("kite_damping",),
-        "catenary": ("kite_damping", "kite_end_mass"),
-        "straight": ("kite_damping", "sag"),
-    }
-    if variable.name in constant.get(variant, ()):
-        return ()
-    return tuple(name for name in names if name not in IGNORED[variant])
-
-
 @lru_cache
-def variables(variant, shape_points, starts=()):
+def variables(variant, shape_points, starts=(), left_out=()):
     """The table of all variables, a tuple: inputs, outputs, parameters.
 
     variant : "dynamic", "quasi_steady", "catenary" or "straight".  shape_points : number of points of the output `shape`.
-    starts : pairs (parameter, start value) that replace defaults.
+    starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
+    FMU for one scene goes without; such inputs stay 0.
     """
+    first = dict(starts)
+    inputs = [replace(variable, start=first.get(variable.name, variable.start)) for variable in _input_variables()]
     outputs = [
         replace(
             variable,
             quantity=replace(variable.quantity, meaning=NOTES[variant].get(variable.name, variable.quantity.meaning)),
-            depends_on=_depends_on(variant, variable),
+            depends_on=depends_on(variant, variable.name, shape_points, IGNORED[variant]),
         )
         for variable in _output_variables(shape_points)
     ]
-    return (*_input_variables(), *outputs, *_parameter_variables(variant, dict(starts)))
+    return tuple(
+        replace(variable, depends_on=tuple(name for name in variable.depends_on or () if name not in left_out))
+        for variable in (*inputs, *outputs, *_parameter_variables(variant, first))
+        if variable.name not in left_out
+    )
 
 
 def records(values):

@@ -15,7 +15,20 @@ BASE_UNITS = {
     "N.s/m": {"kg": 1, "s": -1},
     "rad": {"rad": 1},
 }
-NOMINAL = {"m": 100.0, "m/s": 10.0, "N": 100.0}
+QUANTITIES = {
+    "m": "Length",
+    "m/s": "Velocity",
+    "m/s2": "Acceleration",
+    "s": "Time",
+    "kg": "Mass",
+    "kg/m3": "Density",
+    "N": "Force",
+    "N.s": "AxialDamping",
+    "N/m": "TranslationalSpringConstant",
+    "N.s/m": "TranslationalDampingConstant",
+    "rad": "Angle",
+}
+NOMINAL = {"m": 100.0, "m/s": 10.0, "N": 100.0, "N/m": 1000.0}
 
 
 def complete(root, table, references):
@@ -81,6 +94,7 @@ def _variable(variable, reference):
     if variable.kind == "Enumeration":
         typed.set("declaredType", variable.name)
     if variable.kind == "Real" and declared.unit:
+        typed.set("quantity", QUANTITIES[declared.unit])
         typed.set("unit", declared.unit)
         if declared.display:
             typed.set("displayUnit", declared.display[0])

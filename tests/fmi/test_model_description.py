@@ -1,5 +1,6 @@
 """The model description is valid, complete and offers the plug of docs/interface.md."""
 
+import math
 import subprocess
 import sys
 
@@ -81,6 +82,22 @@ def test_variables_are_described(fmu_folder, name):
     assert description.coSimulation.canHandleVariableCommunicationStepSize
     assert description.coSimulation.canGetAndSetFMUstate
     assert description.coSimulation.canSerializeFMUstate
+
+
+@every_fmu
+def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
+    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    for variable in variables.values():
+        assert (variable.quantity is not None) == (variable.unit is not None)
+        if variable.unit is not None and variable.causality != "parameter":
+            assert float(variable.nominal) > 0.0
+    displayed = {each: variable.displayUnit for each, variable in variables.items() if variable.displayUnit}
+    assert displayed == {"diameter": "mm", "ground_elevation": "deg", "ground_azimuth": "deg"}
+    not_negative = ("tether_length", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag", "slack_segments")
+    assert {variables[each].min for each in not_negative} == {"0"}
+    assert float(variables["ground_azimuth"].max) == -float(variables["ground_azimuth"].min) == math.pi
+    assert float(variables["ground_elevation"].max) == -float(variables["ground_elevation"].min) == math.pi / 2.0
 
 
 def build(folder, *options):

@@ -1,0 +1,215 @@
+"""The circle, flown by each client: the same inputs, and one form of result.
+
+The result of a client is a dict: name of an output to the list of its values at the start and after each step. Clients load
+an FMU, so a test calls them in a process of their own (`isolation.own_process`).
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from array import array
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+
+from scenes import circle
+
+STEP, STEPS = 0.02, 2000  # 40 s, a third of the turn
+# sizes of the steps: as they are meant; as rounded by clients that take differences of times, or of whole nanoseconds
+EXACT = np.full(STEPS, STEP)
+DIFFERENCES = np.diff(STEP * np.arange(STEPS + 1))
+NANOSECONDS = np.diff(np.arange(STEPS + 1) * round(STEP * 1e9) / 1e9)
+INPUTS = [f"{vector}[{i}]" for vector in ("kite_position", "kite_velocity") for i in (1, 2, 3)]
+ROWS = [np.concatenate(circle(k * STEP)).tolist() for k in range(STEPS + 1)]
+START_REALS = {
+    "initial_length": 525.0,
+    "wind_velocity[1]": 8.0,
+    "reel_out_speed": 0.1,
+    **dict(zip(INPUTS, ROWS[0], strict=True)),
+}
+START_INTEGERS = {"segments": 12}
+
+
+def different(found, expected):
+    """Names of the outputs that differ in any bit between two results."""
+    assert list(found) == list(expected)
+    return [name for name in expected if array("d", found[name]).tobytes() != array("d", expected[name]).tobytes()]
+
+
+def difference(found, expected):
+    """Largest difference between two results, relative to the largest value of each output."""
+    assert list(found) == list(expected)
+    largest = {name: max(map(abs, values)) or 1.0 for name, values in expected.items()}
+    return max(abs(a - b) / largest[name] for name in expected for a, b in zip(found[name], expected[name], strict=True))
+
+
+def variables(path):
+    """Of an FMU: value references by name; names of the Real and of the Integer outputs."""
+    description = read_model_description(str(path))
+    references = {variable.name: variable.valueReference for variable in description.modelVariables}
+    outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
+    reals, integers = ([output.name for output in outputs if output.type == kind] for kind in ("Real", "Integer"))
+    return references, reals, integers
+
+
+@contextmanager
+def instance(path, name="tether"):
+    """An instance of an FMU in FMPy, initialized for the circle; freed and unloaded afterwards."""
+    description = read_model_description(str(path))
+    folder = extract(str(path))
+    identifier = description.coSimulation.modelIdentifier
+    fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName=name)
+    references, _, _ = variables(path)
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.setReal([references[name] for name in START_REALS], list(START_REALS.values()))
+    fmu.setInteger([references[name] for name in START_INTEGERS], list(START_INTEGERS.values()))
+    fmu.exitInitializationMode()
+    yield fmu
+    fmu.terminate()
+    fmu.freeInstance()
+    shutil.rmtree(folder)
+
+
+def fmpy(path, steps=EXACT):
+    """FMPy, step by step."""
+    references, reals, integers = variables(path)
+    inputs = [references[name] for name in INPUTS]
+    outputs = [[references[name] for name in names] for names in (reals, integers)]
+    points = []
+    with instance(path) as fmu:
+        points.append(fmu.getReal(outputs[0]) + fmu.getInteger(outputs[1]))
+        for k, step in enumerate(steps):
+            fmu.setReal(inputs, ROWS[k])
+            fmu.doStep(k * STEP, step)
+            points.append(fmu.getReal(outputs[0]) + fmu.getInteger(outputs[1]))
+    return _columns(reals + integers, points)
+
+
+def fmpy_simulate(path):
+    """`simulate_fmu` of FMPy."""
+    _, reals, integers = variables(path)
+    time = STEP * np.arange(STEPS + 1)
+    signal = np.rec.fromarrays([time, *np.transpose(ROWS)], names=["time", *INPUTS])
+    start, output = {**START_REALS, **START_INTEGERS}, reals + integers
+    result = simulate_fmu(
+        str(path), stop_time=time[-1], output_interval=STEP, input=signal, start_values=start, output=output
+    )
+    return {name: result[name].tolist() for name in output}
+
+
+def fmpy_in_threads(path, count):
+    """The results of FMPy in several threads at once."""
+    with ThreadPoolExecutor(count) as pool:
+        return list(pool.map(fmpy, [path] * count))
+
+
+def libcosim(path):
+    """libcosim, the library of the Open Simulation Platform, through libcosimpy."""
+    from libcosimpy.CosimEnums import CosimVariableType
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    references, reals, integers = variables(path)
+    execution = CosimExecution.from_step_size(round(STEP * 1e9))
+    slave = execution.add_local_slave(CosimLocalSlave(str(path), "tether"))
+    for name, value in START_REALS.items():
+        assert execution.real_initial_value(slave, references[name], value)
+    for name, value in START_INTEGERS.items():
+        assert execution.integer_initial_value(slave, references[name], value)
+    observer = CosimObserver.create_time_series(buffer_size=STEPS + 1)
+    assert execution.add_observer(observer)
+    for names, kind in ((reals, CosimVariableType.REAL), (integers, CosimVariableType.INTEGER)):
+        assert all(observer.start_time_series(slave, references[name], kind) for name in names)
+    override = CosimManipulator.create_override()
+    assert execution.add_manipulator(override)
+    for row in ROWS[:-1]:
+        assert override.slave_real_values(slave, [references[name] for name in INPUTS], row)
+        assert execution.step()
+    result = {}
+    for names, samples in ((reals, observer.time_series_real_samples), (integers, observer.time_series_integer_samples)):
+        for name in names:  # in two parts: libcosimpy counts step 0 as an empty place and drops the last sample for it
+            result[name] = samples(slave, references[name], 0, 2)[2] + samples(slave, references[name], 1, STEPS)[2]
+    return result
+
+
+def container(paths, folder, **options):
+    """A container of fmu-manipulation-toolbox in FMPy."""
+    return fmpy(build_container(paths, folder, **options))
+
+
+def build_container(paths, folder, **options):
+    """A container of FMUs with common inputs and parameters; returns its path.
+
+    Outputs carry the name of their FMU in front where there are several.
+    """
+    from fmu_manipulation_toolbox.container import FMUContainer
+
+    built = FMUContainer("tethers", paths[0].parent)
+    for path in paths:
+        references, reals, integers = variables(path)
+        built.get_fmu(path.name)
+        for name in [name for name in references if name not in reals + integers]:
+            built.add_input(name, path.name, name)
+        for name in reals + integers:
+            built.add_output(path.name, name, name if len(paths) == 1 else f"{path.stem}.{name}")
+    built.make_fmu(folder / "tethers.fmu", step_size=STEP, **options)
+    return folder / "tethers.fmu"
+
+
+def python_library():
+    """Path of the shared library of this Python, or None."""
+    path = Path(sysconfig.get_config_var("LIBDIR") or "") / (sysconfig.get_config_var("INSTSONAME") or "none")
+    return path if ".so" in path.name and path.is_file() else None
+
+
+def c_host(program, path, folder, plan, end="finalize", preloaded=()):
+    """The program of `c_host.c`, with the library of Python preloaded; the results of all flights of its plan."""
+    references, reals, integers = variables(path)
+    description = read_model_description(str(path))
+    extracted = Path(extract(str(path), unzipdir=str(folder / path.stem)))
+    scenario = folder / f"{path.stem}.txt"
+    _write_scenario(scenario, references, reals, integers)
+    library = extracted / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
+    resources = (extracted / "resources").as_uri()
+    done = subprocess.run(
+        [program, library, description.guid, resources, scenario, plan, end],
+        env={
+            **os.environ,
+            "LD_PRELOAD": ":".join(map(str, [*preloaded, python_library()])),
+            "PYTHONHOME": sys.base_prefix,
+            "PYTHONPATH": "",
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"exit status {done.returncode}: {done.stderr}"
+    kinds = [float.fromhex] * len(reals) + [int] * len(integers)
+    flights = [[line.split() for line in flight.splitlines()] for flight in done.stdout.split("\n\n")[:-1]]
+    points = [[[kind(word) for kind, word in zip(kinds, line, strict=True)] for line in flight] for flight in flights]
+    return [_columns(reals + integers, each) for each in points]
+
+
+def _write_scenario(file, references, reals, integers):
+    """The circle as `c_host.c` reads it."""
+    words = []
+    for names in (START_REALS, START_INTEGERS):
+        words += [len(names), *(references[name] for name in names), *names.values()]
+    for names in (INPUTS, reals, integers):
+        words += [len(names), *(references[name] for name in names)]
+    words += [STEPS, *EXACT.tolist(), *np.ravel(ROWS[:-1]).tolist()]
+    file.write_text(" ".join(float(word).hex() for word in words))
+
+
+def _columns(names, points):
+    return {name: list(column) for name, column in zip(names, zip(*points, strict=True), strict=True)}

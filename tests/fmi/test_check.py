@@ -1,0 +1,257 @@
+"""`python -m tetherfmu.check` finds what is wrong with an FMU or its place, names the remedy, and never dies of it."""
+
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import zipfile
+
+import pytest
+
+from tetherfmu import check, inspection
+from tetherfmu.build import SLAVES
+from tetherfmu.library import this_platform
+
+FOREIGN = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="{fmi}" modelName="foreign" guid="{{0}}">
+  <CoSimulation modelIdentifier="foreign"/>
+  <ModelVariables>
+    <ScalarVariable name="y" valueReference="0" causality="output" variability="continuous" initial="calculated">
+      <Real{wrong}/>
+    </ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="1"/></Outputs><InitialUnknowns><Unknown index="1"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def run(*arguments, **environment):
+    """Exit status and what was said, on stdout and on stderr."""
+    command = [sys.executable, "-m", "tetherfmu.check", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
+    assert "Traceback" not in done.stderr
+    return done.returncode, done.stdout + done.stderr
+
+
+def changed(source, target, change):
+    """Copy an FMU; change : function of the name and the bytes of a file, None leaves the file out. Returns the copy."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = change(name, old.read(name))
+            if content is not None:
+                new.writestr(name, content)
+    return target
+
+
+def foreign(path, fmi="2.0", wrong=""):
+    """An FMU of another maker that has a library for this platform."""
+    import fmpy
+
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", FOREIGN.format(fmi=fmi, wrong=wrong))
+        archive.writestr(f"binaries/{fmpy.platform}/foreign{fmpy.sharedLibraryExtension}", b"no library")
+    return path
+
+
+def test_sound_fmus(fmu_folder):
+    status, said = run(*(fmu_folder / f"{name}.fmu" for name in SLAVES))
+    assert status == 0
+    assert said.count("valid by the XML schema of FMI 2.0, and FMPy finds no problem") == len(SLAVES)
+    assert said.count("evidence set: 200 steps") == len(SLAVES)
+    assert len(re.findall(r"kite_force\[3\] +[\d.e+-]+ of +[\d.e+-]+ N$", said, re.MULTILINE)) == len(SLAVES)
+    assert f"on {this_platform()}" in said
+    assert "0 problems found" in said
+
+
+def test_wrong_use(tmp_path, fmu_folder):
+    assert run()[0] == 2
+    for wrong in (tmp_path / "none.fmu", tmp_path):
+        status, said = run(fmu_folder / "TetherStraight.fmu", wrong)
+        assert status == 2
+        assert f"There is no file {wrong}" in said
+
+
+def test_without_fmpy_it_says_how_to_get_it(monkeypatch, capsys, fmu_folder):
+    find = check.importlib.util.find_spec
+    monkeypatch.setattr(check.importlib.util, "find_spec", lambda name: None if name == "fmpy" else find(name))
+    assert check.main([str(fmu_folder / "TetherStraight.fmu")]) == 2
+    assert "python -m pip install fmpy" in capsys.readouterr().err
+
+
+def test_files_that_are_no_fmu(tmp_path):
+    text = tmp_path / "text.fmu"
+    text.write_text("no archive")
+    status, said = run(text)
+    assert status == 1
+    assert "no zip archive" in said
+    empty = tmp_path / "empty.fmu"
+    zipfile.ZipFile(empty, "w").close()
+    status, said = run(empty)
+    assert status == 1
+    assert "no modelDescription.xml" in said
+
+
+DAMAGES = {  # in the list of files, not in a date there, which nobody would call damage
+    "signature of the list": lambda content: content.rfind(b"PK\x01\x02"),
+    "signature of the end": lambda content: content.rfind(b"PK\x05\x06"),
+    "name in the list": lambda content: content.rfind(b"PK\x01\x02") + 46,
+    **{f"byte {place}": lambda content, place=place: place for place in (30, 2000, 40_000, 150_000)},
+}
+
+
+@pytest.mark.parametrize("damage", list(DAMAGES))
+def test_damaged_archive(tmp_path, fmu_folder, damage):
+    content = bytearray((fmu_folder / "TetherStraight.fmu").read_bytes())
+    content[DAMAGES[damage](content)] ^= 0xFF
+    damaged = tmp_path / "TetherStraight.fmu"
+    damaged.write_bytes(content)
+    status, said = run(damaged)
+    assert status == 1
+    assert "damaged" in said or "no zip archive" in said
+
+
+@pytest.mark.parametrize("path", ["../escape.txt", "/root.txt", "folder\\file.txt"])
+def test_paths_that_leave_the_archive(tmp_path, path):
+    fmu = foreign(tmp_path / "foreign.fmu")
+    with zipfile.ZipFile(fmu, "a") as archive:
+        archive.writestr(zipfile.ZipInfo(path), "")
+    assert run(fmu)[0] == 1
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "1.0", "3.0"])
+def test_a_foreign_fmu_is_validated_only(tmp_path, fmi):
+    status, said = run(foreign(tmp_path / "foreign.fmu", fmi))
+    assert "no evidence set in this FMU: it was validated, not run" in said
+    assert "FMI recommends files that are not there: model.png" in said
+    assert "PythonFMU" not in said
+    assert status == (0 if fmi == "2.0" else 1)  # the description of another version has other elements
+
+
+def test_a_wrong_model_description(tmp_path):
+    status, said = run(foreign(tmp_path / "foreign.fmu", wrong=' unitt="m"'))
+    assert status == 1
+    assert "XML schema of FMI 2.0: line 6" in said
+    broken = changed(tmp_path / "foreign.fmu", tmp_path / "broken.fmu", lambda name, content: content[:-20])
+    assert run(broken)[0] == 1
+
+
+@pytest.mark.parametrize("character", "+#%()[]',&;=@!ä")
+def test_a_folder_for_extraction_that_crashes_pythonfmu(tmp_path, fmu_folder, character):
+    """The run is refused with the remedy."""
+    special = tmp_path / f"a{character}b"
+    special.mkdir()
+    status, said = run(fmu_folder / "TetherStraight.fmu", TMPDIR=str(special))
+    assert status == 1
+    assert f"crashes on {character} in that path" in said
+    assert "TMPDIR" in said
+    assert "the evidence set was not run" in said
+
+
+@pytest.mark.parametrize(("folder", "dies"), [("a b_c-d.e~F1", False), ("a#b", True), ("käfer", True)])
+def test_what_crashes_pythonfmu_is_known(tmp_path, fmu_folder, folder, dies):
+    """The folder for extraction is what the check takes for harmless, or not: then the process dies indeed."""
+    (tmp_path / folder).mkdir()
+    assert bool(inspection.crashing_characters(tmp_path / folder)) is dies
+    command = [
+        sys.executable,
+        "-m",
+        "tetherfmu.replay",
+        str(fmu_folder / "TetherStraight.fmu"),
+        str(tmp_path / "result.json"),
+    ]
+    done = subprocess.run(command, env={**os.environ, "TMPDIR": str(tmp_path / folder)}, capture_output=True, check=False)
+    assert (done.returncode != 0) is dies
+
+
+@pytest.mark.parametrize("folder", ["a+b", "käfer", "it's, [50%] (new)"])
+def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder):
+    (tmp_path / folder).mkdir()
+    copy = changed(
+        fmu_folder / "TetherStraight.fmu", tmp_path / folder / "TetherStraight.fmu", lambda name, content: content
+    )
+    status, said = run(copy)
+    assert status == 0
+    assert "a host that extracts the FMU beside itself will crash" in said
+    assert "evidence set: 200 steps" in said
+
+
+def test_missing_platforms(tmp_path, fmu_folder):
+    source = fmu_folder / "TetherStraight.fmu"
+    no_library = changed(
+        source, tmp_path / "a.fmu", lambda name, content: None if name.startswith("binaries/linux") else content
+    )
+    status, said = run(no_library)
+    assert status == 1
+    assert "has no library for linux64, only for win64" in said
+    assert "PythonFMU has no library for other platforms" in said
+    here = f"-{this_platform()}."
+    no_kernels = changed(source, tmp_path / "b.fmu", lambda name, content: None if here in name else content)
+    status, said = run(no_kernels)
+    assert status == 1
+    assert f"build it with: python build_fmus.py --platforms {this_platform()}" in said
+    assert "the evidence set was not run" in said
+
+
+def test_an_fmu_that_dies_is_a_finding(tmp_path, fmu_folder):
+    def kill(name, content):
+        return (
+            content + b"\nimport ctypes\nctypes.string_at(0)\n"
+            if re.match(r"resources/tether_straight\w+\.py", name)
+            else content
+        )
+
+    status, said = run(changed(fmu_folder / "TetherStraight.fmu", tmp_path / "TetherStraight.fmu", kill))
+    assert status == 1
+    assert "the process that ran the FMU died" in said
+
+
+def with_evidence(fmu_folder, tmp_path, ending, pattern, text):
+    """A copy of TetherStraight.fmu with a change in a file of its evidence set."""
+
+    def change(name, content):
+        return re.sub(pattern, text, content, count=1, flags=re.MULTILINE) if name.endswith(ending) else content
+
+    return changed(fmu_folder / "TetherStraight.fmu", tmp_path / "TetherStraight.fmu", change)
+
+
+def test_a_deviation_from_the_reference(tmp_path, fmu_folder):
+    status, said = run(with_evidence(fmu_folder, tmp_path, "_ref.csv", rb"^(5,[^,]*),[^,]*", rb"\1,0.0"))
+    assert status == 1
+    assert re.search(r"ground_force\[2\] .* TOO MUCH", said)
+    assert said.count("TOO MUCH") == 1
+
+
+def test_a_refused_step(tmp_path, fmu_folder):
+    status, said = run(with_evidence(fmu_folder, tmp_path, "_in.csv", rb"^(5,)[^,]*", rb"\1nan"))
+    assert status == 1
+    assert "the run ended at 5 s instead of 10 s: a step was refused" in said
+
+
+@pytest.mark.parametrize(
+    ("ending", "pattern", "text"),
+    [
+        ("_ref.csv", rb"^5,[^,]*", b"5,many"),
+        ("_ref.csv", rb"^5,[^,]*,", b"5,"),
+        ("_ref.opt", rb"^AllowedDeviation.*\n", b""),
+        ("_ref.opt", rb"^StepSize.*", b"StepSize"),
+    ],
+)
+def test_an_evidence_set_that_cannot_be_read(tmp_path, fmu_folder, ending, pattern, text):
+    status, said = run(with_evidence(fmu_folder, tmp_path, ending, pattern, text))
+    assert status == 1
+    assert "the evidence set cannot be read" in said
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="libpython is a trouble of Linux")
+def test_libpython_for_other_hosts(monkeypatch, tmp_path):
+    library = tmp_path / "libpython3.99.so.1.0"
+    values = {"INSTSONAME": library.name, "LIBDIR": str(tmp_path)}
+    monkeypatch.setattr(sysconfig, "get_config_var", values.get)
+    assert "install libpython" in inspection.hosts_that_are_not_python()[0].remedy
+    library.touch()
+    assert inspection.hosts_that_are_not_python()[0].remedy.endswith(f"LD_PRELOAD={library}")
+    values["INSTSONAME"] = "libpython3.99.a"
+    assert inspection.shared_python() is None

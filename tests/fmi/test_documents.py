@@ -1,0 +1,101 @@
+"""What an FMU carries for people: a page whose links lead somewhere, its pictures, licences and what the host must have."""
+
+import struct
+import zipfile
+from html.parser import HTMLParser
+from importlib.metadata import distribution
+from pathlib import PurePosixPath
+
+import pytest
+from fmpy import read_model_description
+
+from tetherfmu.build import SLAVES, build
+from tetherfmu.documents import folded
+from tetherfmu.interface import variables
+
+every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+
+
+class Page(HTMLParser):
+    """Links, pictures, texts of the cells, and whether every element that opens is closed."""
+
+    EMPTY = ("meta", "img")
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.cells, self.text, self._open = [], [], "", []
+        self.feed(text)
+        self.close()
+        assert self._open == []
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in self.EMPTY:
+            self._open.append(tag)
+        self.links += [value for name, value in attributes if name in ("href", "src")]
+
+    def handle_endtag(self, tag):
+        assert self._open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+        if "td" in self._open:
+            self.cells.append(data)
+
+
+def content(path):
+    """Files of an FMU: dict of path to bytes."""
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+@every_fmu
+def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name):
+    files = content(fmu_folder / f"{name}.fmu")
+    page = Page(files["documentation/index.html"].decode("utf-8"))
+    for link in page.links:
+        assert str(PurePosixPath("documentation") / link) in files
+    table = variables(SLAVES[name][1], 21)
+    for listed, each in folded(table):
+        assert listed in page.cells
+        assert each[0].quantity.meaning.removesuffix(", x").replace("point 1 of 21", "points") in page.cells
+    assert name in page.text
+    assert read_model_description(str(fmu_folder / f"{name}.fmu")).description in page.text
+    assert "$" not in page.text
+
+
+@every_fmu
+def test_every_variant_tells_its_own_physics(fmu_folder, name):
+    symbol = {
+        "TetherStraight": "mean of xi f",
+        "TetherCatenary": "asinh(V2/H)",
+        "TetherQuasiSteady": "omega x (omega x r_i)",
+        "TetherDynamic": "m_i dv_i/dt",
+    }
+    text = content(fmu_folder / f"{name}.fmu")["documentation/index.html"].decode("utf-8")
+    assert [each for each in SLAVES if symbol[each] in text] == [name]
+
+
+@every_fmu
+def test_pictures(fmu_folder, name):
+    files = content(fmu_folder / f"{name}.fmu")
+    for path, size in (("model.png", (200, 200)), ("documentation/figure.png", (720, 450))):
+        assert files[path].startswith(b"\x89PNG\r\n\x1a\n")
+        assert struct.unpack(">II", files[path][16:24]) == size
+
+
+@every_fmu
+def test_licences_and_dependencies(fmu_folder, name):
+    files = content(fmu_folder / f"{name}.fmu")
+    assert b"TetherFMU developers" in files["documentation/licenses/license.txt"]
+    assert files["documentation/licenses/PythonFMU.txt"].decode() == distribution("pythonfmu").read_text("licenses/LICENSE")
+    assert b"Mozilla Public License" in files["documentation/licenses/CPPFMU.txt"]
+    needed = files["documentation/externalDependencies.txt"].decode()
+    assert "Python 3.11 or newer" in needed
+    assert "LD_PRELOAD" in needed
+    assert "Platform: x86_64-linux, x86_64-windows" in needed
+
+
+def test_page_follows_the_build_options(tmp_path):
+    page = Page(content(build("TetherStraight", tmp_path, segments=9, shape_points=0))["documentation/index.html"].decode())
+    assert "shape[1..K,1..3]" not in page.cells
+    assert page.cells[page.cells.index("segments") + 2] == "9"

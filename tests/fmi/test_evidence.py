@@ -1,0 +1,96 @@
+"""The evidence set is what FMI's cross-check asks for, and its reference does not come from the FMU."""
+
+import csv
+import io
+import zipfile
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+
+from tetherfmu import evidence, models
+from tetherfmu.build import SLAVES
+from tetherfmu.parameters import DEFAULT_TOLERANCE, Solver, Tether
+
+every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+
+
+def files(path):
+    """Texts of the evidence set in an FMU, by file name."""
+    with zipfile.ZipFile(path) as archive:
+        names = [entry for entry in archive.namelist() if entry.startswith("documentation/evidence/")]
+        return {entry.rpartition("/")[2]: archive.read(entry).decode("ascii") for entry in names}
+
+
+def columns(text):
+    """Columns of a CSV file as arrays."""
+    head, *rows = csv.reader(io.StringIO(text))
+    return dict(zip(head, np.array(rows, dtype=float).T, strict=True))
+
+
+@every_fmu
+def test_files_obey_the_rules_of_the_cross_check(fmu_folder, name):
+    """Names, at most 10 outputs, quoted names in the first line, time first and rising, below 1 MB, all inputs, options."""
+    found = files(fmu_folder / f"{name}.fmu")
+    assert sorted(found) == sorted(["README.txt", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"])
+    variables = {each.name: each for each in read_model_description(str(fmu_folder / f"{name}.fmu")).modelVariables}
+    options = dict(line.split(", ") for line in found[f"{name}_ref.opt"].splitlines())
+    assert {"StartTime", "StopTime", "StepSize", "RelTol"} <= set(options)
+    for file, causality in ((f"{name}_in.csv", "input"), (f"{name}_ref.csv", "output")):
+        assert len(found[file]) < 1_000_000
+        assert all(each.startswith('"') for each in found[file].splitlines()[0].split('",'))
+        table = columns(found[file])
+        names = list(table)
+        assert names[0] == "time"
+        assert {variables[each].causality for each in names[1:]} == {causality}
+        assert np.all(np.diff(table["time"]) > 0.0)
+        assert (table["time"][0], table["time"][-1]) == (float(options["StartTime"]), float(options["StopTime"]))
+    assert len(names) - 1 <= 10
+    assert set(columns(found[f"{name}_in.csv"])) - {"time"} == {n for n, v in variables.items() if v.causality == "input"}
+
+
+def test_the_scene_moves_what_it_says():
+    """Velocities are the derivatives of the positions; the kite flies out, the tether pays out, the wind rises."""
+    h = 1e-4
+    for time in (0.0, 1.3, 4.0, 6.7, 9.9):
+        ahead, back = (np.array(evidence.inputs_at(time + s)["kite_position"]) for s in (h, -h))
+        # the rises have jumps in their second derivative: first order there, h times an acceleration of some m/s2
+        np.testing.assert_allclose((ahead - back) / (2.0 * h), evidence.inputs_at(time)["kite_velocity"], atol=1e-3)
+    start, end = evidence.inputs_at(0.0), evidence.inputs_at(10.0)
+    assert start["kite_position"] == (300.0, 0.0, 400.0)
+    assert np.linalg.norm(end["kite_position"]) == pytest.approx(509.0)
+    assert end["kite_position"][1] > 150.0
+    assert (start["reel_out_speed"], end["reel_out_speed"]) == (0.0, 0.5)
+    assert (start["wind_velocity"][0], end["wind_velocity"][0]) == (0.0, 8.0)
+
+
+def deviation(relative_tolerance):
+    """Largest difference of the dynamic tether's kite_tension from the reference, as a part of the largest tension."""
+    scene = [evidence.inputs_at(k * evidence.STEP) for k in range(evidence.STEPS + 1)]
+    reference = np.array(evidence.reference(models.TetherDynamic, 20, scene))[:, 7]
+    tether = models.TetherDynamic(Tether(), solver=Solver(relative_tolerance=relative_tolerance))
+    tensions = [tether.initialize(**scene[0]).kite_tension]
+    tensions += [tether.step(evidence.STEP, **inputs).kite_tension for inputs in scene[:-1]]
+    return np.abs(reference - tensions).max() / reference.max()
+
+
+def test_the_reference_is_far_better_than_what_is_allowed():
+    """A tolerance ten times tighter moves the reference of the dynamic tether by less than 1e-4 of the allowed deviation."""
+    assert deviation(0.1 * evidence.REFERENCE_TOLERANCE) < 1e-4 * evidence.ALLOWED["dynamic"]
+
+
+def test_the_default_tolerance_stays_well_within_what_is_allowed():
+    assert 1e-5 < deviation(DEFAULT_TOLERANCE) < 1e-3
+
+
+@pytest.mark.parametrize("segments", [1, 300])
+def test_the_set_belongs_to_the_start_values_of_the_fmu(segments):
+    """Also with the fewest and with the most segments that a builder may ask for."""
+    made = evidence.files("TetherDynamic", segments)
+    assert made["TetherDynamic_in.csv"] == evidence.files("TetherDynamic", 20)["TetherDynamic_in.csv"]
+    assert made["TetherDynamic_ref.csv"] != evidence.files("TetherDynamic", 20)["TetherDynamic_ref.csv"]
+
+
+def test_digits_hide_the_last_bit_of_a_zero():
+    assert evidence.text_of(-3e-15, 8) == "0"
+    assert evidence.text_of(123.456789012, 8) == "123.45679"
