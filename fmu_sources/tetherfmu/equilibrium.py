@@ -310,7 +310,7 @@ def find(n, spin, stretching, length, wind, parameters, x, v, w):
     height [m/s]. Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
     chain.node_masses(n, length, parameters, w.mass)
-    tension = w.rx[:n]
+    tension = w.r[:n]
     guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
     found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, 0.0, MOST_ITERATIONS, w)
     if not found:
