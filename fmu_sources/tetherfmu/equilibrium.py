@@ -23,8 +23,25 @@ from . import catenary, chain, hanging, segment
 from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
+from .pairs import pair
 from .status import NO_EQUILIBRIUM, OK
-from .vectors import add, add_to_diagonal, along, cross, dot, get, multiply, norm, put, put_matrix, scale, skew, sub
+from .vectors import (
+    add,
+    add_to_diagonal,
+    along,
+    cross,
+    dot,
+    get,
+    get_two,
+    multiply,
+    norm,
+    put,
+    put_pairs,
+    scale,
+    skew,
+    sub,
+    symmetric,
+)
 
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
@@ -111,27 +128,24 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
     motion = add_to_diagonal(skew(spin), stretching)
-    for s in range(n):
-        record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
-        x_p = get(x, s)
-        x_q = get(x, s + 1)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        mirror = n - 1 - s
+        both = (s, mirror)
+        x_p = get_two(x, s, mirror)
+        x_q = get_two(x, s + 1, mirror + 1)
         r = sub(x_q, x_p)
         distance, e = segment.geometry(r)
-        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
+        velocity = scale(0.5, add(get_two(v, s, mirror), get_two(v, s + 1, mirror + 1)))
         height = 0.5 * (x_p[2] + x_q[2])
-        drag, drag_by_velocity, a = segment.linearize_drag(s, n, r, height, velocity, wind, parameters)
-        rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
-        stretch = tension[s] / distance
-        for i in range(3):
-            for j in range(3):
-                record[segment.K + 3 * i + j] = (stiffness - stretch) * e[i] * e[j]
-            record[segment.K + 4 * i] += stretch
-            record[segment.DIRECTION + i] = e[i]
-            record[segment.HEIGHT + i] = a[i]
-        put_matrix(record, segment.G, drag)
-        put_matrix(record, segment.A, multiply(drag_by_velocity, motion))
-        record[segment.DAMPER] = 0.0
+        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
+        rest = chain.rest_length(both, length, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, both, n, parameters)
+        stretch = pair(tension[s], tension[mirror]) / distance
+        start = 2 * at.SEGMENT_RECORD * s
+        put_pairs(w.records, start + 2 * segment.K, add_to_diagonal(symmetric(stiffness - stretch, e), stretch))
+        put_pairs(w.records, start + 2 * segment.G, drag)
+        put_pairs(w.records, start + 2 * segment.A, multiply(drag_by_velocity, motion))
+        put_pairs(w.records, start + 2 * segment.HEIGHT, (*a, *e, 0.0 * stretch))
 
 
 @kernel

@@ -122,7 +122,7 @@ def work_size(segments):
         STATE_HEADER
         + (2 + NODE_ARRAYS) * 3 * nodes
         + BLOCK_ARRAYS * 9 * nodes
-        + SEGMENT_RECORD * segments
+        + SEGMENT_RECORD * nodes
         + 2 * nodes
         + segments
     )

@@ -75,9 +75,7 @@ GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))
 # factors of V_j in x_i, v_i, r_i and in the momentum h/M (...) = sum_j c_ij V_j + r_i/gamma, of the stages 1 to 5
 IN_POSITION = P
 IN_VELOCITY = tuple(tuple(A[i, :i]) for i in range(1, at.STAGES - 1))
-IN_MOMENTUM = tuple(
-    tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], strict=False)) for i in range(1, at.STAGES)
-)
+IN_MOMENTUM = tuple(tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], strict=False)) for i in range(1, at.STAGES))
 
 SAFETY = 0.9
 KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
@@ -116,9 +114,7 @@ def stage_force(n, drive, time, parameters, w):
     """Forces at a stage [N] into w.b and the node masses then [kg] into w.stage_mass (both modified)."""
     length = drive.length + drive.reeling * time
     chain.node_masses(n, length, parameters, w.stage_mass)
-    chain.node_forces(
-        n, w.branches, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, w.stage_mass, parameters, w.b
-    )
+    chain.node_forces(n, w.branches, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, w.stage_mass, parameters, w.b)
     put(w.b, n, add(get(w.b, n), drive.load))
 
 
@@ -159,7 +155,7 @@ def place_argument(in_position, in_velocity, alpha, h, x, v, w):
 
 @kernel
 def place_right(in_r, in_momentum, gamma, v, w):
-    """r_i and the momentum of a stage into w.r, w.momentum (modified): factors of V_j in both, gamma_i/gamma of the stage."""
+    """r_i and momentum of a stage into w.r, w.momentum (modified): factors of V_j in both, gamma_i/gamma of the stage."""
     for k in range(0, len(v), 2):
         k = np.uint64(min(k, len(v) - 2))
         start = gamma * load_pair(v, k)

@@ -14,7 +14,7 @@ Workspace = namedtuple(
 Workspace.__doc__ = """Scratch arrays of the kernels.
 
 trial : a whole state.  x_stage, v_stage, r, momentum, force, force_rate, b : 3 (n + 1).  velocities : `layout.STAGES` times
-3 (n + 1).  diagonal, lower, upper : 9 (n + 1).  records : n derivative records of `segment.py`.  mass, stage_mass : n + 1.
+3 (n + 1).  diagonal, lower, upper : 9 (n + 1).  records : of derivatives, see `chain.record_of`.  mass, stage_mass : n + 1.
 branches : n, which stiffness each segment has, see `segment.TAUT`.
 """
 
@@ -43,7 +43,7 @@ def workspace(n, work):
     b = a + 7 * nodes
     c = b + at.STAGES * nodes
     d = c + at.BLOCK_ARRAYS * blocks
-    e = d + at.SEGMENT_RECORD * n
+    e = d + at.SEGMENT_RECORD * (n + 1)
     return Workspace(
         work[:a],
         work[a : a + nodes],
