@@ -56,26 +56,25 @@ C = np.array(
         (34.62605830930532, 15.30084976114473, 56.99955578662667, 18.40807009793095, -5.714285714285717),
     )
 )
-P = (
+P = (  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 = v_4 + V_4
     (0.75,),
     (0.45775919837168977, 0.12387959918584487),
     (0.6840395424985646, 0.003483796012626717, -0.2941996904581955),
     (-1.150635276145604, -1.318155133423187, -5.061696550612639, -0.26550101102785023),
-)  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 = v_4 + V_4
-R_BY_GAMMA = (
+)
+R_BY_GAMMA = (  # R_ij/gamma of the stages 1 to 5
     (0.0,),
     (-0.36691199999999974, -0.056448),
     (3.216965637533963, 1.3668989638916995, 3.706916099773243),
     (7.743495620908387, 3.1987837164992916, 10.499408840403428, 2.478009436259934),
     (0.0, 0.0, 0.0, 0.0, -0.42857142857142927),
-)  # of the stages 1 to 5
+)
 ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))
 
-# factors of V_j in x_i, v_i, r_i and in the momentum h/M (...) = sum_j c_ij V_j + r_i/gamma, of the stages 1 to 5
-IN_POSITION = P
-IN_VELOCITY = tuple(tuple(A[i, :i]) for i in range(1, at.STAGES - 1))
-IN_MOMENTUM = tuple(tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], strict=False)) for i in range(1, at.STAGES))
+# factors of V_j in v_i (stages 1 to 4) and in the momentum sum_j c_ij V_j + r_i/gamma (stages 1 to 5)
+A_ROWS = tuple(tuple(A[i, :i]) for i in range(1, at.STAGES - 1))
+MOMENTUM = tuple(tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], strict=False)) for i in range(1, at.STAGES))
 
 SAFETY = 0.9
 KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
@@ -131,7 +130,7 @@ def correct_rate_for_mass(n, drive, time, parameters, w):
 
 @kernel
 def add_up(start, factors, velocities, k):
-    """start + sum_j factors_j V_j at the places k and k + 1 of all vectors, as a pair."""
+    """start + sum_j factors_j V_j at the places k and k + 1 of all V_j, as a pair."""
     nodes = len(velocities) // at.STAGES
     for j in range(len(factors)):
         start = start + factors[j] * load_pair(velocities, np.uint64(nodes * j + k))
@@ -140,12 +139,12 @@ def add_up(start, factors, velocities, k):
 
 @kernel
 def place_argument(in_position, in_velocity, alpha, h, x, v, w):
-    """Positions and velocities of a stage into w.x_stage, w.v_stage (modified), two numbers at once.
+    """x_i and v_i of a stage into w.x_stage, w.v_stage (modified), two numbers at once.
 
-    Factors of V_j in both, alpha of the stage.
+    Factors of V_j in both, alpha_i.  The last pair may overlap the one before.
     """
     for k in range(0, len(x), 2):
-        k = np.uint64(min(k, len(x) - 2))  # the last two may have had their turn
+        k = np.uint64(min(k, len(x) - 2))
         start = load_pair(v, k)
         position = load_pair(x, k) + h * add_up(alpha * start, in_position, w.velocities, k)
         velocity = add_up(start, in_velocity, w.velocities, k)
@@ -169,7 +168,7 @@ def place_right(in_r, in_momentum, gamma, v, w):
 def combine(stage, h, x, v, w):
     """Add up the stages before this one into w.x_stage, w.v_stage, w.r and w.momentum (modified).
 
-    The last stage finds its argument in w.x_stage, w.v_stage, where `solve_stage` has added U of the one before.
+    The last stage finds its argument in w.x_stage, w.v_stage, where `add_stage` has put U of the one before.
     """
     alpha = ALPHA[stage]
     gamma = GAMMA_I[stage] / GAMMA
@@ -180,19 +179,19 @@ def combine(stage, h, x, v, w):
             w.r[k] = v[k]
             w.momentum[k] = v[k] / GAMMA
     elif stage == 1:
-        place_argument(IN_POSITION[0], IN_VELOCITY[0], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[0], IN_MOMENTUM[0], gamma, v, w)
+        place_argument(P[0], A_ROWS[0], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[0], MOMENTUM[0], gamma, v, w)
     elif stage == 2:
-        place_argument(IN_POSITION[1], IN_VELOCITY[1], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[1], IN_MOMENTUM[1], gamma, v, w)
+        place_argument(P[1], A_ROWS[1], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[1], MOMENTUM[1], gamma, v, w)
     elif stage == 3:
-        place_argument(IN_POSITION[2], IN_VELOCITY[2], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[2], IN_MOMENTUM[2], gamma, v, w)
+        place_argument(P[2], A_ROWS[2], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[2], MOMENTUM[2], gamma, v, w)
     elif stage == 4:
-        place_argument(IN_POSITION[3], IN_VELOCITY[3], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[3], IN_MOMENTUM[3], gamma, v, w)
+        place_argument(P[3], A_ROWS[3], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[3], MOMENTUM[3], gamma, v, w)
     else:
-        place_right(R_BY_GAMMA[4], IN_MOMENTUM[4], gamma, v, w)
+        place_right(R_BY_GAMMA[4], MOMENTUM[4], gamma, v, w)
 
 
 @kernel
