@@ -192,11 +192,11 @@ def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, di
         i = n - s
         axial, drag, both = step_blocks(2 * at.SEGMENT_RECORD * s, damping_factor, stiffness_factor, records)
         drag = scale_matrix(outward, drag)
-        outer = add_to_diagonal(subtract(add_matrices(axial, drag), both), mass_factor * pair(mass[s], mass[i]))
+        total = add_matrices(axial, drag)
+        outer = add_to_diagonal(subtract(total, both), mass_factor * pair(mass[s], mass[i]))
         put_side_by_side(diagonal, 9 * s, diagonal, 9 * i, add_matrices(from_outside, outer))
-        opposite = add_matrices(axial, both)
-        put_side_by_side(upper, 9 * s, lower, 9 * i, scale_matrix(-1.0, add_matrices(opposite, drag)))
-        put_side_by_side(lower, 9 * s + 9, upper, 9 * i - 9, subtract(drag, opposite))
+        put_side_by_side(upper, 9 * s, lower, 9 * i, scale_matrix(-1.0, add_matrices(total, both)))
+        put_side_by_side(lower, 9 * s + 9, upper, 9 * i - 9, subtract(subtract(drag, axial), both))
         from_outside = subtract(subtract(axial, drag), both)
     if n % 2 == 0:
         middle = n // 2

@@ -35,12 +35,12 @@ from .vectors import (
     get_two,
     multiply,
     norm,
+    outer,
     put,
     put_pairs,
     scale,
     skew,
     sub,
-    symmetric,
 )
 
 MOST_ITERATIONS = 30
@@ -142,7 +142,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         stiffness, _ = segment.stiffness(distance - rest, rest, both, n, parameters)
         stretch = pair(tension[s], tension[mirror]) / distance
         start = 2 * at.SEGMENT_RECORD * s
-        put_pairs(w.records, start + 2 * segment.K, add_to_diagonal(symmetric(stiffness - stretch, e), stretch))
+        put_pairs(w.records, start + 2 * segment.K, add_to_diagonal(outer(scale(stiffness - stretch, e), e), stretch))
         put_pairs(w.records, start + 2 * segment.G, drag)
         put_pairs(w.records, start + 2 * segment.A, multiply(drag_by_velocity, motion))
         put_pairs(w.records, start + 2 * segment.HEIGHT, (*a, *e, 0.0 * stretch))
