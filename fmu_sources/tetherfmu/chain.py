@@ -10,11 +10,33 @@ The rate of change of node forces with positions and velocities, dF = K dx + B d
 only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. Theory: docs/theory.md, "The chain".
 """
 
+import numpy as np
+
 from . import layout as at
 from . import segment
-from .compilation import kernel
-from .pairs import first, number_at, pair, second
-from .vectors import add, apply, dot, get, get_matrix, get_two, put, put_matrix, put_side_by_side, put_two, scale, sub
+from .compilation import kernel, view
+from .pairs import first, load_pair, number_at, pair, second
+from .vectors import (
+    add,
+    add_matrices,
+    add_to_diagonal,
+    apply,
+    dot,
+    get,
+    get_matrix_of_pairs,
+    get_two,
+    get_vector_of_pairs,
+    put,
+    put_matrix,
+    put_pairs,
+    put_side_by_side,
+    put_two,
+    scale,
+    scale_matrix,
+    sub,
+    subtract,
+    symmetric,
+)
 
 
 @kernel
@@ -87,13 +109,20 @@ def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     return (total[0], total[1], total[2] - weight), tension
 
 
+@view
+def record_of(s, n, records):
+    """Derivatives of the forces of segment s: a view of `records`, where those of mirror segments stand as pairs."""
+    outer = min(s, n - 1 - s)
+    first = 2 * at.SEGMENT_RECORD * outer + (1 if s > outer else 0)
+    return records[first : 2 * at.SEGMENT_RECORD * (outer + 1) : 2]
+
+
 @kernel
 def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
     """Derivatives of all segment forces into `records` (modified); rate of the forces from reeling into `force_rate`.
 
     `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
     """
-    size = at.SEGMENT_RECORD
     growth = reeling / length
     for s in range((n + 1) // 2):
         mirror = n - 1 - s
@@ -108,26 +137,24 @@ def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
         height = 0.5 * (x_p[2] + x_q[2])
         velocity = scale(0.5, add(v_p, v_q))
         drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
-        p = size * s
-        q = size * mirror
-        put_side_by_side(records, p + segment.K, q + segment.K, axial)
-        put_side_by_side(records, p + segment.G, q + segment.G, drag)
-        put_side_by_side(records, p + segment.A, q + segment.A, drag_by_velocity)
-        put_side_by_side(records, p + segment.HEIGHT, q + segment.HEIGHT, (*a, *e, damper, slope))
+        p = 2 * at.SEGMENT_RECORD * s
+        put_pairs(records, p + 2 * segment.K, axial)
+        put_pairs(records, p + 2 * segment.G, drag)
+        put_pairs(records, p + 2 * segment.A, drag_by_velocity)
+        put_pairs(records, p + 2 * segment.HEIGHT, (*a, *e, damper, slope))
     rate_from_reeling(n, reeling, parameters, records, force_rate)
 
 
 @kernel
 def rate_from_reeling(n, reeling, parameters, records, force_rate):
     """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities."""
-    size = at.SEGMENT_RECORD
     line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
     for k in range(3 * (n + 1)):
         force_rate[k] = 0.0
     if reeling == 0.0:
         return
     for s in range(n):
-        record = records[size * s : size * (s + 1)]
+        record = record_of(s, n, records)
         rest_rate = rest_length(s, reeling, parameters)
         half_weight = 0.5 * parameters[line + s] * rest_rate * parameters[at.GRAVITY]
         pull = record[segment.SLOPE] * rest_rate
@@ -141,10 +168,9 @@ def rate_from_reeling(n, reeling, parameters, records, force_rate):
 @kernel
 def add_end_motion(n, kite_end, dx, dv, records, force):
     """Add to `force` (modified) the change of node forces [N] when one end moves by dx [m] and dv [m/s]."""
-    size = at.SEGMENT_RECORD
     still = (0.0, 0.0, 0.0)
     s = n - 1 if kite_end else 0
-    record = records[size * s : size * (s + 1)]
+    record = record_of(s, n, records)
     if kite_end:
         axial, drag = segment.force_change(record, still, dx, still, dv)
     else:
@@ -159,45 +185,58 @@ def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, di
 
     Block i of `lower` stands left of diagonal block i, block i of `upper` right of it; 9 numbers each, row by row.
     """
-    size = at.SEGMENT_RECORD
-    for i in range(n + 1):
-        m = mass_factor * mass[i]
-        put_matrix(diagonal, 9 * i, (m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m))
-    for s in range(n):
-        record = records[size * s : size * (s + 1)]
-        block_p = diagonal[9 * s : 9 * s + 9]
-        block_q = diagonal[9 * s + 9 : 9 * s + 18]
-        right = upper[9 * s : 9 * s + 9]
-        left = lower[9 * s + 9 : 9 * s + 18]
-        damper = damping_factor * record[segment.DAMPER]
-        for i in range(3):
-            damper_i = damper * record[segment.DIRECTION + i]
-            for j in range(3):
-                k = 3 * i + j
-                axial = stiffness_factor * record[segment.K + k] + damper_i * record[segment.DIRECTION + j]
-                drag = stiffness_factor * record[segment.G + k]
-                both = -0.5 * damping_factor * record[segment.A + k]
-                if j == 2:
-                    both += 0.5 * stiffness_factor * record[segment.HEIGHT + i]
-                block_p[k] += axial + drag - both
-                right[k] = -axial - drag - both
-                left[k] = -axial + drag - both
-                block_q[k] += axial - drag - both
+    outward = pair(1.0, -1.0)
+    nothing = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    from_outside = pair(nothing, nothing)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        i = n - s
+        axial, drag, both = step_blocks(2 * at.SEGMENT_RECORD * s, damping_factor, stiffness_factor, records)
+        drag = scale_matrix(outward, drag)
+        total = add_matrices(axial, drag)
+        outer = add_to_diagonal(subtract(total, both), mass_factor * pair(mass[s], mass[i]))
+        put_side_by_side(diagonal, 9 * s, diagonal, 9 * i, add_matrices(from_outside, outer))
+        put_side_by_side(upper, 9 * s, lower, 9 * i, scale_matrix(-1.0, add_matrices(total, both)))
+        put_side_by_side(lower, 9 * s + 9, upper, 9 * i - 9, subtract(subtract(drag, axial), both))
+        from_outside = subtract(subtract(axial, drag), both)
+    if n % 2 == 0:
+        middle = n // 2
+        block = add_matrices(first(from_outside), second(from_outside))
+        put_matrix(diagonal, 9 * middle, add_to_diagonal(block, mass_factor * mass[middle]))
+
+
+@kernel
+def step_blocks(start, damping_factor, stiffness_factor, records):
+    """Parts of the blocks of two segments, whose records start at a place, as pairs.
+
+    stiffness_factor K + damping_factor c e e, stiffness_factor G, and (stiffness_factor a e_z - damping_factor A)/2.
+    """
+    damper = damping_factor * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
+    along_e = symmetric(damper, get_vector_of_pairs(records, start + 2 * segment.DIRECTION))
+    axial = add_matrices(scale_matrix(stiffness_factor, get_matrix_of_pairs(records, start + 2 * segment.K)), along_e)
+    drag = scale_matrix(stiffness_factor, get_matrix_of_pairs(records, start + 2 * segment.G))
+    both = scale_matrix(-0.5 * damping_factor, get_matrix_of_pairs(records, start + 2 * segment.A))
+    x, y, z = scale(0.5 * stiffness_factor, get_vector_of_pairs(records, start + 2 * segment.HEIGHT))
+    return axial, drag, (both[0], both[1], both[2] + x, both[3], both[4], both[5] + y, both[6], both[7], both[8] + z)
 
 
 @kernel
 def add_damping_product(n, sign, u, records, result):
-    """Add sign B u to `result` (modified); u and result are flat arrays of node vectors."""
-    size = at.SEGMENT_RECORD
-    u_p = get(u, 0)
-    from_below = get(result, 0)
-    for s in range(n):
-        record = records[size * s : size * (s + 1)]
-        u_q = get(u, s + 1)
-        e = (record[segment.DIRECTION], record[segment.DIRECTION + 1], record[segment.DIRECTION + 2])
-        axial = scale(sign * record[segment.DAMPER] * dot(e, sub(u_q, u_p)), e)
-        drag = scale(-0.5 * sign, apply(get_matrix(record, segment.A), add(u_p, u_q)))
-        put(result, s, add(from_below, add(drag, axial)))
-        from_below = add(get(result, s + 1), sub(drag, axial))
+    """Add sign B u to `result` (modified), from both ends at once; u and result are flat arrays of node vectors."""
+    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    u_p = get_two(u, 0, n)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        mirror = n - 1 - s
+        u_q = get_two(u, s + 1, mirror)
+        start = 2 * at.SEGMENT_RECORD * s
+        e = get_vector_of_pairs(records, start + 2 * segment.DIRECTION)
+        damper = sign * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
+        axial = scale(damper * dot(e, sub(u_q, u_p)), e)
+        drag_by_velocity = get_matrix_of_pairs(records, start + 2 * segment.A)
+        drag = scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))
+        both = add(from_outside, add(drag, axial))
+        put_two(result, s, n - s, add(get_two(result, s, n - s), both))
+        from_outside = sub(drag, axial)
         u_p = u_q
-    put(result, n, from_below)
+    if n % 2 == 0:
+        middle = n // 2
+        put(result, middle, add(get(result, middle), add(first(from_outside), second(from_outside))))

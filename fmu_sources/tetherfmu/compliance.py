@@ -14,12 +14,12 @@ gives P = Z (L + y) and the compliance of the chain up to q: C = (M + E) Z. Noth
 segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors of k at k l/T = 1e8.
 """
 
-from . import layout as at
-from . import segment
+from . import chain, segment
 from .block_tridiagonal import inverse
 from .compilation import kernel
 from .vectors import (
     add,
+    add_matrices,
     add_to_diagonal,
     along,
     apply,
@@ -40,12 +40,6 @@ ONE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @kernel
-def plus(m, k):
-    """Matrix m plus matrix k."""
-    return subtract(m, scale_matrix(-1.0, k))
-
-
-@kernel
 def of_segment(e, distance, stiffness, tension):
     """E [m/N] of a segment: direction, length [m], stiffness [N/m], tension [N]."""
     across = distance / tension
@@ -58,7 +52,7 @@ def drag_slopes(record):
     a, b, c = get(record[segment.HEIGHT :], 0)
     by_height = (0.0, 0.0, a, 0.0, 0.0, b, 0.0, 0.0, c)
     h = scale_matrix(0.5, subtract(by_height, get_matrix(record, segment.A)))
-    return plus(get_matrix(record, segment.G), h), h
+    return add_matrices(get_matrix(record, segment.G), h), h
 
 
 @kernel
@@ -73,18 +67,18 @@ def gather(n, spin, resistance, mass, force, records, response, transfer, offset
     compliance = ZERO
     displaced = (0.0, 0.0, 0.0)
     for s in range(n):
-        record = records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
+        record = chain.record_of(s, n, records)
         own = get_matrix(record, segment.K)
         closing = scale(-record[segment.DAMPER], get(record[segment.DIRECTION :], 0))
         slope, h = drag_slopes(record)
         blown = apply(slope, closing)
         felt = multiply(slope, own)
         back, _ = inverse(subtract(ONE, multiply(compliance, scale_matrix(2.0, h))))
-        m_matrix = multiply(back, multiply(compliance, plus(ONE, felt)))
+        m_matrix = multiply(back, multiply(compliance, add_matrices(ONE, felt)))
         m = apply(back, add(displaced, apply(compliance, blown)))
         put_matrix(response, 9 * s, m_matrix)
         put(offset, s, m)
-        both = plus(m_matrix, own)
+        both = add_matrices(m_matrix, own)
         moved = add(m, closing)
         if s == n - 1:  # the kite does not move
             last, _ = inverse(both)
@@ -92,7 +86,7 @@ def gather(n, spin, resistance, mass, force, records, response, transfer, offset
             put(share, s, scale(-1.0, apply(last, moved)))
             return
         r = node_slope(mass[s + 1], spin, resistance)
-        given = plus(plus(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
+        given = add_matrices(add_matrices(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
         z, _ = inverse(subtract(ONE, given))
         y = add(add(get(force, s + 1), blown), along(apply(r, moved), 2.0, apply(h, m)))
         put_matrix(transfer, 9 * s, z)
@@ -114,7 +108,7 @@ def solve(n, spin, resistance, mass, force, records, response, transfer, offset,
     load = (0.0, 0.0, 0.0)
     for k in range(n):
         s = n - 1 - k
-        record = records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
+        record = chain.record_of(s, n, records)
         e = get(record[segment.DIRECTION :], 0)
         p = add(get(share, s), apply(get_matrix(transfer, 9 * s), load))
         pull[s] = dot(p, e)

@@ -25,8 +25,26 @@ from . import catenary, chain, compliance, hanging, segment
 from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
+from .pairs import pair
 from .status import NO_EQUILIBRIUM, OK
-from .vectors import add, add_to_diagonal, along, cross, dot, get, multiply, norm, put, put_matrix, scale, skew, sub
+from .vectors import (
+    add,
+    add_to_diagonal,
+    along,
+    cross,
+    dot,
+    get,
+    get_two,
+    multiply,
+    norm,
+    outer,
+    put,
+    put_matrix,
+    put_pairs,
+    scale,
+    skew,
+    sub,
+)
 
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
 MOST_ITERATIONS = 30
@@ -117,27 +135,24 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
     motion = add_to_diagonal(skew(spin), stretching)
-    for s in range(n):
-        record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
-        x_p = get(x, s)
-        x_q = get(x, s + 1)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        mirror = n - 1 - s
+        both = (s, mirror)
+        x_p = get_two(x, s, mirror)
+        x_q = get_two(x, s + 1, mirror + 1)
         r = sub(x_q, x_p)
         distance, e = segment.geometry(r)
-        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
+        velocity = scale(0.5, add(get_two(v, s, mirror), get_two(v, s + 1, mirror + 1)))
         height = 0.5 * (x_p[2] + x_q[2])
-        drag, drag_by_velocity, a = segment.linearize_drag(s, n, r, height, velocity, wind, parameters)
-        rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
-        stretch = tension[s] / distance
-        for i in range(3):
-            for j in range(3):
-                record[segment.K + 3 * i + j] = (stiffness - stretch) * e[i] * e[j]
-            record[segment.K + 4 * i] += stretch
-            record[segment.DIRECTION + i] = e[i]
-            record[segment.HEIGHT + i] = a[i]
-        put_matrix(record, segment.G, drag)
-        put_matrix(record, segment.A, multiply(drag_by_velocity, motion))
-        record[segment.DAMPER] = 0.0
+        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
+        rest = chain.rest_length(both, length, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, both, n, parameters)
+        stretch = pair(tension[s], tension[mirror]) / distance
+        start = 2 * at.SEGMENT_RECORD * s
+        put_pairs(w.records, start + 2 * segment.K, add_to_diagonal(outer(scale(stiffness - stretch, e), e), stretch))
+        put_pairs(w.records, start + 2 * segment.G, drag)
+        put_pairs(w.records, start + 2 * segment.A, multiply(drag_by_velocity, motion))
+        put_pairs(w.records, start + 2 * segment.HEIGHT, (*a, *e, 0.0 * stretch))
 
 
 @kernel
@@ -181,9 +196,9 @@ def step_by_compliance(n, spin, stretching, length, wind, parameters, x, v, tens
     shorter than its unstretched length.
     """
     linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-    change = w.stages[n : 2 * n]
+    change = w.velocities[n : 2 * n]
     for s in range(n):
-        record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
+        record = chain.record_of(s, n, w.records)
         distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rest = chain.rest_length(s, length, parameters)
         branch = segment.TAUT if tension[s] > loosest else distance - rest
@@ -192,7 +207,9 @@ def step_by_compliance(n, spin, stretching, length, wind, parameters, x, v, tens
         put_matrix(record, segment.K, compliance.of_segment(e, distance, stiffness, tension[s]))
         record[segment.DAMPER] = distance - rest - aim[s] / stiffness
     node_loads(n, spin, stretching, wind, length, TENSIONS, aim, parameters, x, v, w.mass, w.force)
-    compliance.solve(n, spin, resistance, w.mass, w.force, w.records, w.diagonal, w.lower, w.rv, w.force_rate, w.b, change)
+    compliance.solve(
+        n, spin, resistance, w.mass, w.force, w.records, w.diagonal, w.lower, w.momentum, w.force_rate, w.b, change
+    )
     for s in range(n):
         aim[s] += change[s]
 
@@ -252,7 +269,7 @@ def relax(n, spin, stretching, length, wind, parameters, x, v, tension, complian
     """
     resistance = firmness if creeps else 0.0
     loosest = LOOSEST * firmness * length / n
-    aim = w.stages[:n]
+    aim = w.velocities[:n]
     last = 0.0
     fresh = False
     for iteration in range(most):
@@ -359,7 +376,7 @@ def find(n, spin, stretching, length, wind, parameters, x, v, w):
     height [m/s]. Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
     chain.node_masses(n, length, parameters, w.mass)
-    tension = w.rx[:n]
+    tension = w.r[:n]
     found = False
     iterations = 0
     for attempt in range(4):

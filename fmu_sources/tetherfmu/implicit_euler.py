@@ -36,15 +36,15 @@ def step(n, drive, time, h, x, v, parameters, w):
     if drive.first == 1:
         dx = sub(position_at(drive.ground, later), get(x, 0))
         chain.add_end_motion(n, False, dx, sub(velocity_at(drive.ground, later), get(v, 0)), w.records, w.b)
-        put(w.rx, 0, (0.0, 0.0, 0.0))
+        put(w.r, 0, (0.0, 0.0, 0.0))
     if drive.last == n - 1:
         dx = sub(position_at(drive.kite, later), get(x, n))
         chain.add_end_motion(n, True, dx, sub(velocity_at(drive.kite, later), get(v, n)), w.records, w.b)
-        put(w.rx, n, (0.0, 0.0, 0.0))
+        put(w.r, n, (0.0, 0.0, 0.0))
     for k in range(3 * drive.first, 3 * drive.last + 3):
-        w.rx[k] = v[k]
+        w.r[k] = v[k]
         w.b[k] += h * w.force_rate[k] + w.mass[k // 3] / h * v[k]
-    chain.add_damping_product(n, -1.0, w.rx, w.records, w.b)
+    chain.add_damping_product(n, -1.0, w.r, w.records, w.b)
     solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
     for k in range(3 * drive.first, 3 * drive.last + 3):
         v[k] = w.b[k]

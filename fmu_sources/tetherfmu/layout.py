@@ -89,7 +89,7 @@ STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6
-NODE_ARRAYS = 7 + 2 * STAGES
+NODE_ARRAYS = 7 + STAGES
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`
 
@@ -122,7 +122,7 @@ def work_size(segments):
         STATE_HEADER
         + (2 + NODE_ARRAYS) * 3 * nodes
         + BLOCK_ARRAYS * 9 * nodes
-        + SEGMENT_RECORD * segments
-        + nodes
+        + SEGMENT_RECORD * nodes
+        + 2 * nodes
         + segments
     )

@@ -28,14 +28,14 @@ from .workspace import workspace
 def settle(n, parameters, state, warm, w):
     """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
 
-    warm : whether the inner nodes and the tensions in w.rx are close to it.
+    warm : whether the inner nodes and the tensions in w.r are close to it.
     """
     x, v = positions_and_velocities(n, state)
     spin, stretching = equilibrium.rigid_motion(n, x, v)
     wind = vector(state, at.WIND)
     length = state[at.LENGTH]
     if warm:
-        found, iterations = equilibrium.follow(n, spin, stretching, length, wind, parameters, x, v, w.rx, w)
+        found, iterations = equilibrium.follow(n, spin, stretching, length, wind, parameters, x, v, w.r, w)
         state[at.ITERATIONS] += iterations
         if found:
             return OK
@@ -69,7 +69,7 @@ def advance(n, parameters, inputs, step, state, work):
     w = workspace(n, work)
     copy(state, w.trial)
     x, v = positions_and_velocities(n, w.trial)
-    equilibrium.tensions(n, state[at.LENGTH], parameters, x, w.rx)
+    equilibrium.tensions(n, state[at.LENGTH], parameters, x, w.r)
     for i in range(1, n):
         put(x, i, along(get(x, i), step, get(v, i)))
     move_ends(n, inputs, step, w.trial)

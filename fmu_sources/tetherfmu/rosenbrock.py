@@ -7,11 +7,15 @@
 Source: G. Steinebach, Order-reduction of ROW-methods for DAEs and method of lines applications, TH Darmstadt preprint
 1741 (1995), in the transformed form of Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7.
 
-For the chain y = (x, v), f = (v, F/m). With d = h gamma and q = U_v + r_x the positions are eliminated:
+For the chain y = (x, v), f = (v, F/m). The positions are eliminated, with d = h gamma, U = (d q, V) and q = V + r:
 
-    (M/d - B - d K) q = M r_v + M r_x/d - B r_x,   U_x = d q,   U_v = q - r_x
+    x_i = x0 + h (alpha_i v0 + sum_j P_ij V_j),   v_i = v0 + sum_j a_ij V_j
+    r_i = (gamma_i v0 + sum_j R_ij V_j)/gamma
+    (M/d - B - d K) q_i = F(x_i, v_i) + M (sum_j c_ij V_j/h + r_i/d) - B r_i + gamma_i h dF/dt
 
-where r_x, r_v are the right-hand sides above: one block tridiagonal system with 3x3 blocks per stage.
+one block tridiagonal system with 3x3 blocks per stage. P = alpha (a + 1) and R = Gamma (a + 1) are made of the coefficients
+alpha = a Gamma and Gamma = (1/gamma - c)^-1 of the usual form; F at a stage is multiplied by the mass of the start over that
+of the stage.
 
 Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
 smooth equations; a step that goes too far beyond the kink is rejected (`kink_error`). See docs/theory.md, "Rosenbrock step".
@@ -26,8 +30,9 @@ from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
 from .end_motion import acceleration_at, velocity_at
+from .pairs import load_pair, pair, store_pair
 from .status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
-from .vectors import add, along, dot, get, norm, put, scale, sub
+from .vectors import add, along, dot, get, get_two, norm, put, put_two, scale, sub
 from .workspace import place_ends
 
 GAMMA = 0.25
@@ -51,13 +56,31 @@ C = np.array(
         (34.62605830930532, 15.30084976114473, 56.99955578662667, 18.40807009793095, -5.714285714285717),
     )
 )
+P = (  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 = v_4 + V_4
+    (0.75,),
+    (0.45775919837168977, 0.12387959918584487),
+    (0.6840395424985646, 0.003483796012626717, -0.2941996904581955),
+    (-1.150635276145604, -1.318155133423187, -5.061696550612639, -0.26550101102785023),
+)
+R_BY_GAMMA = (  # R_ij/gamma of the stages 1 to 5
+    (0.0,),
+    (-0.36691199999999974, -0.056448),
+    (3.216965637533963, 1.3668989638916995, 3.706916099773243),
+    (7.743495620908387, 3.1987837164992916, 10.499408840403428, 2.478009436259934),
+    (0.0, 0.0, 0.0, 0.0, -0.42857142857142927),
+)
 ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))
+
+# factors of V_j in v_i (stages 1 to 4) and in the momentum sum_j c_ij V_j + r_i/gamma (stages 1 to 5)
+A_ROWS = tuple(tuple(A[i, :i]) for i in range(1, at.STAGES - 1))
+MOMENTUM = tuple(tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], strict=False)) for i in range(1, at.STAGES))
 
 SAFETY = 0.9
 KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
 LARGEST_GROWTH = 5.0
 STRONGEST_CUT = 0.2
+LAST_STRETCH = 1.05  # the last two steps of a communication step may be longer than wanted, so that no third is needed
 SMALLEST_STEP = 1e-10  # part of the communication step
 
 
@@ -88,20 +111,11 @@ def prepare(n, drive, time, h, x, v, parameters, w):
 
 @kernel
 def stage_force(n, drive, time, parameters, w):
-    """Forces at a stage, times the mass of the start over the mass of now, into w.b (modified)."""
+    """Forces at a stage [N] into w.b and the node masses then [kg] into w.stage_mass (both modified)."""
     length = drive.length + drive.reeling * time
-    if drive.reeling == 0.0:
-        chain.node_forces(n, w.branches, w.x_stage, w.v_stage, length, 0.0, drive.wind, w.mass, parameters, w.b)
-        put(w.b, n, add(get(w.b, n), drive.load))
-        return
-    mass = w.force  # free here: only n + 1 of its places are used
-    chain.node_masses(n, length, parameters, mass)
-    chain.node_forces(n, w.branches, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, mass, parameters, w.b)
+    chain.node_masses(n, length, parameters, w.stage_mass)
+    chain.node_forces(n, w.branches, w.x_stage, w.v_stage, length, drive.reeling, drive.wind, w.stage_mass, parameters, w.b)
     put(w.b, n, add(get(w.b, n), drive.load))
-    for i in range(n + 1):
-        ratio = w.mass[i] / mass[i]
-        for j in range(3 * i, 3 * i + 3):
-            w.b[j] *= ratio
 
 
 @kernel
@@ -116,99 +130,148 @@ def correct_rate_for_mass(n, drive, time, parameters, w):
 
 
 @kernel
-def combine(stage, x, v, w):
-    """Add up the stages before this one: argument into w.y_stage, sum of c_ij U_j into w.right (both modified)."""
-    size = len(w.y_stage)
-    y = w.y_stage
-    right = w.right
-    for k in range(size):
-        right[k] = 0.0
-    if stage == at.STAGES - 1:  # its row of A is that of the stage before, and 1
-        last = w.stages[size * (stage - 1) : size * stage]
-        for k in range(size):
-            y[k] += last[k]
-    else:
+def add_up(start, factors, velocities, k):
+    """start + sum_j factors_j V_j at the places k and k + 1 of all V_j, as a pair."""
+    nodes = len(velocities) // at.STAGES
+    for j in range(len(factors)):
+        start = start + factors[j] * load_pair(velocities, np.uint64(nodes * j + k))
+    return start
+
+
+@kernel
+def place_argument(in_position, in_velocity, alpha, h, x, v, w):
+    """x_i and v_i of a stage into w.x_stage, w.v_stage (modified), two numbers at once.
+
+    Factors of V_j in both, alpha_i.  The last pair may overlap the one before.
+    """
+    for k in range(0, len(x), 2):
+        k = np.uint64(min(k, len(x) - 2))
+        start = load_pair(v, k)
+        position = load_pair(x, k) + h * add_up(alpha * start, in_position, w.velocities, k)
+        velocity = add_up(start, in_velocity, w.velocities, k)
+        store_pair(w.x_stage, k, position)
+        store_pair(w.v_stage, k, velocity)
+
+
+@kernel
+def place_right(in_r, in_momentum, gamma, v, w):
+    """r_i and momentum of a stage into w.r, w.momentum (modified): factors of V_j in both, gamma_i/gamma of the stage."""
+    for k in range(0, len(v), 2):
+        k = np.uint64(min(k, len(v) - 2))
+        start = gamma * load_pair(v, k)
+        r = add_up(start, in_r, w.velocities, k)
+        momentum = add_up(1.0 / GAMMA * start, in_momentum, w.velocities, k)
+        store_pair(w.r, k, r)
+        store_pair(w.momentum, k, momentum)
+
+
+@kernel
+def combine(stage, h, x, v, w):
+    """Add up the stages before this one into w.x_stage, w.v_stage, w.r and w.momentum (modified).
+
+    The last stage finds its argument in w.x_stage, w.v_stage, where `add_stage` has put U of the one before.
+    """
+    alpha = ALPHA[stage]
+    gamma = GAMMA_I[stage] / GAMMA
+    if stage == 0:
         for k in range(len(x)):
             w.x_stage[k] = x[k]
             w.v_stage[k] = v[k]
-        for j in range(stage):
-            u = w.stages[size * j : size * (j + 1)]
-            for k in range(size):
-                y[k] += A[stage, j] * u[k]
-    for j in range(stage):
-        u = w.stages[size * j : size * (j + 1)]
-        for k in range(size):
-            right[k] += C[stage, j] * u[k]
+            w.r[k] = v[k]
+            w.momentum[k] = v[k] / GAMMA
+    elif stage == 1:
+        place_argument(P[0], A_ROWS[0], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[0], MOMENTUM[0], gamma, v, w)
+    elif stage == 2:
+        place_argument(P[1], A_ROWS[1], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[1], MOMENTUM[1], gamma, v, w)
+    elif stage == 3:
+        place_argument(P[2], A_ROWS[2], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[2], MOMENTUM[2], gamma, v, w)
+    elif stage == 4:
+        place_argument(P[3], A_ROWS[3], alpha, h, x, v, w)
+        place_right(R_BY_GAMMA[3], MOMENTUM[3], gamma, v, w)
+    else:
+        place_right(R_BY_GAMMA[4], MOMENTUM[4], gamma, v, w)
+
+
+@kernel
+def add_right_hand_side(n, stage, h, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h of all nodes [N] into w.b (modified), which holds F."""
+    rate = GAMMA_I[stage] * h
+    per_h = 1.0 / h
+    for i in range(n // 2 + 1):  # a node in the middle is met twice
+        j = n - i
+        mass = pair(w.mass[i], w.mass[j])
+        force = scale(mass / pair(w.stage_mass[i], w.stage_mass[j]), get_two(w.b, i, j))
+        force = along(force, rate, get_two(w.force_rate, i, j))
+        put_two(w.b, i, j, along(force, per_h * mass, get_two(w.momentum, i, j)))
 
 
 @kernel
 def solve_stage(n, drive, stage, h, w):
-    """Solve for U of a stage into its place in w.stages (modified); w.b holds its forces, w.right its sum of c_ij U_j."""
-    nodes = 3 * (n + 1)
-    d = GAMMA * h
-    rate = GAMMA_I[stage] * h
-    per_h = 1.0 / h
-    rx = w.rx
-    rv = w.rv
-    for k in range(nodes):
-        rx[k] = per_h * rx[k] + w.v_stage[k]
+    """Solve for q into w.b and V into its place in w.velocities (modified); w.b holds F."""
+    add_right_hand_side(n, stage, h, w)
+    still = (0.0, 0.0, 0.0)
     if drive.first == 1:
-        put(rx, 0, (0.0, 0.0, 0.0))
+        put(w.r, 0, still)
     if drive.last == n - 1:
-        put(rx, n, (0.0, 0.0, 0.0))
-    for i in range(n + 1):
-        mass = w.mass[i]
-        momentum = along(scale(per_h, get(rv, i)), per_h / GAMMA, get(rx, i))
-        put(w.b, i, along(along(get(w.b, i), rate, get(w.force_rate, i)), mass, momentum))
-    chain.add_damping_product(n, -1.0, rx, w.records, w.b)
+        put(w.r, n, still)
+    chain.add_damping_product(n, -1.0, w.r, w.records, w.b)
     solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
     if drive.first == 1:
-        put(w.b, 0, (0.0, 0.0, 0.0))
+        put(w.b, 0, still)
     if drive.last == n - 1:
-        put(w.b, n, (0.0, 0.0, 0.0))
-    u = w.stages[2 * nodes * stage : 2 * nodes * (stage + 1)]
-    u_x = u[:nodes]
-    u_v = u[nodes:]
+        put(w.b, n, still)
+    nodes = len(w.b)
+    velocities = w.velocities[nodes * stage : nodes * (stage + 1)]
     for k in range(nodes):
-        u_x[k] = d * w.b[k]
-        u_v[k] = w.b[k] - rx[k]
+        velocities[k] = w.b[k] - w.r[k]
+
+
+@kernel
+def add_stage(stage, h, w):
+    """Add U = (d q, V) of a stage to w.x_stage, w.v_stage (modified): the argument of the last stage, and its result."""
+    nodes = len(w.b)
+    velocities = w.velocities[nodes * stage : nodes * (stage + 1)]
+    for k in range(nodes):
+        w.x_stage[k] += GAMMA * h * w.b[k]
+        w.v_stage[k] += velocities[k]
 
 
 @kernel
 def step(n, drive, time, h, x, v, parameters, w):
     """One step of h [s] from (x, v) at a time [s] of the communication step; False if the matrix is singular.
 
-    The result stands in w.x_stage, w.v_stage, its error estimate in the last of w.stages.
+    The result stands in w.x_stage, w.v_stage, its error estimate U in w.b = U_x/d and in the last of w.velocities.
     """
     if not prepare(n, drive, time, h, x, v, parameters, w):
         return False
     for stage in range(at.STAGES):
-        combine(stage, x, v, w)
+        combine(stage, h, x, v, w)
         now = time + ALPHA[stage] * h
         place_ends(n, drive, now, w.x_stage, w.v_stage)
         stage_force(n, drive, now, parameters, w)
         if stage == 0 and drive.reeling != 0.0:
             correct_rate_for_mass(n, drive, time, parameters, w)
         solve_stage(n, drive, stage, h, w)
-    size = len(w.y_stage)
-    last = w.stages[size * (at.STAGES - 1) : size * at.STAGES]
-    for k in range(size):
-        w.y_stage[k] += last[k]
+        if stage >= at.STAGES - 2:
+            add_stage(stage, h, w)
     place_ends(n, drive, time + h, w.x_stage, w.v_stage)
     return True
 
 
 @kernel
-def error_norm(n, drive, position_scale, velocity_scale, w):
+def error_norm(n, drive, h, position_scale, velocity_scale, w):
     """Root mean square of the error estimate of `step` over the allowed error of positions [m] and velocities [m/s]."""
     nodes = 3 * (n + 1)
-    error = w.stages[2 * nodes * (at.STAGES - 1) : 2 * nodes * at.STAGES]
+    error = w.velocities[nodes * (at.STAGES - 1) :]
     squares = 0.0
     velocity_squares = 0.0
     for k in range(nodes):
-        squares += error[k] * error[k]
-        velocity_squares += error[nodes + k] * error[nodes + k]
-    squares = squares / position_scale**2 + velocity_squares / velocity_scale**2
+        squares += w.b[k] * w.b[k]
+        velocity_squares += error[k] * error[k]
+    squares = squares * (GAMMA * h / position_scale) ** 2 + velocity_squares / velocity_scale**2
     return sqrt(squares / (6 * (drive.last - drive.first + 1)))
 
 
@@ -278,12 +341,12 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
             return STEP_TOO_SMALL
         tried += 1
         rest = duration - time
-        left = ceil(rest / h - 1e-6)
-        h_now = rest / left if left > 1.0 else rest
+        left = ceil(rest / (LAST_STRETCH * h))
+        h_now = h if left > 2.0 else rest / left
         position_scale, velocity_scale = allowed_errors(n, drive, v, parameters)
         error = inf
         if step(n, drive, time, h_now, x, v, parameters, w):
-            error = error_norm(n, drive, position_scale, velocity_scale, w)
+            error = error_norm(n, drive, h_now, position_scale, velocity_scale, w)
             length = drive.length + drive.reeling * (time + h_now)
             kink = kink_error(n, drive, length, h_now, parameters, w) / velocity_scale
             if kink > 1.0:

@@ -43,7 +43,7 @@ from .vectors import (
     symmetric,
 )
 
-# places in the record of derivatives
+# places in the record of derivatives, see `chain.record_of`
 K = 0  # 3x3
 G = 9  # 3x3
 A = 18  # 3x3

@@ -48,18 +48,43 @@ def put_two(array, i, j, a):
 
 
 @kernel
-def put_side_by_side(array, p, q, numbers):
-    """Write a tuple of pairs to an array (modified): the first numbers from place p on, the second ones from place q on."""
+def get_vector_of_pairs(array, first):
+    """Three-vector of pairs from place `first` of a flat array."""
+    k = np.uint64(first)
+    return load_pair(array, k), load_pair(array, k + TWO), load_pair(array, k + np.uint64(4))
+
+
+@kernel
+def get_matrix_of_pairs(array, first):
+    """3x3 matrix of pairs, row by row, from place `first` of a flat array."""
+    k = np.uint64(first)
+    x = get_vector_of_pairs(array, k)
+    y = get_vector_of_pairs(array, k + np.uint64(6))
+    z = get_vector_of_pairs(array, k + np.uint64(12))
+    return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
+
+
+@kernel
+def put_pairs(array, first, pairs):
+    """Write a tuple of pairs from place `first` of a flat array on (modified)."""
+    k = np.uint64(first)
+    for i in range(len(pairs)):
+        store_pair(array, k + np.uint64(2 * i), pairs[i])
+
+
+@kernel
+def put_side_by_side(a, p, b, q, numbers):
+    """Write a tuple of pairs: the first numbers to an array from place p on, the second ones to another (both modified)."""
     p = np.uint64(p)
     q = np.uint64(q)
     for k in range(0, len(numbers) - 1, 2):
         at_p, at_q = unzip(numbers[k], numbers[k + 1])
-        store_pair(array, p + np.uint64(k), at_p)
-        store_pair(array, q + np.uint64(k), at_q)
+        store_pair(a, p + np.uint64(k), at_p)
+        store_pair(b, q + np.uint64(k), at_q)
     if len(numbers) % 2 == 1:
         last = np.uint64(len(numbers) - 1)
-        array[p + last] = first(numbers[-1])
-        array[q + last] = second(numbers[-1])
+        a[p + last] = first(numbers[-1])
+        b[q + last] = second(numbers[-1])
 
 
 @kernel
@@ -154,6 +179,22 @@ def multiply(m, k):
         m[6] * k[0] + m[7] * k[3] + m[8] * k[6],
         m[6] * k[1] + m[7] * k[4] + m[8] * k[7],
         m[6] * k[2] + m[7] * k[5] + m[8] * k[8],
+    )
+
+
+@kernel
+def add_matrices(m, k):
+    """Matrix m plus matrix k."""
+    return (
+        m[0] + k[0],
+        m[1] + k[1],
+        m[2] + k[2],
+        m[3] + k[3],
+        m[4] + k[4],
+        m[5] + k[5],
+        m[6] + k[6],
+        m[7] + k[7],
+        m[8] + k[8],
     )
 
 

@@ -9,14 +9,13 @@ from .vectors import put
 
 Workspace = namedtuple(
     "Workspace",
-    "trial y_stage x_stage v_stage right rx rv force force_rate b stages diagonal lower upper records mass branches",
+    "trial x_stage v_stage r momentum force force_rate b velocities diagonal lower upper records mass stage_mass branches",
 )
 Workspace.__doc__ = """Scratch arrays of the kernels.
 
-trial : a whole state.  y_stage : 6 (n + 1), positions x_stage and velocities v_stage of a stage.  right : 6 (n + 1), its
-right-hand sides rx and rv.  force, force_rate, b : 3 (n + 1).  stages : `layout.STAGES` times 6 (n + 1).
-diagonal, lower, upper : 9 (n + 1).  records : n derivative records of `segment.py`.  mass : n + 1.  branches : n, which
-stiffness each segment has, see `segment.TAUT`.
+trial : a whole state.  x_stage, v_stage, r, momentum, force, force_rate, b : 3 (n + 1).  velocities : `layout.STAGES` times
+3 (n + 1).  diagonal, lower, upper : 9 (n + 1).  records : of derivatives, see `chain.record_of`.  mass, stage_mass : n + 1.
+branches : n, which stiffness each segment has, see `segment.TAUT`.
 """
 
 Drive = namedtuple("Drive", "ground kite first last length reeling wind load")
@@ -41,29 +40,27 @@ def workspace(n, work):
     nodes = 3 * (n + 1)
     blocks = 9 * (n + 1)
     a = at.STATE_HEADER + 2 * nodes
-    b = a + 4 * nodes
-    c = b + 3 * nodes
-    d = c + 2 * at.STAGES * nodes
-    e = d + at.BLOCK_ARRAYS * blocks
-    f = e + at.SEGMENT_RECORD * n
+    b = a + 7 * nodes
+    c = b + at.STAGES * nodes
+    d = c + at.BLOCK_ARRAYS * blocks
+    e = d + at.SEGMENT_RECORD * (n + 1)
     return Workspace(
         work[:a],
-        work[a : a + 2 * nodes],
         work[a : a + nodes],
         work[a + nodes : a + 2 * nodes],
-        work[a + 2 * nodes : b],
         work[a + 2 * nodes : a + 3 * nodes],
-        work[a + 3 * nodes : b],
-        work[b : b + nodes],
-        work[b + nodes : b + 2 * nodes],
-        work[b + 2 * nodes : c],
-        work[c:d],
-        work[d : d + blocks],
-        work[d + blocks : d + 2 * blocks],
-        work[d + 2 * blocks : e],
-        work[e:f],
-        work[f : f + n + 1],
-        work[f + n + 1 : f + 2 * n + 1],
+        work[a + 3 * nodes : a + 4 * nodes],
+        work[a + 4 * nodes : a + 5 * nodes],
+        work[a + 5 * nodes : a + 6 * nodes],
+        work[a + 6 * nodes : b],
+        work[b:c],
+        work[c : c + blocks],
+        work[c + blocks : c + 2 * blocks],
+        work[c + 2 * blocks : d],
+        work[d:e],
+        work[e : e + n + 1],
+        work[e + n + 1 : e + 2 * (n + 1)],
+        work[e + 2 * (n + 1) : e + 3 * n + 2],
     )
 
 

@@ -40,6 +40,19 @@ def usual_form():
     return alpha, gamma, weights, embedded
 
 
+def test_positions_follow_from_velocities():
+    """P = alpha (A + 1) and R/gamma = Gamma (A + 1)/gamma below their diagonals, see `rosenbrock`."""
+    alpha, gamma, _, _ = usual_form()
+    a = square(rosenbrock.A) + np.eye(6)
+    for stage in range(1, 6):
+        found = rosenbrock.R_BY_GAMMA[stage - 1]
+        np.testing.assert_allclose(found, (gamma @ a)[stage, :stage] / rosenbrock.GAMMA, atol=ROUNDING)
+    for stage in range(1, 5):
+        np.testing.assert_allclose(rosenbrock.P[stage - 1], (alpha @ a)[stage, :stage], atol=ROUNDING)
+    # the last stage: x_5 = x_4 + d (V_4 + r_4)
+    np.testing.assert_allclose((alpha @ a)[5] - (alpha @ a)[4], (gamma @ a)[4], atol=ROUNDING)
+
+
 def test_row_sums():
     alpha, gamma, _, _ = usual_form()
     np.testing.assert_allclose(alpha.sum(axis=1), rosenbrock.ALPHA, atol=ROUNDING)
