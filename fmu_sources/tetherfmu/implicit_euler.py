@@ -3,18 +3,21 @@
 The positions x after a step of h make the incremental potential as small as a bounded number of Newton iterations can:
 
     Phi(x) = sum_i m_i |x_i - y_i|^2/(2 h^2) + sum_s (k (l - l0)^2/2 + c rho^2/(2 h)) + drag,   v1 = (x - x0)/h
-    y_i = x0 + h v0 + h^2 (gravity + load/m_i)                   where a node would fly freely
-    rho = b l - e . r0,   b = 1 - h dl0/dt/l0                    h times the rate that the damper sees
-    drag = sum_s h u . A u - F . (x_p + x_q),   u = change of the mean velocity of the nodes p, q of a segment
+    y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
+    rho = b l - e . r0,   b = 1 - h dl0/dt/l0             h times the rate that the damper sees; r0: r before the step
+    drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
 
-Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward Euler.
-Its matrix is made positive definite (no negative tension across a segment), so every iteration descends; one that would not
-is shortened, or left out. So Phi never exceeds its value at the start of the iteration, whatever the step. Half drag F and its
-slope A are those of the old velocities and of the directions at the start of the iteration.
+Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
+Euler. Its matrix is made positive definite (no negative tension across a segment), so that iterations descend; one that
+would not is shortened, or left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
+A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, each of which
+is taken as it is by then.
 
-A driven end is where its curve is, and its old position is taken as x - h v, so that the damper sees its exact velocity.
-Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and Gross,
-Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (incremental potential).
+Half drag F and its slope A are those of the old velocities and of the directions at the start of the iteration. A driven
+end is where its curve is; its old position counts as x - h v, so that the damper sees its exact velocity.
+
+Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and
+Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (incremental potential).
 """
 
 from math import ceil, inf, sqrt
@@ -28,9 +31,11 @@ from .vectors import add, along, apply, dot, get, get_matrix, norm, put, put_mat
 from .workspace import place_ends
 
 MOST_ITERATIONS = 8
-MOST_HALVINGS = 5
-CLOSE = 1e-6  # largest move of a node over the length of a segment, in the last iteration
-ROUNDING = 1e-14  # of the potential, relative
+PARTS = 4
+WORST_WORK = MOST_ITERATIONS * (1 + PARTS)  # iterations for one fixed step
+MOST_HALVINGS = 8
+CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
+ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
 
 
@@ -77,9 +82,10 @@ def velocity_change(s, n, h, x, v, w):
 
 @kernel
 def potential(n, drive, h, length, x, v, parameters, w):
-    """Phi [J] at the positions x [m]; unstretched length of the tether [m] after the step."""
+    """Phi [J] at the positions x [m], and its error of rounding [J]; unstretched length of the tether [m] after the step."""
     old, free, drag, slope, _ = parts(n, w)
     total = 0.0
+    size = 0.0
     for i in range(drive.first, drive.last + 1):
         away = sub(get(x, i), get(free, i))
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
@@ -88,10 +94,13 @@ def potential(n, drive, h, length, x, v, parameters, w):
         rest_rate = chain.rest_length(s, drive.reeling, parameters)
         distance, _, k, damper, rho, _ = stretch(s, n, h, x, rest, rest_rate, parameters, w)
         total += 0.5 * k * (distance - rest) ** 2 + 0.5 * damper * rho * rho
+        size += (k * abs(distance - rest) + damper * abs(rho)) * (norm(get(x, s)) + distance)
         u = velocity_change(s, n, h, x, v, w)
         moved = add(sub(get(x, s), get(old, s)), sub(get(x, s + 1), get(old, s + 1)))
-        total += h * dot(u, apply(get_matrix(slope, 9 * s), u)) - dot(get(drag, s), moved)
-    return total
+        work = dot(get(drag, s), moved)
+        total += h * dot(u, apply(get_matrix(slope, 9 * s), u)) - work
+        size += abs(work)
+    return total, ROUNDING * (size + abs(total))
 
 
 @kernel
@@ -126,39 +135,55 @@ def linearize(n, drive, h, length, x, v, parameters, w):
 
 
 @kernel
-def descend(n, drive, h, length, x, v, before, parameters, w):
-    """One Newton iteration from the positions x [m] (modified) whose Phi is `before` [J].
+def direction(n, drive, h, length, x, v, parameters, w):
+    """Move of all nodes [m] by Newton's method from the positions x [m] into w.b (modified).
 
-    Returns Phi [J] and the largest move of a node [m]: 0 where no step goes down, inf where the matrix is singular.
+    Returns the part of it in which no segment changes by more than its length, 0 where the matrix is singular.
     """
-    _, _, _, _, trial = parts(n, w)
     linearize(n, drive, h, length, x, v, parameters, w)
     if not factorize(drive.first, drive.last, w.diagonal, w.lower, w.upper):
-        return before, inf
+        return 0.0
     solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
     if drive.first == 1:
         put(w.b, 0, (0.0, 0.0, 0.0))
     if drive.last == n - 1:
         put(w.b, n, (0.0, 0.0, 0.0))
     part = 1.0
+    for s in range(n):
+        rest = chain.rest_length(s, length, parameters)
+        part = min(part, rest / max(norm(sub(get(w.b, s + 1), get(w.b, s))), rest))
+    return part
+
+
+@kernel
+def descend(n, drive, h, length, x, v, before, parameters, w):
+    """One iteration from the positions x [m] (modified) whose Phi is `before` [J].
+
+    Returns Phi [J] and the largest move of a node [m]: -1 where no part of the step goes down, inf where the matrix is
+    singular.
+    """
+    _, _, _, _, trial = parts(n, w)
+    part = direction(n, drive, h, length, x, v, parameters, w)
+    if part == 0.0:
+        return before, inf
     for _ in range(MOST_HALVINGS + 1):
         for k in range(3 * (n + 1)):
             trial[k] = x[k] + part * w.b[k]
-        now = potential(n, drive, h, length, trial, v, parameters, w)
-        if now <= before + ROUNDING * abs(before):
-            farthest = 0.0
+        now, rounding = potential(n, drive, h, length, trial, v, parameters, w)
+        if now <= before + rounding:
+            square = 0.0
             for i in range(n + 1):
-                move = sub(get(trial, i), get(x, i))
-                farthest = max(farthest, dot(move, move))
+                move = get(w.b, i)
+                square = max(square, dot(move, move))
                 put(x, i, get(trial, i))
-            return now, sqrt(farthest)
+            return now, part * sqrt(square)
         part *= 0.5
-    return before, 0.0
+    return before, -1.0
 
 
 @kernel
 def begin(n, drive, time, h, x, v, parameters, w):
-    """Fill old positions, free flight and branches of the dampers into w for a step of h [s] at a time [s]; no drag yet."""
+    """Fill old positions, free flight and branches of the dampers into w for a step of h [s] at a time [s]; no drag."""
     old, free, drag, slope, _ = parts(n, w)
     length = drive.length + drive.reeling * (time + h)
     chain.node_masses(n, length, parameters, w.mass)
@@ -188,7 +213,7 @@ def guess(n, drive, h, length, x, v, parameters, w):
     The one with the lower potential. A flight of many segment lengths in a step tears the chain; so does, where it swings,
     a chain that keeps its shape.
     """
-    old, free, _, _, trial = parts(n, w)
+    _, free, _, _, trial = parts(n, w)
     ground = sub(get(free, 0), get(x, 0)) if drive.first == 1 else (0.0, 0.0, 0.0)
     kite = sub(get(free, n), get(x, n)) if drive.last == n - 1 else ground
     part = 0.0
@@ -198,8 +223,9 @@ def guess(n, drive, h, length, x, v, parameters, w):
         if i < n:
             part += parameters[at.PARAMETER_SCALARS + i]
     put(trial, n, add(get(x, n), kite))
-    carried = potential(n, drive, h, length, trial, v, parameters, w)
-    if carried < potential(n, drive, h, length, w.x_stage, v, parameters, w):
+    carried, _ = potential(n, drive, h, length, trial, v, parameters, w)
+    flying, _ = potential(n, drive, h, length, w.x_stage, v, parameters, w)
+    if carried < flying:
         for k in range(3 * (n + 1)):
             w.x_stage[k] = trial[k]
 
@@ -223,27 +249,49 @@ def add_drag(n, drive, x, v, parameters, w):
 
 
 @kernel
-def step(n, drive, time, h, x, v, parameters, w):
+def step(n, drive, time, h, in_any_case, x, v, parameters, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    Returns the number of iterations, 0 where the matrix is singular.
+    in_any_case : whether a result is taken that has not come to rest. Returns whether it was taken, and the number of
+    iterations, negative where the matrix is singular.
     """
     length = drive.length + drive.reeling * (time + h)
     begin(n, drive, time, h, x, v, parameters, w)
     guess(n, drive, h, length, x, v, parameters, w)
     add_drag(n, drive, w.x_stage, v, parameters, w)
-    phi = potential(n, drive, h, length, w.x_stage, v, parameters, w)
+    phi, _ = potential(n, drive, h, length, w.x_stage, v, parameters, w)
+    goal = CLOSE * drive.length / n
     iterations = 0
     farthest = inf
-    while iterations < MOST_ITERATIONS and farthest > CLOSE * drive.length / n:
+    while iterations < MOST_ITERATIONS and farthest > goal:
         phi, farthest = descend(n, drive, h, length, w.x_stage, v, phi, parameters, w)
         iterations += 1
         if not farthest < inf:
-            return 0
+            return False, -1
+    if not (in_any_case or 0.0 <= farthest <= goal):
+        return False, iterations
     for k in range(3 * drive.first, 3 * drive.last + 3):
         v[k] = (w.x_stage[k] - x[k]) / h
         x[k] = w.x_stage[k]
     place_ends(n, drive, time + h, x, v)
+    return True, iterations
+
+
+@kernel
+def careful_step(n, drive, time, h, x, v, parameters, w):
+    """One step of h [s] of (x, v) (modified), in parts where it does not come to rest as a whole.
+
+    Returns the number of iterations, at most `WORST_WORK`; negative where the matrix is singular.
+    """
+    taken, iterations = step(n, drive, time, h, False, x, v, parameters, w)
+    if taken or iterations < 0:
+        return iterations
+    for j in range(PARTS):
+        part = h / PARTS
+        _, more = step(n, drive, time + j * part, part, True, x, v, parameters, w)
+        if more < 0:
+            return more
+        iterations += more
     return iterations
 
 
@@ -255,14 +303,19 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
     """
     wanted = duration / parameters[at.FIXED_STEP] - 1e-6
-    if not wanted <= at.WORK_BUDGET // n:
+    budget = at.WORK_BUDGET // n
+    if not wanted <= budget:
         return FIXED_STEPS_TOO_MANY
     count = max(1, ceil(wanted))
     h = duration / count
+    spent = 0
     for i in range(count):
-        iterations = step(n, drive, i * h, h, x, v, parameters, w)
-        if iterations == 0:
+        if spent > budget:
+            return FIXED_STEPS_TOO_MANY
+        iterations = careful_step(n, drive, i * h, h, x, v, parameters, w)
+        if iterations < 0:
             return STATE_NOT_FINITE
-        state[at.ITERATIONS] += iterations
+        spent += iterations
     state[at.STEPS] += count
+    state[at.ITERATIONS] += spent
     return OK

@@ -3,9 +3,9 @@
     python -m tetherfmu.study.stability [--points 20000] [--seed 1] [--out docs] [--results FILE] [--processes N] [--quick]
     python -m tetherfmu.study.stability --point NUMBER [--seed 1]
 
-The first form judges random points (`stability_points`), writes the page stability.md with its heat maps, and exits with 1 if
-a point is wrong, crashed or hanging. It may be stopped at any time and goes on where it was: finished points are kept in the
-file of results. The second form judges one point and prints all that is known about it.
+The first form judges random points (`stability_points`), writes the page stability.md with its heat maps, and exits with
+1 if a point is wrong, crashed or hanging. It may be stopped at any time and goes on where it was: finished points are kept
+in the file of results. The second form judges one point and prints all that is known about it.
 """
 
 import argparse

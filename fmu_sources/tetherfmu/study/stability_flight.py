@@ -5,11 +5,12 @@ Upper bound of the tension of a tether with damping and drag, whatever its motio
     T_max = EA eps + Q + (EA Q^2/24)^(1/3) + AMPLIFICATION (Z V + D V/l0)
     Z = sqrt(EA mu),   V = U + sqrt(EA/mu) (eps + eps_slack),   Q = L (mu g + rho cd d U^2/2 + mu U^2/d)
 
-eps is the largest strain of the chord (ends apart over unstretched length, minus 1, at least 0), eps_slack that of a straight
-start shorter than the tether, times the root of the slack stiffness ratio. U adds the speeds of ends, wind and reeling, and that
-of a fall over the length of the tether. Z V is the wave that an impact of speed V sends along a taut line, D V/l0 the tension of
-the damper of a segment whose one node moves with V. AMPLIFICATION stands for reflections and for the whip of a bend. Q is the load
-across the line: weight, drag and inertia of turning; its cubic root is the tension of an elastic parabola between fixed ends.
+eps is the largest strain of the chord (distance of the ends over unstretched length, minus 1, at least 0), eps_slack
+that of a straight start shorter than the tether, times the root of the slack stiffness ratio. U adds the speeds of ends,
+wind and reeling, and that of a fall over the length of the tether. Z V is the wave that an impact of speed V sends along
+a taut line, D V/l0 the tension of the damper of a segment whose one node moves with V. AMPLIFICATION stands for
+reflections and for the whip of a bend. Q is the load across the line: weight, drag and inertia of turning; its cubic root
+is the tension of an elastic parabola between fixed ends.
 """
 
 from math import inf, pi, sqrt
@@ -150,10 +151,10 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             break
         bound.add(model.positions[-1], model.velocities[-1], out.tether_length, step)
         peak, slackest = max(peak, out.max_tension), max(slackest, out.slack_segments)
-        finite = finite and np.isfinite(model.get_state()).all() and np.isfinite(np.concatenate([np.ravel(x) for x in out])).all()
+        finite = finite and bool(np.isfinite(np.concatenate([model.get_state(), *map(np.ravel, out)])).all())
         if k % refinement == 0:
             forces.append((*out.ground_force, *out.kite_force))
         work = sum(model.counters.values()) * model.segments
         if work > most_work:
             break
-    return Flight(refusal, np.array(forces), peak, bound.tension(), slackest, work if forces else 0.0, longest, bool(finite))
+    return Flight(refusal, np.array(forces), peak, bound.tension(), slackest, work if forces else 0.0, longest, finite)

@@ -157,4 +157,3 @@ def kite(point, time):
 def wind(point):
     """Wind [m/s], array of 3."""
     return point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))
-

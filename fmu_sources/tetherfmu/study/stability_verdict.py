@@ -9,7 +9,7 @@ crashed      the process died
 hanging      a call took longer than 2 s, of the processor or, in a process that was ended for it, of the clock
 ===========  ==========================================================================================================
 
-Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight of the tether.
+Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
 """
 
 from typing import NamedTuple
