@@ -299,7 +299,7 @@ def careful_step(n, drive, time, h, x, v, parameters, w):
 def integrate(n, drive, duration, state, x, v, parameters, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with steps of `fixed_step`.
 
-    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. The counters in `state` are
+    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` are
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
     """
     wanted = duration / parameters[at.FIXED_STEP] - 1e-6

@@ -49,11 +49,11 @@ def _append(file, point, verdict):
     file.flush()
 
 
-def _judge_all(judgement, points):
-    """Verdicts of some points; the process ends if one takes longer than `MOST_SECONDS`."""
+def _judge_all(judgement, points, most_seconds):
+    """Verdicts of some points; the process ends if one takes longer."""
     verdicts = []
     for point in points:
-        faulthandler.dump_traceback_later(MOST_SECONDS, exit=True)
+        faulthandler.dump_traceback_later(most_seconds, exit=True)
         verdicts.append(judgement(point))
         faulthandler.cancel_dump_traceback_later()
     return verdicts
@@ -63,14 +63,14 @@ def _executor(processes):
     return ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn"))
 
 
-def _judge_alone(judgement, point):
-    """Verdict of a point in a process of its own, which may die."""
+def _judge_alone(judgement, point, most_seconds=MOST_SECONDS):
+    """Verdict of a point in a process of its own, which may die or take too long [s]."""
     started = perf_counter()
     with _executor(1) as executor:
         try:
-            return executor.submit(_judge_all, judgement, [point]).result()[0]
+            return executor.submit(_judge_all, judgement, [point], most_seconds).result()[0]
         except BrokenProcessPool:
-            return Verdict("hanging" if perf_counter() - started > MOST_SECONDS else "crashed")
+            return Verdict("hanging" if perf_counter() - started > most_seconds else "crashed")
 
 
 def _verdicts(judgement, points, processes):
@@ -82,7 +82,7 @@ def _verdicts(judgement, points, processes):
             while (waiting or running) and not suspects:
                 while waiting and len(running) < 2 * processes:
                     batch = waiting.pop()
-                    running[executor.submit(_judge_all, judgement, batch)] = batch
+                    running[executor.submit(_judge_all, judgement, batch, MOST_SECONDS)] = batch
                 done, _ = wait(running, return_when=FIRST_COMPLETED)
                 for future in done:
                     batch = running.pop(future)
