@@ -13,6 +13,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
+from .stability_flight import MODELS
 from .stability_points import point
 from .stability_pool import judge_all
 from .stability_verdict import judge
@@ -55,6 +56,8 @@ def main(arguments=None):
     count = QUICK if options.quick else options.points
     points = [point(options.seed, number) for number in range(count)]
     path = Path(options.results or Path(options.out) / f"stability_{options.seed}.jsonl")
+    for name in MODELS:
+        MODELS[name]()  # compiles, so that not each process has to
     results = judge_all(points, path, options.processes, progress=_progress(count))
     from .stability_report import write
 
