@@ -2,10 +2,10 @@
 
     python tests/benchmarks/real_time.py [--steps 1000000] [--segments 20] [--fixed-step 0.001]
 
-Two flights of the default tether: the circle of the benchmarks, taut; and a kite that dives at the ground station and turns
-back, so that the tether goes slack and snaps again and again. Each step is one call of the kernel through ctypes. Times are of
-the processor (what the operating system takes away in between does not count) and of the clock, in microseconds, with the time
-of an empty measurement in them. Iterations: the largest number in a step; the kernel stops at 40.
+Two flights of the default tether: a circle, taut; and a kite that dives at the ground station and turns back, so that the
+tether goes slack and snaps again and again. Each step is one call of the kernel through ctypes. Times are of the processor
+(what the operating system takes away in between does not count) and of the clock, in microseconds, with the time of an
+empty measurement in them. Iterations: the largest number in a step; the kernel stops at 40.
 """
 
 import argparse

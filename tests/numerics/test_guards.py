@@ -1,7 +1,7 @@
 """Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
 
-Each test fails without its guard (the constant or the condition that it names); a call does at most `layout.WORK_BUDGET` over n
-internal steps (adaptive) or iterations (fixed step), plus those of one fixed step.
+Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
+over n internal steps (adaptive) or iterations (fixed step), plus those of one fixed step.
 """
 
 import numpy as np

@@ -60,7 +60,7 @@ def test_the_kite_keeps_the_slack_and_its_speed():
 
 def flight(**changes):
     forces = np.ones((5, 6))
-    return Flight("", forces, 1.0, 10.0, 0, 100.0, 0.01, True)._replace(**changes)
+    return Flight("", forces, 1.0, 10.0, 1.0, 10.0, 0, 100.0, 0.01, True)._replace(**changes)
 
 
 @pytest.mark.parametrize(
@@ -72,6 +72,7 @@ def flight(**changes):
         ({"refusal": "budget spent"}, {}, "refused"),
         ({"finite": False}, {}, "wrong"),
         ({"peak": 10.1}, {}, "wrong"),
+        ({"fastest": 10.1}, {}, "wrong"),
         ({"peak": 10.1, "refusal": "state not finite"}, {}, "wrong"),
         ({"longest": 2.1}, {}, "hanging"),
     ],

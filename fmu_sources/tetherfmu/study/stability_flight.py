@@ -1,4 +1,4 @@
-"""One flight of the stability map: what the tether did, and the largest tension that its kinematics can explain.
+"""One flight of the stability map: what the tether did, and the largest tension and speed that its motion can explain.
 
 Upper bound of the tension of a tether with damping and drag, whatever its motion:
 
@@ -10,7 +10,7 @@ that of a straight start shorter than the tether, times the root of the slack st
 wind and reeling, and that of a fall over the length of the tether. Z V is the wave that an impact of speed V sends along
 a taut line, D V/l0 the tension of the damper of a segment whose one node moves with V. AMPLIFICATION stands for
 reflections and for the whip of a bend. Q is the load across the line: weight, drag and inertia of turning; its cubic root
-is the tension of an elastic parabola between fixed ends.
+is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
 """
 
 from math import inf, pi, sqrt
@@ -39,12 +39,18 @@ LINE_DENSITY = DENSITY * pi * DIAMETER**2 / 4.0  # [kg/m]
 
 
 class Flight(NamedTuple):
-    """A flight. Refusal: name of its sentence or ""; forces: rows of both end forces [N], one per communication step."""
+    """A flight. Refusal: name of its sentence or ""; forces: rows of both end forces [N], one per communication step.
+
+    peak, bound : largest tension and what it may be [N].  fastest, speed_bound : the same of the speed of a node [m/s], for
+    dynamic tethers.  longest : call [s].
+    """
 
     refusal: str
     forces: np.ndarray
     peak: float
     bound: float
+    fastest: float
+    speed_bound: float
     slackest: int
     work: float
     longest: float
@@ -104,8 +110,8 @@ class _Bound:
         self._strain = max(self._strain, max(np.linalg.norm(end) for end in ends) / length - 1.0)
         self._speed = max(self._speed, np.linalg.norm(velocity))
 
-    def tension(self):
-        """The bound [N]."""
+    def tension_and_speed(self):
+        """Both bounds [N], [m/s]."""
         p = self._point
         wave_speed = sqrt(p.axial_stiffness / LINE_DENSITY)
         fall = sqrt(2.0 * p.gravity * (p.length + p.distance))
@@ -119,7 +125,7 @@ class _Bound:
         inertia = LINE_DENSITY * motion**2 / (p.distance * (1.0 - MOST_REELED))
         load = longest * (LINE_DENSITY * p.gravity + DRAG_FACTOR * motion**2 + inertia)
         across = load + (p.axial_stiffness * load**2 / 24.0) ** (1.0 / 3.0)
-        return p.axial_stiffness * self._strain + across + AMPLIFICATION * impact * speed
+        return p.axial_stiffness * self._strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
@@ -132,7 +138,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     tolerance = point.relative_tolerance if refinement == 1 else point.relative_tolerance / (2.5 * refinement**2)
     model = model_of(point, tolerance, point.fixed_step / refinement)
     wind_velocity, bound, forces = wind(point), _Bound(point), []
-    refusal, peak, slackest, longest, finite = "", -inf, 0, 0.0, True
+    refusal, peak, fastest, slackest, longest, finite = "", -inf, 0.0, 0, 0.0, True
     for k in range(calls * refinement + 1):
         position, velocity = kite(point, max(0, k - 1) * step)
         inputs = {
@@ -150,6 +156,8 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
         if refusal:
             break
         bound.add(model.positions[-1], model.velocities[-1], out.tether_length, step)
+        if point.variant.startswith("dynamic"):
+            fastest = max(fastest, np.linalg.norm(model.velocities, axis=1).max())
         peak, slackest = max(peak, out.max_tension), max(slackest, out.slack_segments)
         finite = finite and bool(np.isfinite(np.concatenate([model.get_state(), *map(np.ravel, out)])).all())
         if k % refinement == 0:
@@ -157,4 +165,6 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
         work = sum(model.counters.values()) * model.segments
         if work > most_work:
             break
-    return Flight(refusal, np.array(forces), peak, bound.tension(), slackest, work if forces else 0.0, longest, finite)
+    done = work if forces else 0.0
+    tension, speed = bound.tension_and_speed()
+    return Flight(refusal, np.array(forces), peak, tension, fastest, speed, slackest, done, longest, finite)

@@ -24,8 +24,8 @@ MEANING = """Verdicts:
   the weight of the tether).
 - stable: bounded, but the difference is larger. Its median and 90th percentile stand in the tables.
 - refused: with a sentence, at the start or in flight; the state of before is kept.
-- wrong: an output is not finite, or a tension is larger than the motion can explain (the bound is in
-  `study/stability_flight.py`). Must not be.
+- wrong: an output is not finite, or a tension or the speed of a node is larger than the motion can explain (the bounds are
+  in `study/stability_flight.py`). Must not be.
 - crashed, hanging: the process died, or a call took longer than 2 s. Must not be.
 
 "Stable" is not a fault of the solver alone. The communication step is part of the refinement: where the kite turns by up to
@@ -107,6 +107,7 @@ def worst(results):
     rows = []
     for what, value in (
         ("tension over its bound", lambda v: v.tension),
+        ("speed over its bound", lambda v: v.speed),
         ("error", lambda v: v.error or 0.0),
         ("longest call [s]", lambda v: v.longest),
     ):
@@ -117,7 +118,7 @@ def worst(results):
                 facts = [p.number, p.segments, p.length, p.axial_stiffness, p.axial_damping, 100.0 * p.slack, p.step]
                 rows.append([what, TITLES[name], f"{value(v):.2g}", v.verdict, *facts])
     text = (
-        f"Bound of the tension: see `study/stability_flight.py` (amplification {AMPLIFICATION:g}). "
+        f"Bounds of tension and speed: see `study/stability_flight.py` (amplification {AMPLIFICATION:g}). "
         f"A call may take {LONGEST_CALL:g} s of the processor."
     )
     columns = (

@@ -4,7 +4,7 @@
 converged    agrees with its refinement (half communication and fixed step, a tenth of the tolerance) within 1 %
 stable       bounded, but the refinement differs by more, or it is refused (error: none); the error stands beside it
 refused      refused with a sentence, at the start or in flight
-wrong        an output is not finite, or a tension is larger than the motion can explain (`stability_flight`)
+wrong        an output is not finite, or a tension or speed larger than the motion explains (`stability_flight`)
 crashed      the process died
 hanging      a call took longer than 2 s, of the processor or, in a process that was ended for it, of the clock
 ===========  ==========================================================================================================
@@ -25,13 +25,14 @@ LONGEST_CALL = 2.0  # [s]
 
 class Verdict(NamedTuple):
     """What came of a point: a word of `VERDICTS`; error [-] or None; name of the refusal or ""; number of calls done;
-    largest tension over its bound [-]; segments times internal steps; longest call [s]."""
+    largest tension and largest speed over their bounds [-]; segments times internal steps; longest call [s]."""
 
     verdict: str
     error: float | None = None
     refusal: str = ""
     calls: int = 0
     tension: float = 0.0
+    speed: float = 0.0
     work: float = 0.0
     longest: float = 0.0
 
@@ -53,12 +54,13 @@ def judge(point):
         "refusal": flight.refusal,
         "calls": len(flight.forces),
         "tension": float(flight.peak / flight.bound) if len(flight.forces) else 0.0,
+        "speed": float(flight.fastest / flight.speed_bound) if len(flight.forces) else 0.0,
         "work": flight.work,
         "longest": flight.longest,
     }
     if flight.longest > LONGEST_CALL:
         return Verdict("hanging", **facts)
-    if not flight.finite or facts["tension"] > 1.0:
+    if not flight.finite or max(facts["tension"], facts["speed"]) > 1.0:
         return Verdict("wrong", **facts)
     if flight.refusal:
         return Verdict("refused", **facts)
