@@ -26,6 +26,9 @@ def parse(arguments):
         metavar="P,...",
         help=f"platforms to compile for, of {', '.join(TARGETS)} (default: {','.join(DEFAULT_PLATFORMS)})",
     )
+    parser.add_argument(
+        "--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs"
+    )
     options = parser.parse_args(arguments)
     options.platforms = options.platforms.split(",")
     for platform in options.platforms:
@@ -41,9 +44,28 @@ def parse(arguments):
     return options
 
 
+def build_for_scene(options):
+    """Build the FMU that is advised for a scene; returns 0, 1 if nothing meets what it asks for, 2 if the file is wrong."""
+    from tetherfmu.study.scene_build import SceneError, advised
+
+    try:
+        advice = advised(options.scene, options.shape_points)
+    except SceneError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(advice.text)
+    if not advice.met:
+        return 1
+    path = build(advice.fmu, options.out, advice.segments, advice.shape_points, options.platforms, advice.trim)
+    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(contents(path))}")
+    return 0
+
+
 def main(arguments=None):
-    """Build what was asked for; returns the number of FMUs that failed."""
+    """Build what was asked for; returns the exit status, 0 only if all was built."""
     options = parse(arguments)
+    if options.scene:
+        return build_for_scene(options)
     failed = 0
     names = options.names or list(SLAVES)
     libraries(kernels_folder(), options.platforms, [SLAVES[name][1] for name in names])  # all at once is faster
@@ -55,8 +77,8 @@ def main(arguments=None):
             traceback.print_exc()
             print(f"{name} was not built", file=sys.stderr)
             failed += 1
-    return failed
+    return min(failed, 1)
 
 
 if __name__ == "__main__":
-    sys.exit(min(main(), 1))
+    sys.exit(main())

@@ -65,7 +65,9 @@ def module_for(ir, names, target, machine):
     for item in [*linked.global_variables, *linked.functions]:
         if not item.is_declaration and item.name not in names:
             item.linkage = "internal"
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.slp_vectorization = True  # two statements in one instruction; numba leaves it out
+    builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(linked, builder)
     items = [*linked.functions, *linked.global_variables]
     needed = {item.name for item in items if item.is_declaration and not item.name.startswith("llvm.")}

@@ -13,6 +13,7 @@ import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
@@ -53,7 +54,18 @@ DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS):
+class Trim(NamedTuple):
+    """What an FMU of one scene has of its own."""
+
+    name: str
+    starts: list  # pairs (input or parameter, start value)
+    left_out: list  # names of inputs and outputs
+    about: str  # sentence that is added to the description
+    step: float  # communication step of the default experiment [s]
+    page: str  # documentation, HTML
+
+
+def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
     """Build one FMU.
 
     Parameters
@@ -68,6 +80,8 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         Points of the output `shape`; 0 leaves it out.
     platforms : sequence of str
         Names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : Trim
+        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
 
     Returns
     -------
@@ -91,14 +105,18 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         for each in platforms:
             shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
         options = {"segments": segments, "shape_points": shape_points}
+        if scene:
+            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = _unpacked(_pack(resources, shipped, Path(temporary)))
+    file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
     description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
-    files.update(documents(name, variant, description, options, platforms))
-    partial = folder / f"{name}.fmu.partial"
+    files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
+    if not scene:
+        (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
+    partial = folder / f"{file}.partial"
     _write(files, partial)
-    (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
-    return partial.replace(folder / f"{name}.fmu")
+    return partial.replace(folder / file)
 
 
 def kernels_folder():

@@ -13,13 +13,14 @@ only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. 
 from . import layout as at
 from . import segment
 from .compilation import kernel
-from .vectors import add, apply, dot, get, get_matrix, put, put_matrix, scale, sub
+from .pairs import first, number_at, pair, second
+from .vectors import add, apply, dot, get, get_matrix, get_two, put, put_matrix, put_side_by_side, put_two, scale, sub
 
 
 @kernel
 def rest_length(s, length, parameters):
-    """Unstretched length [m] of segment s when that of the tether is `length` [m]."""
-    return parameters[at.PARAMETER_SCALARS + s] * length
+    """Unstretched length [m] of segment s (of two, as a pair) when that of the tether is `length` [m]."""
+    return number_at(parameters, at.PARAMETER_SCALARS, s) * length
 
 
 @kernel
@@ -37,27 +38,32 @@ def node_masses(n, length, parameters, mass):
 
 @kernel
 def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, force):
-    """Forces of tension, drag and weight on all nodes [N] into `force` (modified).
+    """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], unstretched
     length of the tether [m] and its rate [m/s], wind at the reference height [m/s] as a tuple, node masses [kg].
     """
     gravity = parameters[at.GRAVITY]
-    from_below = (0.0, 0.0, 0.0)
-    x_p = get(x, 0)
-    v_p = get(v, 0)
-    for s in range(n):
-        x_q = get(x, s + 1)
-        v_q = get(v, s + 1)
-        rest = rest_length(s, length, parameters)
-        rest_rate = rest_length(s, reeling, parameters)
-        pull, drag, _, _ = segment.forces(s, n, branches[s], x_p, x_q, v_p, v_q, rest, rest_rate, wind, parameters)
-        total = add(add(from_below, pull), drag)
-        put(force, s, (total[0], total[1], total[2] - mass[s] * gravity))
-        from_below = sub(drag, pull)
+    growth = reeling / length
+    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    x_p = get_two(x, 0, n)
+    v_p = get_two(v, 0, n)
+    for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
+        mirror = n - 1 - s
+        x_q = get_two(x, s + 1, mirror)
+        v_q = get_two(v, s + 1, mirror)
+        rest = rest_length((s, mirror), length, parameters)
+        branch = pair(branches[s], branches[mirror])
+        pull, drag, _, _ = segment.forces((s, mirror), n, branch, x_p, x_q, v_p, v_q, rest, growth, wind, parameters)
+        total = add(add(from_outside, pull), drag)
+        put_two(force, s, n - s, (total[0], total[1], total[2] - gravity * pair(mass[s], mass[n - s])))
+        from_outside = sub(drag, pull)
         x_p = x_q
         v_p = v_q
-    put(force, n, (from_below[0], from_below[1], from_below[2] - mass[n] * gravity))
+    if n % 2 == 0:
+        middle = n // 2
+        total = add(first(from_outside), second(from_outside))
+        put(force, middle, (total[0], total[1], total[2] - gravity * mass[middle]))
 
 
 @kernel
@@ -70,9 +76,8 @@ def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
     """
     s = n - 1 if kite_end else 0
     rest = rest_length(s, length, parameters)
-    rest_rate = rest_length(s, reeling, parameters)
     pull, drag, tension, _ = segment.forces(
-        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, reeling / length, wind, parameters
     )
     if kite_end:
         pull = scale(-1.0, pull)
@@ -89,27 +94,48 @@ def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
     `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
     """
     size = at.SEGMENT_RECORD
+    growth = reeling / length
+    for s in range((n + 1) // 2):
+        mirror = n - 1 - s
+        x_p = get_two(x, s, mirror)
+        x_q = get_two(x, s + 1, mirror + 1)
+        v_p = get_two(v, s, mirror)
+        v_q = get_two(v, s + 1, mirror + 1)
+        both = (s, mirror)
+        r = sub(x_q, x_p)
+        rest = rest_length(both, length, parameters)
+        axial, e, damper, slope = segment.linearize_tension(both, n, r, sub(v_q, v_p), rest, growth, parameters)
+        height = 0.5 * (x_p[2] + x_q[2])
+        velocity = scale(0.5, add(v_p, v_q))
+        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
+        p = size * s
+        q = size * mirror
+        put_side_by_side(records, p + segment.K, q + segment.K, axial)
+        put_side_by_side(records, p + segment.G, q + segment.G, drag)
+        put_side_by_side(records, p + segment.A, q + segment.A, drag_by_velocity)
+        put_side_by_side(records, p + segment.HEIGHT, q + segment.HEIGHT, (*a, *e, damper, slope))
+    rate_from_reeling(n, reeling, parameters, records, force_rate)
+
+
+@kernel
+def rate_from_reeling(n, reeling, parameters, records, force_rate):
+    """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities."""
+    size = at.SEGMENT_RECORD
     line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
-    gravity = parameters[at.GRAVITY]
-    put(force_rate, 0, (0.0, 0.0, 0.0))
+    for k in range(3 * (n + 1)):
+        force_rate[k] = 0.0
+    if reeling == 0.0:
+        return
     for s in range(n):
         record = records[size * s : size * (s + 1)]
-        rest = rest_length(s, length, parameters)
         rest_rate = rest_length(s, reeling, parameters)
-        x_p = get(x, s)
-        x_q = get(x, s + 1)
-        v_p = get(v, s)
-        v_q = get(v, s + 1)
-        r = sub(x_q, x_p)
-        slope = segment.linearize_tension(s, n, r, sub(v_q, v_p), rest, rest_rate, parameters, record)
-        height = 0.5 * (x_p[2] + x_q[2])
-        segment.linearize_drag(s, n, r, height, scale(0.5, add(v_p, v_q)), wind, parameters, record)
-        half_weight = 0.5 * parameters[line + s] * rest_rate * gravity
+        half_weight = 0.5 * parameters[line + s] * rest_rate * parameters[at.GRAVITY]
+        pull = record[segment.SLOPE] * rest_rate
         for i in range(3):
-            pull = slope * rest_rate * record[segment.DIRECTION + i]
+            along_e = pull * record[segment.DIRECTION + i]
             weight = half_weight if i == 2 else 0.0
-            force_rate[3 * s + i] += pull - weight
-            force_rate[3 * s + 3 + i] = -pull - weight
+            force_rate[3 * s + i] += along_e - weight
+            force_rate[3 * s + 3 + i] = -along_e - weight
 
 
 @kernel

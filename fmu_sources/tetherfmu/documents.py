@@ -16,24 +16,31 @@ EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
-def documents(name, variant, description, options, platforms):
+def table_of(variant, options):
+    """Table of the variables of an FMU with these build options."""
+    starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
+    return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
+
+
+def documents(name, variant, description, options, platforms, scene_page=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : "dynamic", "quasi_steady", "catenary" or "straight".  description : of the model, one
-    paragraph.  options : dict of the build options `segments` and `shape_points`.  platforms : names of those that the FMU
-    has kernels for.
+    paragraph.  options : dict of the build options.  platforms : names of those that the FMU has kernels for.
+    scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
     """
-    table = variables(variant, options["shape_points"], [("segments", options["segments"])])
+    table = table_of(variant, options)
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     texts = {
-        "documentation/index.html": page(name, variant, description, table, osp_file),
+        "documentation/index.html": scene_page or page(name, variant, description, table, osp_file),
         "documentation/externalDependencies.txt": _filled("externalDependencies.txt", platforms=", ".join(platforms)),
         "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8"),
         "documentation/licenses/PythonFMU.txt": _licence_of_pythonfmu(),
         "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
         osp_file: osp.model_description(table),
     }
-    for file, text in evidence.files(name, options["segments"]).items():
+    evidence_set = {} if scene_page else evidence.files(name, options["segments"])
+    for file, text in evidence_set.items():
         texts[f"{EVIDENCE_FOLDER}/{file}"] = text
     return {
         "model.png": (ASSETS / "model.png").read_bytes(),

@@ -13,26 +13,30 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
 2. Newton's method with the tensions as unknowns beside the positions. They are eliminated from its linear system, which
    stays block tridiagonal; what they change is that the lateral stiffness T/l comes from the tension of the last iteration
    and not from the length of the segment, whose error is amplified by EA/l0.
-3. If that fails: the same with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a chain
-   that creeps. c falls while the nodes move little, down to Newton's method.
+3. If that fails: the same, but with the compliances of the segments instead of their stiffnesses (`compliance.py`), because
+   in a stiff and slack chain what holds a segment across drowns in the rounding errors of what holds it along.
+4. If that fails: both again with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a
+   chain that creeps. c falls while the nodes move little, down to Newton's method.
 """
 
 from math import inf, sqrt
 
-from . import catenary, chain, hanging, segment
+from . import catenary, chain, compliance, hanging, segment
 from . import layout as at
 from .block_tridiagonal import factorize, solve
 from .compilation import kernel
 from .status import NO_EQUILIBRIUM, OK
-from .vectors import add, along, cross, dot, get, get_matrix, multiply, norm, put, put_matrix, scale, sub
+from .vectors import add, add_to_diagonal, along, cross, dot, get, multiply, norm, put, put_matrix, scale, skew, sub
 
+NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
 ACCURACY = 1e-12  # residual over the size of the forces
 STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
 FAST_DECREASE = 1e-4  # of the residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
-MOST_CREEPING = 600  # iterations of step 3
+MOST_CREEPING = 300  # iterations of step 4
+LOOSEST = 1e-3  # tension over the load of a node above which a segment counts as taut, however short it is, in step 3
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the resistance changes
 FIRMEST = 100.0  # resistance over that of the first iteration
 
@@ -71,10 +75,10 @@ def rigid_velocity(n, spin, stretching, x, v):
 
 
 @kernel
-def node_loads(n, spin, stretching, wind, length, tense, parameters, x, v, mass, load):
+def node_loads(n, spin, stretching, wind, length, pulls, tension, parameters, x, v, mass, load):
     """Drag, weight and inertia f of all nodes [N] into `load` (modified); v gets the velocities of the inner nodes.
 
-    tense : whether the pull of the segments is added, with which `load` becomes the residual.
+    pulls : what is added to make `load` the residual: NO_PULL, that of the SPRINGS, or the TENSIONS [N].
     """
     rigid_velocity(n, spin, stretching, x, v)
     ground = get(x, 0)
@@ -89,10 +93,12 @@ def node_loads(n, spin, stretching, wind, length, tense, parameters, x, v, mass,
         middle = 0.5 * (x_p[2] + x_q[2])
         drag = segment.half_drag(s, n, distance, e, middle, scale(0.5, add(v_p, v_q)), wind, parameters)
         pull = (0.0, 0.0, 0.0)
-        if tense:
+        if pulls == SPRINGS:
             rest = chain.rest_length(s, length, parameters)
-            stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+            stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
             pull = scale(stiffness * (distance - rest), e)
+        elif pulls == TENSIONS:
+            pull = scale(tension[s], e)
         acceleration = cross(spin, cross(spin, sub(x_p, ground)))
         body = scale(-mass[s], (acceleration[0], acceleration[1], acceleration[2] + gravity))
         put(load, s, add(add(from_below, body), add(drag, pull)))
@@ -110,8 +116,7 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
 
     K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
     """
-    a, b, c = spin
-    motion = (stretching, -c, b, c, stretching, -a, -b, a, stretching)
+    motion = add_to_diagonal(skew(spin), stretching)
     for s in range(n):
         record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
         x_p = get(x, s)
@@ -119,16 +124,19 @@ def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
         r = sub(x_q, x_p)
         distance, e = segment.geometry(r)
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
-        segment.linearize_drag(s, n, r, 0.5 * (x_p[2] + x_q[2]), velocity, wind, parameters, record)
+        height = 0.5 * (x_p[2] + x_q[2])
+        drag, drag_by_velocity, a = segment.linearize_drag(s, n, r, height, velocity, wind, parameters)
         rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
         stretch = tension[s] / distance
         for i in range(3):
             for j in range(3):
                 record[segment.K + 3 * i + j] = (stiffness - stretch) * e[i] * e[j]
             record[segment.K + 4 * i] += stretch
             record[segment.DIRECTION + i] = e[i]
-        put_matrix(record, segment.A, multiply(get_matrix(record, segment.A), motion))
+            record[segment.HEIGHT + i] = a[i]
+        put_matrix(record, segment.G, drag)
+        put_matrix(record, segment.A, multiply(drag_by_velocity, motion))
         record[segment.DAMPER] = 0.0
 
 
@@ -151,21 +159,56 @@ def factorize_newton(n, spin, resistance, w):
 
 
 @kernel
-def apply_step(n, length, parameters, x, tension, change):
+def step_by_stiffness(n, length, parameters, x, force, aim, w):
+    """Newton step from the factors of `factorize_newton`: motions [m] into w.b, tensions [N] into `aim` (both modified)."""
+    for k in range(3, 3 * n):
+        w.b[k] = force[k]
+    solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
+    put(w.b, 0, (0.0, 0.0, 0.0))
+    put(w.b, n, (0.0, 0.0, 0.0))
+    for s in range(n):
+        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rest = chain.rest_length(s, length, parameters)
+        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
+        aim[s] = stiffness * (distance - rest + dot(e, sub(get(w.b, s + 1), get(w.b, s))))
+
+
+@kernel
+def step_by_compliance(n, spin, stretching, length, wind, parameters, x, v, tension, loosest, resistance, aim, w):
+    """Newton step with the compliances of the segments: motions [m] into w.b, tensions [N] into `aim` (both modified).
+
+    A segment counts as taut above the tension `loosest` [N]: where it is stiff, the least error of a position makes it
+    shorter than its unstretched length.
+    """
+    linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+    change = w.stages[n : 2 * n]
+    for s in range(n):
+        record = w.records[at.SEGMENT_RECORD * s : at.SEGMENT_RECORD * (s + 1)]
+        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rest = chain.rest_length(s, length, parameters)
+        branch = segment.TAUT if tension[s] > loosest else distance - rest
+        stiffness, _ = segment.stiffness(branch, rest, s, n, parameters)
+        aim[s] = tension[s] if branch > 0.0 else stiffness * (distance - rest)
+        put_matrix(record, segment.K, compliance.of_segment(e, distance, stiffness, tension[s]))
+        record[segment.DAMPER] = distance - rest - aim[s] / stiffness
+    node_loads(n, spin, stretching, wind, length, TENSIONS, aim, parameters, x, v, w.mass, w.force)
+    compliance.solve(n, spin, resistance, w.mass, w.force, w.records, w.diagonal, w.lower, w.rv, w.force_rate, w.b, change)
+    for s in range(n):
+        aim[s] += change[s]
+
+
+@kernel
+def apply_step(n, length, parameters, x, tension, aim, change):
     """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps.
 
-    Returns the largest motion of a node in the unshortened step over the length of a segment.
+    aim : tensions [N] at its end.  change : its motions [m]. Returns the largest motion over the length of a segment.
     """
     part = 1.0
     for s in range(n):
         rest = chain.rest_length(s, length, parameters)
         part = min(part, rest / max(norm(sub(get(change, s + 1), get(change, s))), rest))
     for s in range(n):
-        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        rest = chain.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance > rest, rest, s, n, parameters)
-        predicted = stiffness * (distance - rest + dot(e, sub(get(change, s + 1), get(change, s))))
-        tension[s] = max(tension[s] + part * (predicted - tension[s]), SLOWEST_SLACKENING * tension[s])
+        tension[s] = max(tension[s] + part * (aim[s] - tension[s]), SLOWEST_SLACKENING * tension[s])
     farthest = 0.0
     for i in range(1, n):
         step = get(change, i)
@@ -191,43 +234,51 @@ def smallest_residual(n, length, parameters, x, tension, mass):
 
 
 @kernel
-def relax(n, spin, stretching, length, wind, parameters, x, v, tension, resistance, most, w):
+def residual_norm(n, force):
+    """Norm of the forces of the inner nodes [N]."""
+    square = 0.0
+    for k in range(3, 3 * n):
+        square += force[k] * force[k]
+    return sqrt(square)
+
+
+@kernel
+def relax(n, spin, stretching, length, wind, parameters, x, v, tension, compliant, firmness, creeps, most, w):
     """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified), at most `most` iterations.
 
-    With a resistance c [N/m] to start with, the chain creeps; with 0 it is plain Newton, whose matrix is kept while the
-    residual falls fast. Returns (True, iterations) or (False, iterations); w.force holds the residual.
+    compliant : step 3 instead of step 2, whose matrix is kept while the residual falls fast.  firmness : stiffness [N/m]
+    that the loads alone give a node (0 where it is not known), the first resistance if the chain `creeps`.
+    Returns (True, iterations) or (False, iterations).
     """
-    firmest = FIRMEST * resistance
+    resistance = firmness if creeps else 0.0
+    loosest = LOOSEST * firmness * length / n
+    aim = w.stages[:n]
     last = 0.0
     fresh = False
     for iteration in range(most):
-        node_loads(n, spin, stretching, wind, length, True, parameters, x, v, w.mass, w.force)
-        square = 0.0
-        for k in range(3, 3 * n):
-            square += w.force[k] * w.force[k]
-        residual = sqrt(square)
+        node_loads(n, spin, stretching, wind, length, SPRINGS, tension, parameters, x, v, w.mass, w.force)
+        residual = residual_norm(n, w.force)
         goal = smallest_residual(n, length, parameters, x, tension, w.mass)
-        stalled = fresh and firmest == 0.0 and residual > 0.5 * last
+        stalled = fresh and not creeps and residual > 0.5 * last
         if residual <= goal or (stalled and residual <= STALLED * goal):
             return True, iteration
         if not residual < inf:
             return False, iteration
-        fresh = not residual < FAST_DECREASE * last
-        if fresh:
-            linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-            if not factorize_newton(n, spin, resistance, w):
-                return False, iteration
+        fresh = compliant or not residual < FAST_DECREASE * last
         last = residual
-        for k in range(3, 3 * n):
-            w.b[k] = w.force[k]
-        solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
-        put(w.b, 0, (0.0, 0.0, 0.0))
-        put(w.b, n, (0.0, 0.0, 0.0))
-        motion = apply_step(n, length, parameters, x, tension, w.b)
+        if compliant:
+            step_by_compliance(n, spin, stretching, length, wind, parameters, x, v, tension, loosest, resistance, aim, w)
+        else:
+            if fresh:
+                linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+                if not factorize_newton(n, spin, resistance, w):
+                    return False, iteration
+            step_by_stiffness(n, length, parameters, x, w.force, aim, w)
+        motion = apply_step(n, length, parameters, x, tension, aim, w.b)
         if motion < NEAR:
             resistance *= 0.5
         elif motion > FAR:
-            resistance = min(2.0 * resistance, firmest)
+            resistance = min(2.0 * resistance, FIRMEST * firmness)
     return False, most
 
 
@@ -273,7 +324,7 @@ def guess(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     """
     load = w.x_stage
     straighten(n, parameters, x)
-    node_loads(n, spin, stretching, wind, length, False, parameters, x, v, w.mass, load)
+    node_loads(n, spin, stretching, wind, length, NO_PULL, tension, parameters, x, v, w.mass, load)
     total = 0.0
     for i in range(1, n):
         total += norm(get(load, i))
@@ -297,7 +348,7 @@ def follow(n, spin, stretching, length, wind, parameters, x, v, tension, w):
     Arguments as in `find`. Returns (found, iterations).
     """
     chain.node_masses(n, length, parameters, w.mass)
-    return relax(n, spin, stretching, length, wind, parameters, x, v, tension, 0.0, MOST_ITERATIONS, w)
+    return relax(n, spin, stretching, length, wind, parameters, x, v, tension, False, 0.0, False, MOST_ITERATIONS, w)
 
 
 @kernel
@@ -309,10 +360,17 @@ def find(n, spin, stretching, length, wind, parameters, x, v, w):
     """
     chain.node_masses(n, length, parameters, w.mass)
     tension = w.rx[:n]
-    guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-    found, iterations = relax(n, spin, stretching, length, wind, parameters, x, v, tension, 0.0, MOST_ITERATIONS, w)
-    if not found:
-        load_stiffness = guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-        found, more = relax(n, spin, stretching, length, wind, parameters, x, v, tension, load_stiffness, MOST_CREEPING, w)
+    found = False
+    iterations = 0
+    for attempt in range(4):
+        compliant = attempt % 2 == 1
+        creeps = attempt >= 2
+        most = MOST_CREEPING if creeps else MOST_ITERATIONS
+        firmness = guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
+        found, more = relax(
+            n, spin, stretching, length, wind, parameters, x, v, tension, compliant, firmness, creeps, most, w
+        )
         iterations += more
+        if found:
+            break
     return OK if found else NO_EQUILIBRIUM, iterations

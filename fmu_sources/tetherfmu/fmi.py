@@ -29,7 +29,7 @@ from .quantities import checked
 
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
-DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21}
+DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21, "starts": [], "left_out": [], "about": "", "step": 0.02}
 
 # a saved state: header, facts, all FMI values, and the state array once the tether is initialized
 _HEADER = struct.Struct("<8sII")  # magic with version, length and checksum of what follows
@@ -82,11 +82,14 @@ class TetherSlave(Fmi2Slave):
             with suppress(ValueError):
                 sys.path.remove(self.resources)  # the library puts it there for each instance and leaves it
             _free_interpreter_once(self.resources)
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=0.02, tolerance=1e-4)
         options = _options(self.resources)
+        step = options["step"]
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=step, tolerance=1e-4)
+        self._about = options["about"]
         self._shape_points = options["shape_points"]
         self._load_kernels()
-        self._table = interface.variables(self.variant, self._shape_points, (("segments", options["segments"]),))
+        starts = (("segments", options["segments"]), *map(tuple, options["starts"]))
+        self._table = interface.variables(self.variant, self._shape_points, starts, tuple(options["left_out"]))
         self._make_values()
         self._phase = _BEFORE
         self._importer_tolerance = 0.0
@@ -129,6 +132,8 @@ class TetherSlave(Fmi2Slave):
         options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
         root = super().to_xml(options)
         root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
+        if self._about:
+            root.set("description", f"{self.__class__.description} {self._about}")
         complete(root, self._table, self._references)
         return root
 

@@ -196,12 +196,15 @@ NOTES = {  # meanings of outputs where they differ from the dynamic tether's
 
 
 @lru_cache
-def variables(variant, shape_points, starts=()):
+def variables(variant, shape_points, starts=(), left_out=()):
     """The table of all variables, a tuple: inputs, outputs, parameters.
 
     variant : "dynamic", "quasi_steady", "catenary" or "straight".  shape_points : number of points of the output `shape`.
-    starts : pairs (parameter, start value) that replace defaults.
+    starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
+    FMU for one scene goes without; such inputs stay 0.
     """
+    first = dict(starts)
+    inputs = [replace(variable, start=first.get(variable.name, variable.start)) for variable in _input_variables()]
     outputs = [
         replace(
             variable,
@@ -210,7 +213,11 @@ def variables(variant, shape_points, starts=()):
         )
         for variable in _output_variables(shape_points)
     ]
-    return (*_input_variables(), *outputs, *_parameter_variables(variant, dict(starts)))
+    return tuple(
+        replace(variable, depends_on=tuple(name for name in variable.depends_on or () if name not in left_out))
+        for variable in (*inputs, *outputs, *_parameter_variables(variant, first))
+        if variable.name not in left_out
+    )
 
 
 def records(values):

@@ -6,8 +6,20 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
 KERNEL_SOURCES = (  # `entry` and all that it imports
-    *("atmosphere", "block_tridiagonal", "catenary", "chain", "communication", "compilation", "dynamic", "end_motion"),
-    *("entry", "equilibrium", "hanging", "implicit_euler", "kernel_sources", "layout", "lines", "observation"),
+    *("atmosphere", "block_tridiagonal", "catenary", "chain", "communication", "compilation", "compliance"),
+    *(
+        "dynamic",
+        "end_motion",
+        "entry",
+        "equilibrium",
+        "hanging",
+        "implicit_euler",
+        "kernel_sources",
+        "layout",
+        "lines",
+        "observation",
+        "pairs",
+    ),
     *("quasi_steady", "rosenbrock", "segment", "status", "vectors", "workspace"),
 )
 

@@ -91,7 +91,7 @@ STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 STAGES = 6
 NODE_ARRAYS = 7 + 2 * STAGES
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
-SEGMENT_RECORD = 34  # derivatives of one segment, see `segment.py`
+SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`
 
 LARGEST_INPUT = 1e9  # in magnitude, any input
 LONGEST_STEP = 1e6  # [s]

@@ -218,12 +218,14 @@ def observe_catenary(n, parameters, state, shape_points, outputs, work):
         stretched = piece * (1.0 + pull / stiffness)
         crossing += wave_time(property_of(parameters, at.LINE_DENSITY), piece, stretched, pull, stiffness)
         sag = max(sag, distance_to_chord(catenary_point(ground, tension, load, middle, stiffness), ground, chord))
-    # the tether is farthest from its chord where it is parallel to it: (t - s q) x c = 0
+    # the tether is farthest from its chord where it is parallel to it: (t - s q) x c = 0, or, hanging from ends one above
+    # the other, in its fold: (t - s q) . q = 0
     turning = cross(load, chord)
-    square = dot(turning, turning)
-    if square > 0.0:
-        arc = min(length, max(0.0, dot(cross(tension, chord), turning) / square))
-        sag = max(sag, distance_to_chord(catenary_point(ground, tension, load, arc, stiffness), ground, chord))
+    parallel = dot(cross(tension, chord), turning) / max(dot(turning, turning), 1e-300)
+    fold = dot(tension, load) / max(dot(load, load), 1e-300)
+    for arc in (parallel, fold):
+        point = catenary_point(ground, tension, load, min(length, max(0.0, arc)), stiffness)
+        sag = max(sag, distance_to_chord(point, ground, chord))
     outputs[at.WAVE_TIME] = crossing
     outputs[at.SAG] = sag
     for k in range(shape_points):

@@ -4,8 +4,8 @@ from collections import namedtuple
 
 import numpy as np
 
+from . import energy, status
 from . import layout as at
-from . import status
 from .compiled import kernels
 from .interface import INPUT_NAMES, KITE_AT_START
 from .parameters import DEFAULT_TOLERANCE, VARIANTS_WITHOUT_NODES, Environment, Solver, Tether, effective, pack
@@ -151,6 +151,24 @@ class TetherModel:
         self._observe()
         return self._collected()
 
+    def energy(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
+        """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
+
+        `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
+        powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
+        """
+        if self.variant in VARIANTS_WITHOUT_NODES:
+            raise ValueError(f"{type(self).__name__} has no nodes, so no energy of its own motion")
+        state, inputs = self._state, self._inputs
+        return energy.account(
+            self.segments,
+            self._parameters,
+            state,
+            state[at.REELING] if reel_out_speed is None else reel_out_speed,
+            state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity,
+            inputs[at.KITE_LOAD : at.KITE_LOAD + 3] if kite_load is None else kite_load,
+        )
+
     def _collected(self):
         values = self._outputs
         return Outputs(
@@ -208,6 +226,7 @@ class TetherModel:
         if result == status.OK:
             self._before[:] = self._state
             return self._collected()
+        length = self._state[at.LENGTH]  # a refused initialization has set it too
         self._state[:] = self._before
         place = status.index(result)
         raise StepRefused(
@@ -217,7 +236,7 @@ class TetherModel:
                 value=self._inputs[place],
                 step=step,
                 reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
-                length=self._state[at.LENGTH],
+                length=length,
                 relative_tolerance=self._tolerance,
                 fixed_step=self._solver.fixed_step,
                 budget=at.WORK_BUDGET // self.segments,

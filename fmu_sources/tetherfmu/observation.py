@@ -43,6 +43,7 @@ def survey(n, parameters, state, x, v, outputs):
     """Outputs that look at every segment (modified): largest tension, slack segments, stiffness, wave time, sag."""
     wind = vector(state, at.WIND)
     scalars = at.PARAMETER_SCALARS
+    growth = state[at.REELING] / state[at.LENGTH]
     largest = -inf
     slack = 0
     crossing = 0.0
@@ -51,9 +52,8 @@ def survey(n, parameters, state, x, v, outputs):
     sag = 0.0
     for s in range(n):
         rest = chain.rest_length(s, state[at.LENGTH], parameters)
-        rest_rate = chain.rest_length(s, state[at.REELING], parameters)
         _, _, tension, length = segment.forces(
-            s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, rest_rate, wind, parameters
+            s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, growth, wind, parameters
         )
         largest = max(largest, tension)
         if length < rest:

@@ -19,7 +19,7 @@ def model_description(table):
 
     Two Generic groups, `kite` and `ground`, each with a Force, a LinearVelocity and a LinearDisplacement in this order; and
     the LinearVelocity groups `wind` and `reel_out`. libcosim connects a group with one of the same make: groups in groups in
-    the same order, with the same number of variables.
+    the same order, with the same number of variables. What an FMU for one scene goes without is left out.
 
     table : of `interface.Variable`.
     """
@@ -32,14 +32,20 @@ def model_description(table):
         _vector(port, "LinearVelocity", f"{end}_velocity", units)
         _vector(port, "LinearDisplacement", f"{end}_position", units)
     _vector(groups, "LinearVelocity", "wind_velocity", units, group="wind")
-    reel_out = SubElement(groups, "LinearVelocity", name="reel_out")
-    SubElement(reel_out, "Variable", ref="reel_out_speed", unit=units["reel_out_speed"])
+    if "reel_out_speed" in units:
+        reel_out = SubElement(groups, "LinearVelocity", name="reel_out")
+        SubElement(reel_out, "Variable", ref="reel_out_speed", unit=units["reel_out_speed"])
+    for port in groups.findall("Generic"):
+        if len(port) == 0:
+            groups.remove(port)
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
 def _vector(parent, kind, vector, units, group=None):
-    """Add a group of the three components of a vector (`parent` is modified)."""
+    """Add a group of the three components of a vector, if the FMU has it (`parent` is modified)."""
+    if f"{vector}[1]" not in units:
+        return
     element = SubElement(parent, kind, name=group or vector)
     for number, axis in enumerate(AXES, start=1):
         name = f"{vector}[{number}]"

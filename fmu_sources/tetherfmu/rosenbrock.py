@@ -121,18 +121,24 @@ def combine(stage, x, v, w):
     size = len(w.y_stage)
     y = w.y_stage
     right = w.right
-    for k in range(len(x)):
-        w.x_stage[k] = x[k]
-        w.v_stage[k] = v[k]
     for k in range(size):
         right[k] = 0.0
+    if stage == at.STAGES - 1:  # its row of A is that of the stage before, and 1
+        last = w.stages[size * (stage - 1) : size * stage]
+        for k in range(size):
+            y[k] += last[k]
+    else:
+        for k in range(len(x)):
+            w.x_stage[k] = x[k]
+            w.v_stage[k] = v[k]
+        for j in range(stage):
+            u = w.stages[size * j : size * (j + 1)]
+            for k in range(size):
+                y[k] += A[stage, j] * u[k]
     for j in range(stage):
         u = w.stages[size * j : size * (j + 1)]
-        a = A[stage, j]
-        c = C[stage, j]
         for k in range(size):
-            y[k] += a * u[k]
-            right[k] += c * u[k]
+            right[k] += C[stage, j] * u[k]
 
 
 @kernel
@@ -141,17 +147,18 @@ def solve_stage(n, drive, stage, h, w):
     nodes = 3 * (n + 1)
     d = GAMMA * h
     rate = GAMMA_I[stage] * h
+    per_h = 1.0 / h
     rx = w.rx
     rv = w.rv
     for k in range(nodes):
-        rx[k] = rx[k] / h + w.v_stage[k]
+        rx[k] = per_h * rx[k] + w.v_stage[k]
     if drive.first == 1:
         put(rx, 0, (0.0, 0.0, 0.0))
     if drive.last == n - 1:
         put(rx, n, (0.0, 0.0, 0.0))
     for i in range(n + 1):
         mass = w.mass[i]
-        momentum = along(scale(1.0 / h, get(rv, i)), 1.0 / d, get(rx, i))
+        momentum = along(scale(per_h, get(rv, i)), per_h / GAMMA, get(rx, i))
         put(w.b, i, along(along(get(w.b, i), rate, get(w.force_rate, i)), mass, momentum))
     chain.add_damping_product(n, -1.0, rx, w.records, w.b)
     solve(drive.first, drive.last, w.diagonal, w.lower, w.upper, w.b)
@@ -217,8 +224,8 @@ def kink_error(n, drive, length, h, parameters, w):
         rest = chain.rest_length(s, length, parameters)
         over = norm(sub(get(w.x_stage, s + 1), get(w.x_stage, s))) - rest
         if over * w.branches[s] < 0.0:
-            taut, _ = segment.stiffness(True, rest, s, n, parameters)
-            slack, _ = segment.stiffness(False, rest, s, n, parameters)
+            taut, _ = segment.stiffness(segment.TAUT, rest, s, n, parameters)
+            slack, _ = segment.stiffness(segment.SLACK, rest, s, n, parameters)
             mass = min(w.mass[s] if s >= drive.first else inf, w.mass[s + 1] if s + 1 <= drive.last else inf)
             worst = max(worst, KINK * h * (taut - slack) * abs(over) / mass)
     return worst

@@ -23,9 +23,25 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
 from math import sqrt
 
 from . import layout as at
-from .atmosphere import air_density, wind_factor
+from .atmosphere import air
 from .compilation import kernel
-from .vectors import add, along, apply, dot, get_matrix, scale, sub
+from .pairs import choose, number_at
+from .vectors import (
+    add,
+    add_to_diagonal,
+    along,
+    apply,
+    cross,
+    dot,
+    get_matrix,
+    outer,
+    scale,
+    scale_matrix,
+    skew,
+    sub,
+    subtract,
+    symmetric,
+)
 
 # places in the record of derivatives
 K = 0  # 3x3
@@ -34,6 +50,7 @@ A = 18  # 3x3
 HEIGHT = 27  # a: change of the half drag with the height of the segment, through wind and density
 DIRECTION = 30  # e
 DAMPER = 33  # c
+SLOPE = 34  # dT/dl0
 
 TAUT, SLACK, BY_LENGTH = 1.0, -1.0, 0.0  # which stiffness a segment has
 
@@ -44,30 +61,37 @@ STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exis
 @kernel
 def geometry(r):
     """Length [m] and direction of a segment from the vector [m] between its nodes."""
-    length = max(sqrt(dot(r, r)), SHORTEST)
+    length = sqrt(dot(r, r))
+    length = choose(length - SHORTEST, length, SHORTEST)
     return length, scale(1.0 / length, r)
 
 
 @kernel
-def stiffness(taut, rest_length, segment, n, parameters):
-    """Stiffness k [N/m] and damping c [N s/m] of a taut or a slack segment of this unstretched length [m]."""
-    k = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + segment] / rest_length
-    c = parameters[at.PARAMETER_SCALARS + at.DAMPING * n + segment] / rest_length
-    if taut:
-        return k, c
-    return parameters[at.SLACK_STIFFNESS_RATIO] * k, parameters[at.SLACK_DAMPING_RATIO] * c
+def property_of(segment, which, n, parameters):
+    """One of the properties `layout.SHARE`, ... of a segment, or of two segments, as a pair."""
+    return number_at(parameters, at.PARAMETER_SCALARS + which * n, segment)
 
 
 @kernel
-def tension(length, length_rate, rest_length, rest_rate, k, c, parameters):
+def stiffness(branch, rest_length, segment, n, parameters):
+    """Stiffness k [N/m] and damping c [N s/m] of a segment of this unstretched length [m]: taut if branch > 0."""
+    per_length = 1.0 / rest_length
+    k = per_length * property_of(segment, at.STIFFNESS, n, parameters)
+    c = per_length * property_of(segment, at.DAMPING, n, parameters)
+    return choose(branch, k, parameters[at.SLACK_STIFFNESS_RATIO] * k), choose(
+        branch, c, parameters[at.SLACK_DAMPING_RATIO] * c
+    )
+
+
+@kernel
+def tension(length, length_rate, rest_length, growth, k, c, parameters):
     """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
 
-    Lengths [m], their rates [m/s], k [N/m], c [N s/m]. Source: docs/theory.md, "One segment".
+    Lengths [m], rate of the length [m/s], growth (dl0/dt)/l0 [1/s], k [N/m], c [N s/m].
+    Source: docs/theory.md, "One segment".
     """
-    strain_rate_term = 0.0
-    if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
-        strain_rate_term = length / rest_length * rest_rate
-    return k * (length - rest_length) + c * (length_rate - strain_rate_term)
+    seen = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
+    return k * (length - rest_length) + c * (length_rate - seen * length)
 
 
 @kernel
@@ -76,8 +100,7 @@ def apparent_wind(e, height, velocity, wind, parameters):
 
     Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s], wind at the reference height [m/s].
     """
-    factor, _ = wind_factor(height, parameters)
-    density, _ = air_density(height, parameters)
+    factor, density, _, _ = air(height, parameters)
     relative = sub(scale(factor, wind), velocity)
     lengthwise = dot(relative, e)
     return along(relative, -lengthwise, e), lengthwise, density
@@ -90,73 +113,61 @@ def half_drag(segment, n, length, e, height, velocity, wind, parameters):
     Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes, wind at the reference height [m/s].
     """
     w, _, density = apparent_wind(e, height, velocity, wind, parameters)
-    drag_width = parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
+    drag_width = property_of(segment, at.DRAG_WIDTH, n, parameters)
     return scale(0.25 * density * drag_width * length * sqrt(dot(w, w) + STILLEST), w)
 
 
 @kernel
-def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, rest_rate, wind, parameters):
-    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment.
+def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, growth, wind, parameters):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment, or of two, as pairs.
 
-    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.  growth : (dl0/dt)/l0 [1/s].
     """
     length, e = geometry(sub(x_q, x_p))
-    taut = length > rest_length if branch == BY_LENGTH else branch > 0.0
-    k, c = stiffness(taut, rest_length, segment, n, parameters)
-    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, rest_rate, k, c, parameters)
+    branch = choose(branch * branch, branch, length - rest_length)
+    k, c = stiffness(branch, rest_length, segment, n, parameters)
+    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, growth, k, c, parameters)
     height = 0.5 * (x_p[2] + x_q[2])
     drag = half_drag(segment, n, length, e, height, scale(0.5, add(v_p, v_q)), wind, parameters)
     return scale(pull, e), drag, pull, length
 
 
 @kernel
-def linearize_tension(segment, n, r, u, rest_length, rest_rate, parameters, record):
-    """Derivatives of the tension vector into K, DIRECTION and DAMPER of the record (modified); returns dT/dl0 [N/m].
+def linearize_tension(segment, n, r, u, rest_length, growth, parameters):
+    """Derivatives of the tension vector of one segment, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
 
-    Vector r [m] between the nodes and its rate u [m/s], unstretched length [m] and its rate [m/s].
+    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s]. dT/dl0 is
+    that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
     """
     length, e = geometry(r)
-    k, c = stiffness(length > rest_length, rest_length, segment, n, parameters)
+    k, c = stiffness(length - rest_length, rest_length, segment, n, parameters)
     length_rate = dot(e, u)
-    stretch = tension(length, length_rate, rest_length, rest_rate, k, c, parameters) / length
-    strain_rate = 0.0
-    if parameters[at.DAMPING_LAW] == at.STRAIN_RATE:
-        strain_rate = rest_rate / rest_length
+    stretch = tension(length, length_rate, rest_length, growth, k, c, parameters) / length
+    strain_rate = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
     turning = scale(c / length, along(u, -length_rate, e))
-    for i in range(3):
-        g = (k - c * strain_rate) * e[i] + turning[i]
-        for j in range(3):
-            record[K + 3 * j + i] = e[j] * (g - stretch * e[i])
-        record[K + 4 * i] += stretch
-        record[DIRECTION + i] = e[i]
-    record[DAMPER] = c
-    # at constant l, dl/dt, dl0/dt; k and c fall as 1/l0
-    return -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+    g = along(turning, k - c * strain_rate - stretch, e)
+    slope = -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+    return add_to_diagonal(outer(e, g), stretch), e, c, slope
 
 
 @kernel
-def linearize_drag(segment, n, r, height, velocity, wind, parameters, record):
-    """Derivatives of the half drag into G, A and HEIGHT of the record (modified).
+def linearize_drag(segment, n, r, height, velocity, wind, parameters):
+    """Derivatives of the half drag of one segment, or of two: G [N/m], A [N s/m] and a [N/m].
 
     Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s], wind at the reference height [m/s].
+    G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
     """
     length, e = geometry(r)
     w, lengthwise, density = apparent_wind(e, height, velocity, wind, parameters)
+    _, _, wind_slope, density_slope = air(height, parameters)
     speed = sqrt(dot(w, w) + STILLEST)
-    per_speed = 1.0 / speed  # one division instead of nine
-    width = 0.25 * parameters[at.PARAMETER_SCALARS + at.DRAG_WIDTH * n + segment]
-    for i in range(3):
-        for j in range(3):
-            bend = per_speed * w[i] * w[j] - speed * e[i] * e[j]
-            record[A + 3 * i + j] = width * density * length * bend
-            record[G + 3 * i + j] = width * density * (speed * (w[i] * e[j] - e[i] * w[j]) - lengthwise * bend)
-        record[A + 4 * i] += width * density * length * speed
-        record[G + 4 * i] -= width * density * lengthwise * speed
-    _, wind_slope = wind_factor(height, parameters)
-    _, density_slope = air_density(height, parameters)
-    shear = apply(get_matrix(record, A), scale(wind_slope, wind))
-    for i in range(3):
-        record[HEIGHT + i] = shear[i] + width * density_slope * length * speed * w[i]
+    width = 0.25 * property_of(segment, at.DRAG_WIDTH, n, parameters)
+    across = add_to_diagonal(subtract(symmetric(1.0 / speed, w), symmetric(speed, e)), speed)
+    drag_by_velocity = scale_matrix(width * density * length, across)
+    turn = skew(scale(width * density * speed, cross(e, w)))
+    drag_by_position = subtract(turn, scale_matrix(width * density * lengthwise, across))
+    shear = apply(drag_by_velocity, scale(wind_slope, wind))
+    return drag_by_position, drag_by_velocity, along(shear, width * density_slope * length * speed, w)
 
 
 @kernel

@@ -5,6 +5,7 @@ from math import sqrt
 import numpy as np
 
 from .compilation import kernel
+from .pairs import first, load_pair, pair, second, store_pair, unzip
 
 ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 
@@ -23,6 +24,42 @@ def put(array, index, a):
     array[k] = a[0]
     array[k + ONE] = a[1]
     array[k + TWO] = a[2]
+
+
+@kernel
+def get_two(array, i, j):
+    """Three-vectors number i and j of a flat array, as pairs."""
+    p = np.uint64(3 * i)
+    q = np.uint64(3 * j)
+    x, y = unzip(load_pair(array, p), load_pair(array, q))
+    return x, y, pair(array[p + TWO], array[q + TWO])
+
+
+@kernel
+def put_two(array, i, j, a):
+    """Write a vector of pairs to the three-vectors number i and j of a flat array (modified)."""
+    p = np.uint64(3 * i)
+    q = np.uint64(3 * j)
+    at_i, at_j = unzip(a[0], a[1])
+    store_pair(array, p, at_i)
+    store_pair(array, q, at_j)
+    array[p + TWO] = first(a[2])
+    array[q + TWO] = second(a[2])
+
+
+@kernel
+def put_side_by_side(array, p, q, numbers):
+    """Write a tuple of pairs to an array (modified): the first numbers from place p on, the second ones from place q on."""
+    p = np.uint64(p)
+    q = np.uint64(q)
+    for k in range(0, len(numbers) - 1, 2):
+        at_p, at_q = unzip(numbers[k], numbers[k + 1])
+        store_pair(array, p + np.uint64(k), at_p)
+        store_pair(array, q + np.uint64(k), at_q)
+    if len(numbers) % 2 == 1:
+        last = np.uint64(len(numbers) - 1)
+        array[p + last] = first(numbers[-1])
+        array[q + last] = second(numbers[-1])
 
 
 @kernel
@@ -134,3 +171,51 @@ def subtract(m, k):
         m[7] - k[7],
         m[8] - k[8],
     )
+
+
+@kernel
+def scale_matrix(factor, m):
+    """factor m."""
+    return (
+        factor * m[0],
+        factor * m[1],
+        factor * m[2],
+        factor * m[3],
+        factor * m[4],
+        factor * m[5],
+        factor * m[6],
+        factor * m[7],
+        factor * m[8],
+    )
+
+
+@kernel
+def outer(a, b):
+    """Matrix a b of two vectors."""
+    x = scale(a[0], b)
+    y = scale(a[1], b)
+    z = scale(a[2], b)
+    return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
+
+
+@kernel
+def symmetric(factor, a):
+    """Matrix factor a a."""
+    b = scale(factor, a)
+    xy = a[0] * b[1]
+    xz = a[0] * b[2]
+    yz = a[1] * b[2]
+    return a[0] * b[0], xy, xz, xy, a[1] * b[1], yz, xz, yz, a[2] * b[2]
+
+
+@kernel
+def skew(a):
+    """Matrix whose product with a vector b is a x b."""
+    zero = 0.0 * a[0]
+    return zero, -a[2], a[1], a[2], zero, -a[0], -a[1], a[0], zero
+
+
+@kernel
+def add_to_diagonal(m, a):
+    """Matrix m + a 1."""
+    return m[0] + a, m[1], m[2], m[3], m[4] + a, m[5], m[6], m[7], m[8] + a

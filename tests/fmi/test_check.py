@@ -94,10 +94,18 @@ def test_files_that_are_no_fmu(tmp_path):
     assert "no modelDescription.xml" in said
 
 
-@pytest.mark.parametrize("place", [30, 2000, 40_000, 150_000, -200, -5])
-def test_damaged_archive(tmp_path, fmu_folder, place):
+DAMAGES = {  # in the list of files, not in a date there, which nobody would call damage
+    "signature of the list": lambda content: content.rfind(b"PK\x01\x02"),
+    "signature of the end": lambda content: content.rfind(b"PK\x05\x06"),
+    "name in the list": lambda content: content.rfind(b"PK\x01\x02") + 46,
+    **{f"byte {place}": lambda content, place=place: place for place in (30, 2000, 40_000, 150_000)},
+}
+
+
+@pytest.mark.parametrize("damage", list(DAMAGES))
+def test_damaged_archive(tmp_path, fmu_folder, damage):
     content = bytearray((fmu_folder / "TetherStraight.fmu").read_bytes())
-    content[place] ^= 0xFF
+    content[DAMAGES[damage](content)] ^= 0xFF
     damaged = tmp_path / "TetherStraight.fmu"
     damaged.write_bytes(content)
     status, said = run(damaged)

@@ -57,6 +57,7 @@ def other_version(tmp_path_factory):
     """TetherStraight of a version whose tether weighs twice as much, built from a changed copy of the sources."""
     folder = tmp_path_factory.mktemp("other_version")
     shutil.copytree(ROOT / "fmu_sources", folder / "fmu_sources", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "LICENSE", folder)
     lines = folder / "fmu_sources" / "tetherfmu" / "lines.py"
     text = lines.read_text(encoding="utf-8")
     changed = text.replace("-0.5 * line_density * length", "-1.0 * line_density * length")

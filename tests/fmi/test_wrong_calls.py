@@ -86,7 +86,7 @@ def test_phases(fmu_folder):
 
 @in_own_process
 def test_time_that_jumps(fmu_folder):
-    """Nothing depends on time: a step from another point is done, and the jump is told once; NaN and infinity are refused."""
+    """Nothing depends on time: a step from another point is done, the jump is told once; NaN and infinity are refused."""
     host, twin = Host(fmu_folder / "TetherDynamic.fmu").start(), Host(fmu_folder / "TetherDynamic.fmu").start()
     host.messages.clear()
     for time in (0.0, 5.0, 1.0):

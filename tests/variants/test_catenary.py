@@ -129,6 +129,8 @@ def test_vertical(rise, length):
     # the horizontal force of a fold is a rounding error; the bar's tension has that of its stretch
     assert np.allclose(outputs.ground_force, [0.0, 0.0, v - half], rtol=1e-9, atol=1e-9 * half)
     assert np.allclose(outputs.kite_force, [0.0, 0.0, -v - half], rtol=1e-9, atol=1e-9 * half)
+    # the fold hangs (L - |b|)/2 below the lower end, but for its stretch of 1e-5
+    assert np.isclose(outputs.sag, max(0.0, 0.5 * (length - abs(rise))), rtol=0, atol=1e-5 * length)
 
 
 def chain_errors(n):

@@ -66,8 +66,9 @@ def test_every_shape_is_an_equilibrium(results):
 def test_work_is_bounded(results):
     cold = np.array([each.iterations for each in results])
     warm = np.array([each.next_iterations for each in results if not each.refusal])
-    assert cold.max() <= MOST_ITERATIONS + MOST_CREEPING
-    assert warm.max() <= 2 * MOST_ITERATIONS + MOST_CREEPING
+    all_attempts = 2 * (MOST_ITERATIONS + MOST_CREEPING)  # with stiffnesses and with compliances
+    assert cold.max() <= all_attempts
+    assert warm.max() <= MOST_ITERATIONS + all_attempts
     assert np.percentile(cold, 99) <= 200  # about 1 ms
     # iterations with a kept matrix count as well; they cost a third of the others
     assert np.median(cold) <= 8

@@ -18,7 +18,7 @@ from .clock import interleaved
 from .kernels import SEGMENTS, kernel_times
 from .races import OURS, equal_errors, our_run, race
 from .report import Table, write
-from .scenes import STEP, circle_scene, release_scene
+from .scenes import STEP, circle_scene, figure_of_eight_scene, release_scene
 from .through_fmpy import measured
 
 MOORDYN_WARM_UP = 250  # communication steps, 5 s
@@ -30,14 +30,15 @@ ABOUT_HOST = """\
 Circle, per communication step of 20 ms, 20 segments: set position and velocity of the kite (6 numbers), step, get
 both end forces (6 numbers). Start: instantiate to the end of the first step, new process, warm file cache, median."""
 ABOUT_RACES = """\
-Circle: 125.5 s, wind 8 m/s, output every 0.5 s. Release: 70 m held between (0, 0, 0) and (-40, 0, -47) at rest, then
+Circle: 125.5 s, wind 8 m/s, output every 0.5 s. Figure of eight: 40 s, laps of 20 s at 40 m/s, wind 8 m/s, taut tether of
+499 m, output every 0.2 s. Release: 70 m held between (0, 0, 0) and (-40, 0, -47) at rest, then
 the lower end is free and the tether reels out at 0.3 m/s; 10 s, output every 0.1 s. Error: root mean square distance
 of the nodes from a DOP853 solution at 1e-11 with the exact path of the kite, over all outputs. TetherDynamic (library
 of the FMU) and the restarted CVODES get samples of the path every 20 ms, CVODES in one call gets its formula. CVODES:
 CasADi, exact sparse Jacobian, the fastest of its linear solvers; restarts are chained inside CasADi, without Python.
 Compiled C: the equations and their Jacobian through a C compiler with -O3."""
 ABOUT_RATIOS = """\
-Times for an error, between the measured points on logarithmic axes. For the circle it is the error of the default
+Times for an error, between the measured points on logarithmic axes. For the flights it is the error of the default
 tolerance 1e-4."""
 ABOUT_MOORDYN = """\
 Circle, wind 8 m/s, 20 segments, per communication step of 20 ms. MoorDyn flies the same tether through water as light
@@ -94,15 +95,17 @@ def host_table(paths, quick):
     return Table("FMUs in FMPy", ABOUT_HOST, ("FMU", "set us", "step us", "get us", "together us", "start ms"), rows)
 
 
-def race_tables(libraries, cvodes, quick):
-    """Tables of all points, and of times at equal error; also the points."""
-    if quick:
-        scenes = [circle_scene(20, 2.0), release_scene(10, 0.5)]
+def race_tables(libraries, cvodes, quick, flights=False):
+    """Tables of all points, and of times at equal error; also the points. `flights`: of the two flights only."""
+    if flights:
+        scenes = [circle_scene(20), figure_of_eight_scene(20)]
+    elif quick:
+        scenes = [circle_scene(20, 2.0), figure_of_eight_scene(20, 1.0), release_scene(10, 0.5)]
     else:
-        scenes = [circle_scene(20), release_scene(10), release_scene(40)]
+        scenes = [circle_scene(20), figure_of_eight_scene(20), release_scene(10), release_scene(40)]
     points = []
     for scene in scenes:
-        points += race(libraries, scene, cvodes, quick, 1 if quick else 3)
+        points += race(libraries, scene, cvodes, quick, not (quick or flights), 1 if quick else 3)
     rows = [(p.scene, p.segments, p.solver, p.tolerance, p.error, 1e3 * p.seconds, p.steps or None) for p in points]
     text = ABOUT_RACES
     if cvodes:
@@ -149,6 +152,7 @@ def parse(arguments):
     """Command line options."""
     parser = argparse.ArgumentParser(prog="python -m tetherfmu.study.benchmark", description="Measure what tethers cost.")
     parser.add_argument("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
+    parser.add_argument("--flights", action="store_true", help="only the races of the two flights, without compiled C")
     parser.add_argument("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
     parser.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
     parser.add_argument("--out", metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv")
@@ -166,10 +170,12 @@ def main(arguments=None):
         libraries.mkdir()
         paths = fmus_in(options.fmus or temporary)
         unpack_libraries(paths, libraries)
-        tables = [kernel_table(libraries, options.quick), host_table(paths, options.quick)]
-        races, points = race_tables(libraries, cvodes, options.quick)
+        tables = []
+        if not options.flights:
+            tables += [kernel_table(libraries, options.quick), host_table(paths, options.quick)]
+        races, points = race_tables(libraries, cvodes, options.quick, options.flights)
         tables += races
-        if line:
+        if line and not options.flights:
             tables.append(moordyn_table(libraries, line, options.quick))
     if options.figure:
         from .figure import draw

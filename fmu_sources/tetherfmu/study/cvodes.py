@@ -14,7 +14,7 @@ from .. import segment
 from ..end_motion import curve, estimated_acceleration
 from ..vectors import along
 from .reference import free_state, right_hand_side
-from .scenes import STEP, circle, inputs_of, tether_at_start
+from .scenes import STEP, inputs_of, tether_at_start
 
 LINEAR_SOLVER = "csparse"  # the fastest of CasADi's for these scenes
 RANDOM_STATES = 20
@@ -69,13 +69,15 @@ def slope(scene, time, y, kite, kite_velocity):
 def equations(scene, exact_path):
     """Symbolic equations: dict for `casadi.integrator`.
 
-    exact_path : the kite follows the exact circle; otherwise a cubic x0 + v0 t + c2 t^2 + c3 t^3, its 12 coefficients being
-    the parameters p.
+    exact_path : the kite follows the formula of its path; otherwise a cubic x0 + v0 t + c2 t^2 + c3 t^3, its 12 coefficients
+    being the parameters p.
     """
     free = scene.tether.segments if scene.kite_is_free else scene.tether.segments - 1
     time, y, p = casadi.SX.sym("t"), casadi.SX.sym("y", 6 * free), casadi.SX.sym("p", 0 if exact_path else 12)
-    if exact_path:
-        kite, velocity = circle(time, casadi.sin, casadi.cos)
+    if scene.kite_is_free:
+        kite, velocity = None, None
+    elif exact_path:
+        kite, velocity = scene.path(time, casadi.sin, casadi.cos)
     else:
         x0, v0, c2, c3 = (p[k : k + 3] for k in (0, 3, 6, 9))
         kite = casadi.vertsplit(x0 + time * (v0 + time * (c2 + time * c3)))

@@ -11,7 +11,11 @@ STYLES = {
     RESTARTED: {"color": "C3", "marker": "^"},
     RESTARTED + COMPILED: {"color": "C3", "marker": "^", "linestyle": "--", "markerfacecolor": "white"},
 }
-TITLES = {"circle": "Circle, {n} segments", "release": "Released tether, {n} segments"}
+TITLES = {
+    "circle": "Circle, {n} segments",
+    "figure of eight": "Figure of eight, {n} segments",
+    "release": "Released tether, {n} segments",
+}
 
 
 def draw(points, path):

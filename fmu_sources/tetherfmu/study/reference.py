@@ -7,9 +7,10 @@ from scipy.integrate import solve_ivp
 from .. import chain
 from .. import layout as at
 from ..vectors import put
-from .scenes import circle, tether_at_start
+from .scenes import tether_at_start
 
 TOLERANCE = 1e-11
+NOWHERE = (0.0, 0.0, 0.0)  # of a kite that is not driven
 
 
 @njit(error_model="numpy")
@@ -51,7 +52,7 @@ def right_hand_side(scene, model):
     reeling = scene.reel_out_speed
 
     def slope(t, y):
-        kite, kite_velocity = circle(t)
+        kite, kite_velocity = scene.path(t) if scene.path else (NOWHERE, NOWHERE)
         place(n + 1, y, x, v, tuple(map(float, kite)), tuple(map(float, kite_velocity)))
         accelerations(n, x, v, length + reeling * t, reeling, scene.wind, parameters, mass, force)
         return np.concatenate([y[half:], force[3 : 3 + half]])

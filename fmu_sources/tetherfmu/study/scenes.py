@@ -1,12 +1,15 @@
-"""The two scenes of the benchmark: a tether on a circling kite, and a held tether whose lower end is released.
+"""The scenes of the benchmark: a tether on a circling kite, on one that flies figures of eight, and a released one.
 
 Circle: the kite flies on a cone of half angle 10 deg about an axis 20 deg above the horizon, 500 m away, 0.05 rad/s, in a
 wind of 8 m/s; tether 525 m. It starts turning with the kite (`initial_shape = quasi_steady`).
+
+Figure of eight: laps of 20 s at 40 m/s, 500 m away, in a wind of 8 m/s; taut tether of 499 m (`flights.FigureOfEight`).
 
 Release: 70 m held between (0, 0, 0) and (-40, 0, -47) until at rest; then the lower end is free and the tether reels out
 at 0.3 m/s.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,11 +17,13 @@ import numpy as np
 from .. import layout as at
 from ..models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from ..parameters import Environment, Solver, Tether
+from .flights import FigureOfEight
 
 STEP = 0.02  # communication step [s]
 CIRCLE_RATE = 0.05  # [rad/s]
 REVOLUTION = 2.0 * np.pi / CIRCLE_RATE
 CIRCLE_LENGTH = 525.0
+EIGHT, EIGHT_LENGTH = FigureOfEight(), 499.0
 RELEASE_LENGTH = 70.0
 RELEASE_POINT = (-40.0, 0.0, -47.0)
 MODELS = {
@@ -41,6 +46,7 @@ class Scene(NamedTuple):
     kite_is_free: bool
     duration: float
     every: float  # time between two outputs that are compared with the reference
+    path: Callable | None = None  # position and velocity of a driven kite, a function of (time, sin, cos)
 
     @property
     def times(self):
@@ -66,7 +72,25 @@ def circle_scene(segments, duration=REVOLUTION):
     every = 0.5 if duration > 5.0 else 10 * STEP
     duration = every * int(duration / every)
     tether = Tether(segments=segments, initial_length=CIRCLE_LENGTH)
-    return Scene("circle", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, every)
+    return Scene("circle", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, every, circle)
+
+
+def figure_of_eight(time, sin=np.sin, cos=np.cos):
+    """Position [m] and velocity [m/s] of the kite of `EIGHT`, lists of three; `sin` and `cos` may be symbolic."""
+    r, width, rate = EIGHT.distance, EIGHT.width(), 2.0 * np.pi / EIGHT.lap
+    u = rate * time
+    azimuth, azimuth_rate = width * sin(u), width * rate * cos(u)
+    elevation = EIGHT.elevation + EIGHT.flatness * width * sin(2.0 * u)
+    elevation_rate = EIGHT.flatness * width * 2.0 * rate * cos(2.0 * u)
+    ce, se, ca, sa = cos(elevation), sin(elevation), cos(azimuth), sin(azimuth)
+    outward = (-se * ca * elevation_rate - ce * sa * azimuth_rate, -se * sa * elevation_rate + ce * ca * azimuth_rate)
+    return [r * ce * ca, r * ce * sa, r * se], [r * outward[0], r * outward[1], r * ce * elevation_rate]
+
+
+def figure_of_eight_scene(segments, duration=40.0):
+    """The figures of eight with so many segments."""
+    tether = Tether(segments=segments, initial_length=EIGHT_LENGTH)
+    return Scene("figure of eight", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, 0.2, figure_of_eight)
 
 
 def release_scene(segments, duration=10.0):
@@ -75,9 +99,14 @@ def release_scene(segments, duration=10.0):
     return Scene("release", tether, Environment(), (0.0, 0.0, 0.0), 0.3, True, duration, 0.1)
 
 
-def circle_inputs(count, wind=(8.0, 0.0, 0.0), step=STEP):
+def circle_inputs(count):
     """Inputs of `count` communication steps of the circle, array (count, `layout.INPUTS`)."""
-    position, velocity = circle(step * np.arange(count))
+    return path_inputs(circle, count, (8.0, 0.0, 0.0), STEP)
+
+
+def path_inputs(path, count, wind, step):
+    """Inputs of `count` communication steps [s] along a path in a wind [m/s], array (count, `layout.INPUTS`)."""
+    position, velocity = path(step * np.arange(count))
     inputs = np.zeros((count, at.INPUTS))
     inputs[:, at.KITE_POSITION : at.KITE_POSITION + 3] = np.transpose(position)
     inputs[:, at.KITE_VELOCITY : at.KITE_VELOCITY + 3] = np.transpose(velocity)
@@ -89,7 +118,7 @@ def inputs_of(scene, step):
     """Inputs of all communication steps of a scene, array (steps, `layout.INPUTS`)."""
     count = round(scene.duration / step)
     if not scene.kite_is_free:
-        return circle_inputs(count, scene.wind, step)
+        return path_inputs(scene.path, count, scene.wind, step)
     inputs = np.zeros((count, at.INPUTS))
     inputs[:, at.REEL_OUT_SPEED] = scene.reel_out_speed
     return inputs
@@ -103,5 +132,5 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic"):
         return model
     solver = Solver(relative_tolerance=tolerance, initial_shape=QUASI_STEADY_START)
     model = MODELS[variant](scene.tether, scene.environment, solver)
-    model.initialize(*circle(0.0), wind_velocity=scene.wind)
+    model.initialize(*scene.path(0.0), wind_velocity=scene.wind)
     return model

@@ -1,0 +1,41 @@
+"""Work in parallel, through any executor of concurrent.futures: processes of this machine, or a Dask cluster."""
+
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+
+from tqdm import tqdm
+
+
+def finished(executor, tasks):
+    """Results of tasks (function, arguments...), as they finish; those not begun are cancelled if the loop is left."""
+    futures = [executor.submit(*task) for task in tasks]
+    try:
+        for future in as_completed(futures):
+            yield future.result()
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+@contextmanager
+def executor_of(dask=None, processes=None):
+    """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core)."""
+    if dask is None:
+        with ProcessPoolExecutor(processes) as executor:
+            yield executor
+        return
+    try:
+        from distributed import Client
+    except ModuleNotFoundError:
+        raise SystemExit("--dask needs the extra cluster: pip install tetherfmu[cluster]") from None
+    with Client(dask) as client, client.get_executor() as executor:
+        yield executor
+
+
+def progress_bar(text):
+    """A progress bar for `tradeoff.study`, silent where nobody sees it."""
+
+    def wrap(iterable, total):
+        return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
+
+    return wrap

@@ -1,0 +1,94 @@
+"""A tether of one segment: both ends driven, there is no free node, and everything is a formula.
+
+    T = EA/L (l - L) + D/L (dl/dt - l/L dL/dt)                                             taut
+    ground_force = T e + F - mu L g/2 e_z,   F = 1/4 rho cd d l |w| w
+
+One end free, with the mass M + mu L/2 on a spring: omega = sqrt(EA/L / (M + mu L/2)), and the pendulum's 2 pi sqrt(l/g).
+"""
+
+import numpy as np
+import pytest
+
+from audited import VOID, held, run
+from mechanics import drag, line_density
+from tetherfmu.models import TetherDynamic, TetherQuasiSteady
+from tetherfmu.parameters import Environment, Solver, Tether
+
+LENGTH = 100.0
+ONE = Tether(segments=1, initial_length=LENGTH)
+
+
+@pytest.mark.parametrize("fixed_step", [0.0, 0.02], ids=["adaptive", "fixed step"])
+def test_driven_at_both_ends(fixed_step):
+    model = TetherDynamic(ONE, solver=Solver(fixed_step=fixed_step))
+    kite, velocity = np.array([60.0, 0.0, 80.5]), np.array([3.0, -5.0, 4.0])
+    wind, reeling, count, step = np.array([9.0, 2.0, 1.0]), 3.0, 50, 0.02
+    model.initialize(kite, velocity, wind_velocity=wind)
+    for k in range(count):
+        out = model.step(step, kite + velocity * k * step, velocity, reel_out_speed=reeling, wind_velocity=wind)
+    kite = kite + velocity * count * step
+    length, rest = np.linalg.norm(kite), LENGTH + reeling * count * step
+    e = kite / length
+    tension = ONE.axial_stiffness * (length / rest - 1.0) + ONE.axial_damping / rest * (
+        e @ velocity - length / rest * reeling
+    )
+    half_drag = 0.5 * drag(np.array([0.0 * kite, kite]), np.array([0.0 * velocity, velocity]), wind, ONE, Environment())
+    half_weight = np.array([0.0, 0.0, -0.5 * 9.81 * line_density(ONE) * rest])
+    # rounding of a position near 100 m, 1e-14 m times EA/L, over 50 steps
+    assert out.ground_tension == pytest.approx(tension, abs=1e-6)
+    np.testing.assert_allclose(out.ground_force, tension * e + half_drag + half_weight, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(out.kite_force, -tension * e + half_drag + half_weight, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (20.0, 5.0, 0.0)], ids=str)
+def test_quasi_steady_agrees_at_rest(wind):
+    kite = (60.0, 0.0, 80.5)
+    dynamic, quasi_steady = TetherDynamic(ONE), TetherQuasiSteady(ONE)
+    expected = dynamic.initialize(kite, wind_velocity=wind)
+    found = quasi_steady.initialize(kite, wind_velocity=wind)
+    np.testing.assert_allclose(found.kite_force, expected.kite_force, rtol=1e-12)  # the same two nodes
+
+
+def bobbed(mass, periods=10.25):
+    """Relative error of the axial frequency of a mass on one segment, from its phase; and energy from nowhere."""
+    tether = Tether(segments=1, initial_length=LENGTH, axial_damping=0.0)
+    model = TetherDynamic(
+        tether,
+        VOID,
+        Solver(relative_tolerance=1e-8, initial_shape=3),
+        free_ends=(False, True),
+        point_masses={1: mass},
+    )
+    away, offset = LENGTH * 1.002, 0.05
+    model.initialize((away + offset, 0.0, 0.0))
+    total = mass + 0.5 * line_density(tether) * LENGTH
+    omega = np.sqrt(tether.axial_stiffness / LENGTH / total)
+    load = tether.axial_stiffness * 0.002  # keeps it taut
+    count = round(periods * 200)
+    duration = periods * 2.0 * np.pi / omega
+    result = run(model, held(kite_load=(load, 0.0, 0.0)), duration / count, count)
+    phase = np.arcsin(-(model.positions[-1, 0] - away) / offset)  # of a cosine a quarter after full turns
+    return phase / (2.0 * np.pi * periods), np.abs(result.residual).max() / result.turnover
+
+
+@pytest.mark.parametrize("mass", [0.0, 1.0, 50.0])
+def test_mass_on_a_spring(mass):
+    error, residual = bobbed(mass)
+    assert error == pytest.approx(0.0, abs=1e-7)  # 200 steps per period of a method of order 4
+    assert residual < 1e-3  # the load's work by the trapezoidal rule
+
+
+def test_pendulum():
+    tether = Tether(segments=1, initial_length=LENGTH, drag_coefficient=0.0)
+    model = TetherDynamic(
+        tether, solver=Solver(relative_tolerance=1e-8, initial_shape=3), free_ends=(False, True), point_masses={1: 5.0}
+    )
+    weight = 9.81 * (5.0 + 0.5 * line_density(tether) * LENGTH)
+    length = LENGTH * (1.0 + weight / tether.axial_stiffness)
+    angle = 0.01
+    model.initialize((length * np.sin(angle), 0.0, -length * np.cos(angle)))
+    quarter = 0.5 * np.pi * np.sqrt(length / 9.81) * (1.0 + angle**2 / 16.0)
+    for _ in range(200):
+        model.step(quarter / 200)
+    # at the lowest point after a quarter; in units of the amplitude: solver 1e-8, spring and mass swing by angle^2/2
+    assert model.positions[-1, 0] / (length * angle) == pytest.approx(0.0, abs=1e-4)

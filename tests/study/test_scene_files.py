@@ -1,0 +1,93 @@
+"""Scene files: numbers with units, and one clear line with exit status 2 for each mistake."""
+
+import re
+
+import numpy as np
+import pytest
+
+from study.scenes_of_tests import SCENE, written
+from tetherfmu import layout as at
+from tetherfmu.study.__main__ import main
+from tetherfmu.study.scene_files import load
+
+HEAD = "time,kite_position[1],kite_position[2],kite_position[3]\n"
+SERIES = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "series"\nfile = "flight.csv"')
+WRONG = {
+    "missing key": ("allowed_error.*", "", "the key wanted.allowed_error is missing"),
+    "unknown key": ("rate =", "rte =", "unknown key flight.rte"),
+    "wrong unit": ("505 m", "505 kg", "tether.initial_length is '505 kg'; it must be a number with one of the units m"),
+    "not a number": ('"505 m"', "nan", "tether.initial_length is nan; it must be at least 0.01 m"),
+    "out of range": ('"3 %"', "7", "wanted.allowed_error is 7; it must be at least 0.0001 and at most 0.5"),
+    "NaN in a vector": (r"\[8.0", "[nan", "wind.velocity is [nan, 0.0, 0.0]; each must be a finite number"),
+    "unknown flight": ("circle", "spiral", "flight.kind is 'spiral'; it must be one of circle"),
+    "unknown output": (r"allowed_error", 'outputs = ["sag"]\nallowed_error', "wanted.outputs is ['sag']"),
+    "no table": (r"\[tether\]", "tether = 3\n[more]", "the key tether is missing"),
+    "no TOML": ("duration =.*", "duration =", "is no TOML file"),
+}
+WRONG_SERIES = {
+    "unreadable": (None, "cannot be read"),
+    "no text": (b"\xff\xfe\x00", "is no CSV file"),
+    "empty": (b"", "is no CSV file"),
+    "missing column": (b"time,kite_position[1]\n0,1\n", "the column kite_position[2] is missing"),
+    "unknown column": (HEAD.replace("time", "time,colour").encode(), "unknown column 'colour'"),
+    "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] is 'x'"),
+    "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "time must grow"),
+    "too short": (
+        (HEAD + "".join(f"0.{k},1,2,3\n" for k in range(5))).encode(),
+        "duration is 2.0; it must be at most 0.4 s",
+    ),
+}
+
+
+def complaint(path, capsys):
+    """What the command says of a wrong file, on one line."""
+    assert main(["advise", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+@pytest.mark.parametrize(("pattern", "replacement", "says"), WRONG.values(), ids=WRONG)
+def test_a_wrong_scene_is_told_in_one_line(tmp_path, capsys, pattern, replacement, says):
+    path = written(tmp_path, re.sub(pattern, replacement, SCENE, count=1))
+    line = complaint(path, capsys)
+    assert line.startswith(str(path))
+    assert says in line
+
+
+@pytest.mark.parametrize(("content", "says"), WRONG_SERIES.values(), ids=WRONG_SERIES)
+def test_a_wrong_series_is_told_in_one_line(tmp_path, capsys, content, says):
+    if content is not None:
+        (tmp_path / "flight.csv").write_bytes(content)
+    line = complaint(written(tmp_path, SERIES), capsys)
+    assert line.startswith(str(tmp_path))
+    assert says in line
+
+
+def test_missing_scene_file(tmp_path, capsys):
+    assert "cannot be read" in complaint(tmp_path / "none.toml", capsys)
+
+
+def test_numbers_with_units_and_in_si_are_the_same_scene(tmp_path):
+    plain = SCENE.replace('"3 %"', "0.03").replace('"20 ms"', "0.02").replace('"505 m"', "505")
+    scenes = [load(written(tmp_path, text)) for text in (SCENE, plain)]
+    assert scenes[0].tether == scenes[1].tether
+    assert scenes[0].wanted == scenes[1].wanted
+    assert scenes[0].tether.initial_length == 505.0
+
+
+def test_a_series_is_the_flight_that_it_samples(tmp_path):
+    """A circle sampled every 0.2 s: a cubic spline is wrong by 5/384 h^4 |x''''| at most in the middle, more at its ends."""
+    circle = load(written(tmp_path))
+    time = 0.2 * np.arange(16)
+    rows = np.column_stack([time, circle.flight.kite(time)])
+    text = HEAD + "\n".join(",".join(map(repr, row.tolist())) for row in rows)
+    (tmp_path / "flight.csv").write_text(text, encoding="utf-8")
+    series = load(written(tmp_path, SERIES, "series"))
+    expected, inputs = circle.inputs(0.02), series.inputs(0.02)
+    radius, rate = 500.0 * np.sin(np.radians(10.0)), 0.5
+    bound = 5.0 / 384.0 * 0.2**4 * radius * rate**4
+    middle = slice(30, 70)
+    assert np.abs(inputs - expected)[middle, at.KITE_POSITION : at.KITE_POSITION + 3].max() < bound
+    assert inputs[:, at.WIND_VELOCITY : at.REEL_OUT_SPEED + 4] == pytest.approx(
+        expected[:, at.WIND_VELOCITY : at.REEL_OUT_SPEED + 4]
+    )
