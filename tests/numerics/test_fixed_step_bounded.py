@@ -1,0 +1,86 @@
+"""Fixed steps stay bounded at any step: tensions within what the motion can explain, energy within what was put in.
+
+Points of the stability map at which linearly implicit Euler (one iteration of such a step) exceeded the bound of
+`study/stability_flight.py` by 1e0 to 1e70, and the scenes in which it was known to diverge.
+"""
+
+import numpy as np
+import pytest
+
+from mechanics import energy
+from tetherfmu import layout as at
+from tetherfmu.models import TetherDynamic
+from tetherfmu.parameters import Solver, Tether
+from tetherfmu.study.stability_flight import fly
+from tetherfmu.study.stability_points import point
+
+KITE = np.array([300.0, 0.0, 400.0])
+
+
+@pytest.mark.parametrize("number", [17, 28, 40, 78, 174, 198, 241, 244, 997])
+def test_points_that_used_to_blow_up(number):
+    flight = fly(point(1, number))
+    assert flight.refusal == ""
+    assert flight.peak < 0.5 * flight.bound
+
+
+@pytest.mark.parametrize("fixed_step", [0.02, 0.05, 0.1, 0.5, 1.0])
+def test_a_straight_start_with_20_percent_slack_comes_to_rest(fixed_step):
+    """Falls from the chord, snaps, hangs: at most 2 EA v/c (reflected) for the speed v of a fall over its length."""
+    tether = Tether(initial_length=600.0)
+    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=3))
+    model.initialize(kite_position=KITE)
+    peak = 0.0
+    for _ in range(round(60.0 / fixed_step)):
+        out = model.step(fixed_step, kite_position=KITE)
+        peak = max(peak, out.max_tension)
+    line_density = tether.density * np.pi * tether.diameter**2 / 4.0
+    assert peak < 2.0 * np.sqrt(tether.axial_stiffness * line_density) * np.sqrt(2.0 * 9.81 * 600.0)
+    hanging = TetherDynamic(tether)
+    at_rest = hanging.initialize(kite_position=KITE)
+    np.testing.assert_allclose(out.kite_force, at_rest.kite_force, atol=0.05 * np.linalg.norm(at_rest.kite_force))
+
+
+@pytest.mark.parametrize("fixed_step", [0.001, 0.02, 0.1])
+def test_a_kite_that_jumps_300_m(fixed_step):
+    """The tether is torn to 1.4 times its length: its tension ends there, after waves of the speed that it was torn with."""
+    tether = Tether()
+    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step))
+    model.initialize(kite_position=KITE)
+    model.step(fixed_step, kite_position=KITE)
+    kite = KITE + np.array([300.0, 0.0, 0.0])
+    peak = 0.0
+    for _ in range(round(10.0 / fixed_step)):
+        out = model.step(fixed_step, kite_position=kite)
+        peak = max(peak, out.max_tension)
+    line_density = tether.density * np.pi * tether.diameter**2 / 4.0
+    at_rest = tether.axial_stiffness * (np.linalg.norm(kite) / tether.initial_length - 1.0)
+    segment_damper = tether.axial_damping / (tether.initial_length / tether.segments)
+    speed = 300.0 / fixed_step  # within one step; the cubic is up to 1.5 times as fast
+    assert peak < at_rest + 2.0 * 1.5 * speed * (np.sqrt(tether.axial_stiffness * line_density) + segment_damper)
+    np.testing.assert_allclose(out.max_tension, at_rest, rtol=0.01)
+
+
+@pytest.mark.parametrize("fixed_step", [0.002, 0.02, 0.2])
+@pytest.mark.parametrize("damping", [0.0, 473.0])
+def test_energy_never_grows(fixed_step, damping):
+    """Held ends, slack and taut: kinetic + elastic + gravitational energy falls, at any step, but for slack compression.
+
+    A slack segment pushes with its stiffness ratio of 0.01; the matrix leaves that push across out, the energy does not.
+    """
+    tether = Tether(segments=8, initial_length=50.0, axial_damping=damping, drag_coefficient=0.0)
+    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=1))
+    kite = (40.0, 0.0, 10.0)
+    model.initialize(kite_position=kite)
+    state = model.get_state()
+    velocity = state[at.STATE_HEADER + 27 :].reshape(-1, 3)
+    velocity[:, 1] += 5.0 * np.sin(np.pi * np.arange(9) / 8.0)
+    velocity[:, 2] += 2.5 * np.sin(2.0 * np.pi * np.arange(9) / 8.0)
+    model.set_state(state)
+    total = [energy(model.positions, model.velocities, tether)]
+    for _ in range(200):
+        model.step(fixed_step, kite_position=kite)
+        total.append(energy(model.positions, model.velocities, tether))
+    scale = total[0] - min(total)
+    assert np.diff(total).max() < 1e-6 * scale
+    assert scale > 0.1
