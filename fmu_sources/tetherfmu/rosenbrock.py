@@ -80,7 +80,6 @@ SAFETY = 0.9
 KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
 LARGEST_GROWTH = 5.0
 STRONGEST_CUT = 0.2
-LAST_STRETCH = 1.05  # the last two steps of a communication step may be longer than wanted, so that no third is needed
 SMALLEST_STEP = 1e-10  # part of the communication step
 
 
@@ -341,8 +340,8 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
             return STEP_TOO_SMALL
         tried += 1
         rest = duration - time
-        left = ceil(rest / (LAST_STRETCH * h))
-        h_now = h if left > 2.0 else rest / left
+        left = ceil(rest / h - 1e-6)
+        h_now = rest / left if left > 1.0 else rest
         position_scale, velocity_scale = allowed_errors(n, drive, v, parameters)
         error = inf
         if step(n, drive, time, h_now, x, v, parameters, w):
