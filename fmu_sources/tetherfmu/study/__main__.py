@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..models import StepRefused
+from . import stability
 from .advise import advise
 from .advise_text import explain, explain_fast
 from .costs import TABLE, measure_costs
@@ -40,6 +41,7 @@ def parse(arguments):
     doc.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
     doc.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
     commands.add_parser("costs", help="measure the unit costs anew (costs.csv of this package)")
+    commands.add_parser("stability", add_help=False, help="where the tethers hold and where they refuse; --help tells more")
     commands.add_parser("thresholds", help="measure the thresholds anew (thresholds.csv of this package)")
     return parser.parse_args(arguments)
 
@@ -124,6 +126,9 @@ COMMANDS = {
 
 def main(arguments=None):
     """Do what the command line says; returns the exit status, 2 for a wrong scene file."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if arguments[:1] == ["stability"]:  # has options of its own
+        return stability.main(arguments[1:])
     options = parse(arguments)
     try:
         return COMMANDS[options.command](options)
