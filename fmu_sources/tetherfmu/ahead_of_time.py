@@ -132,13 +132,8 @@ def libraries(folder, platforms, variants):
     new_variants, new_platforms = (sorted(set(names)) for names in zip(*missing, strict=True))
     with tempfile.TemporaryDirectory() as temporary:
         objects = Path(temporary)
-        command = [
-            sys.executable,
-            "-m",
-            "tetherfmu.ahead_of_time",
-            temporary,
-            *(",".join(x) for x in (new_platforms, new_variants)),
-        ]
+        command = [sys.executable, "-m", "tetherfmu.ahead_of_time", temporary]
+        command += [",".join(new_platforms), ",".join(new_variants)]
         environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": str(SOURCES)}  # the child compiles this very package
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:

@@ -6,7 +6,7 @@ from importlib.metadata import distribution
 from string import Template
 
 from . import __version__, evidence, osp
-from .interface import INPUT, OUTPUT, PARAMETER, variables
+from .interface import INPUT, OUTPUT, PARAMETER, table_of
 from .kernel_sources import PACKAGE
 from .model_description import number
 
@@ -14,12 +14,6 @@ ASSETS = PACKAGE / "assets"
 LICENCE = PACKAGE.parents[1] / "LICENSE"
 EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
-
-
-def table_of(variant, options):
-    """Table of the variables of an FMU with these build options."""
-    starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
-    return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
 
 
 def documents(name, variant, description, options, platforms, scene_page=None):

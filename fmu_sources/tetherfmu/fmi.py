@@ -29,7 +29,7 @@ from .quantities import checked
 
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
-DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21, "starts": [], "left_out": [], "about": "", "step": 0.02}
+DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21, "about": "", "step": 0.02}
 
 # a saved state: header, facts, all FMI values, and the state array once the tether is initialized
 _HEADER = struct.Struct("<8sII")  # magic with version, length and checksum of what follows
@@ -88,8 +88,7 @@ class TetherSlave(Fmi2Slave):
         self._about = options["about"]
         self._shape_points = options["shape_points"]
         self._load_kernels()
-        starts = (("segments", options["segments"]), *map(tuple, options["starts"]))
-        self._table = interface.variables(self.variant, self._shape_points, starts, tuple(options["left_out"]))
+        self._table = interface.table_of(self.variant, options)
         self._make_values()
         self._phase = _BEFORE
         self._importer_tolerance = 0.0

@@ -220,6 +220,12 @@ def variables(variant, shape_points, starts=(), left_out=()):
     )
 
 
+def table_of(variant, options):
+    """The table of an FMU with these build options: `segments`, `shape_points`, and of a scene `starts` and `left_out`."""
+    starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
+    return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
+
+
 def records(values):
     """Records (Tether, Environment, Solver) from a dict of all parameters; ValueError names what is out of range."""
     made = []
