@@ -1,8 +1,7 @@
 """Judge many points in parallel, keep each verdict in a file at once, and survive what a point may do to its process.
 
-The file has one JSON object per line: the key of the point, the point, its verdict. The key is made of the point, of the
-sources of the kernels and of the map, so a verdict is used again only for what it was found with. A line that was cut
-off (kill -9) is left out and its point judged again.
+The file (`store.Lines`) holds the point and its verdict by the key of the point. The key is made of the point, of the
+sources of the kernels and of the map, so a verdict is used again only for what it was found with.
 """
 
 import faulthandler
@@ -12,12 +11,12 @@ import multiprocessing
 import os
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from pathlib import Path
 from time import perf_counter
 
 from ..kernel_sources import source_digest
 from .stability_points import Point
 from .stability_verdict import Verdict, judge
+from .store import Lines
 
 SOURCES = ("models", "parameters", "study/stability_points", "study/stability_flight", "study/stability_verdict")
 BATCH = 4  # points that a process gets at a time
@@ -32,21 +31,17 @@ def key(point):
 
 def read(path):
     """Verdicts in a file: dict of (Point, Verdict) by key; nothing where there is no file."""
+    return _verdicts_in(Lines(path))
+
+
+def _verdicts_in(lines):
     found = {}
-    path = Path(path)
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+    for name, row in lines.points.items():
         try:
-            row = json.loads(line)
-            found[row["key"]] = Point(**row["point"]), Verdict(**row["verdict"])
-        except (ValueError, KeyError, TypeError):
-            continue  # cut off, or of another version
+            found[name] = Point(**row["point"]), Verdict(**row["verdict"])
+        except (KeyError, TypeError):
+            continue  # of another version
     return found
-
-
-def _append(file, point, verdict):
-    row = {"key": key(point), "point": point._asdict(), "verdict": verdict._asdict()}
-    file.write(json.dumps(row) + "\n")
-    file.flush()
 
 
 def _judge_all(judgement, points, most_seconds):
@@ -101,13 +96,10 @@ def judge_all(points, path, processes=None, judgement=judge, progress=iter):
     processes : how many work at a time; None: one per core.  judgement : function of a point.  progress : wraps the iterator
     of verdicts, as tqdm does.
     """
-    found = read(path)
+    lines = Lines(path)
+    found = _verdicts_in(lines)
     missing = [point for point in points if key(point) not in found]
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "a", encoding="utf-8") as file:
-        if file.tell():
-            file.write("\n")  # the last line may have been cut off
-        for point, verdict in progress(_verdicts(judgement, missing, processes or os.cpu_count())):
-            _append(file, point, verdict)
-            found[key(point)] = point, verdict
+    for point, verdict in progress(_verdicts(judgement, missing, processes or os.cpu_count())):
+        lines.add(key(point), {"point": point._asdict(), "verdict": verdict._asdict()})
+        found[key(point)] = point, verdict
     return [found[key(point)] for point in points]

@@ -6,16 +6,15 @@ import pickle
 from pathlib import Path
 
 
-class Store:
-    """A folder of finished results, by key.
+class Lines:
+    """A file of finished results, by key.
 
     points : dict of what was added, those of earlier runs included.
     """
 
-    def __init__(self, folder):
-        self.folder = Path(folder)
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self._file = self.folder / "points.jsonl"
+    def __init__(self, file):
+        self._file = Path(file)
+        self._file.parent.mkdir(parents=True, exist_ok=True)
         self.points = {}
         text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
         for line in text.splitlines():
@@ -37,6 +36,14 @@ class Store:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
+
+
+class Store(Lines):
+    """A folder of finished results: `Lines`, and what is kept whole."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        super().__init__(self.folder / "points.jsonl")
 
     def kept(self, key, make):
         """What `make` returned when it was first asked for under this key."""
