@@ -7,10 +7,8 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
-from .runs import VARIANTS
-from .scene_report import COLORS, NAMES
+from .scene_report import COLORS, NAMES, draw_points
 from .thresholds import LEVELS, SWEEPS
-from .tradeoff import front
 
 LABELS = {
     "weight": "weight / tension",
@@ -31,12 +29,7 @@ def draw_scenes(results, names, path):
     for axis in axes.flat[len(results) :]:
         axis.set_visible(False)
     for axis, (scene, (reference, points, _)) in zip(axes.flat, results.items(), strict=False):
-        for variant in VARIANTS:
-            mine = [p for p in points if p.config.variant == variant and p.errors]
-            x, y = [100.0 * p.error(names) for p in mine], [1e6 * p.cost for p in mine]
-            axis.loglog(x, y, ".", color=COLORS[variant], markersize=3, alpha=0.6, label=NAMES[variant])
-        best = front(points, names)
-        axis.step([100.0 * p.error(names) for p in best], [1e6 * p.cost for p in best], "k-", where="post", linewidth=0.9)
+        draw_points(axis, points, names, 3)
         axis.axvspan(1e-4, 100.0 * reference.own_error(names), color="0.85", linewidth=0.0, label="error of the reference")
         axis.set_title(scene.name.replace("_", " "), fontsize=10)
         axis.set_xlim(200.0, 0.005)

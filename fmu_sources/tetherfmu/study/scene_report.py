@@ -60,6 +60,17 @@ def write_csv(points, reference, path):
             writer.writerow([*point.config, *found, point.calls, point.work, *costs, point.refused])
 
 
+def draw_points(axis, points, names, size):
+    """Cost against error of all points, a color for each variant, and their front as a line; returns the front."""
+    for variant in VARIANTS:
+        mine = [p for p in points if p.config.variant == variant and p.errors]
+        x, y = [100.0 * p.error(names) for p in mine], [1e6 * p.cost for p in mine]
+        axis.loglog(x, y, ".", color=COLORS[variant], markersize=size, alpha=0.6, label=NAMES[variant])
+    best = front(points, names)
+    axis.step([100.0 * p.error(names) for p in best], [1e6 * p.cost for p in best], "k-", where="post", linewidth=1.0)
+    return best
+
+
 def draw(points, reference, names, title, path):
     """The Pareto figure: cost against error, the front as a line, the reference's own error as a grey band."""
     import matplotlib
@@ -68,12 +79,7 @@ def draw(points, reference, names, title, path):
     from matplotlib import pyplot as plt
 
     figure, axis = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
-    for variant in VARIANTS:
-        mine = [p for p in points if p.config.variant == variant and p.errors]
-        x, y = [100.0 * p.error(names) for p in mine], [1e6 * p.cost for p in mine]
-        axis.loglog(x, y, ".", color=COLORS[variant], markersize=5, alpha=0.6, label=NAMES[variant])
-    best = front(points, names)
-    axis.step([100.0 * p.error(names) for p in best], [1e6 * p.cost for p in best], "k-", where="post", linewidth=1.0)
+    best = draw_points(axis, points, names, 5)
     own = 100.0 * reference.own_error(names)
     left = min([0.5 * own, *(100.0 * p.error(names) for p in best)])
     axis.axvspan(left, own, color="0.85", linewidth=0.0, label="reference's own error")
