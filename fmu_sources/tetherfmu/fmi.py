@@ -24,7 +24,7 @@ from . import __version__, interface, status
 from . import layout as at
 from .library import load
 from .model_description import complete
-from .parameters import DEFAULT_TOLERANCE, LOOSEST_TOLERANCE, effective, pack
+from .parameters import DEFAULT_TOLERANCE, LOOSEST_TOLERANCE, check_series, effective, pack
 from .quantities import checked
 
 OPTIONS_FILE = "options.json"
@@ -257,7 +257,7 @@ class TetherSlave(Fmi2Slave):
         if self._no_kernels:
             return self._no_kernels
         try:
-            self._allocate()
+            self._allocate(*self._records(self._values))
         except (ValueError, OverflowError) as error:
             return str(error)
         result = self._kernels.initialize(
@@ -310,9 +310,8 @@ class TetherSlave(Fmi2Slave):
         tether, environment, solver = interface.records(parameters)
         return effective(tether, self.variant), environment, solver
 
-    def _allocate(self):
-        """Arrays for the parameters, the state and the work; ValueError if a parameter is out of range."""
-        tether, environment, solver = self._records(self._values)
+    def _allocate(self, tether, environment, solver):
+        """Arrays for the parameters, the state and the work; ValueError if the segments are too short."""
         self._tolerance = solver.relative_tolerance or self._importer_tolerance or DEFAULT_TOLERANCE
         self._parameters = pack((tether,), environment, solver, self._tolerance)
         if self._segments != tether.segments:
@@ -361,44 +360,46 @@ class TetherSlave(Fmi2Slave):
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
-        problem = self._problem_of_blob(blob)
-        if problem:
+        try:
+            phase, tolerance, time, values, state, records = self._read(blob)
+        except ValueError as problem:
             self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
             return
-        _, phase, _, self._importer_tolerance, self._time = _FACTS.unpack_from(blob, _HEADER.size)
-        values, state = self._arrays_of_blob(blob)
+        self._importer_tolerance = tolerance
+        self._time = time
         self._values[:] = values
         self._phase = phase
         self._refusal = None
         if phase >= _STEPPING:
-            self._allocate()
+            self._allocate(*records)
             self._state[:] = state
 
-    def _arrays_of_blob(self, blob):
-        numbers = array("d", blob[_HEADER.size + _FACTS.size :])
-        return numbers[: len(self._values)], numbers[len(self._values) :]
-
-    def _problem_of_blob(self, blob):
-        """What is wrong with a state, in words, or None."""
+    def _read(self, blob):
+        """Phase, tolerance, time, values, state array and records of a saved state; ValueError says what is wrong."""
         smallest = _HEADER.size + _FACTS.size
         if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(_MAGIC):
-            return "is no state of a tether, or of another version"
+            raise ValueError("is no state of a tether, or of another version")
         _, length, checksum = _HEADER.unpack_from(blob)
         if length != len(blob) - _HEADER.size or zlib.crc32(blob[_HEADER.size :]) != checksum:
-            return "is damaged"
-        variant, phase, segments, _, _ = _FACTS.unpack_from(blob, _HEADER.size)
-        numbers = len(self._values) + (at.state_size(segments) if phase >= _STEPPING else 0)
-        if variant.rstrip(b"\0") != self.variant.encode() or phase > _TERMINATED or len(blob) != smallest + 8 * numbers:
-            return "belongs to another tether FMU"
-        return self._problem_of_parameters(*self._arrays_of_blob(blob)) if phase >= _STEPPING else None
+            raise ValueError("is damaged")
+        variant, phase, segments, tolerance, time = _FACTS.unpack_from(blob, _HEADER.size)
+        count = len(self._values) + (at.state_size(segments) if phase >= _STEPPING else 0)
+        if variant.rstrip(b"\0") != self.variant.encode() or phase > _TERMINATED or len(blob) != smallest + 8 * count:
+            raise ValueError("belongs to another tether FMU")
+        numbers = array("d", blob[smallest:])
+        values, state = numbers[: len(self._values)], numbers[len(self._values) :]
+        return phase, tolerance, time, values, state, self._records_of_state(values, state) if phase >= _STEPPING else None
 
-    def _problem_of_parameters(self, values, state):
-        """Why the parameters in a saved state cannot be used with its state array, in words, or None."""
+    def _records_of_state(self, values, state):
+        """Records of the parameters in a saved state; ValueError if they cannot be used with its state array."""
         try:
-            tether, _, _ = self._records(values)
+            records = self._records(values)
+            check_series(records[:1])
         except (ValueError, OverflowError) as error:
-            return f"has a wrong parameter ({error})"
-        return None if at.state_size(tether.segments) == len(state) else "is damaged"
+            raise ValueError(f"has a wrong parameter ({error})") from None
+        if at.state_size(records[0].segments) != len(state):
+            raise ValueError("is damaged")
+        return records
 
     @staticmethod
     def _fmu_state_to_bytes(state):
