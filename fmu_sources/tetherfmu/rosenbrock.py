@@ -78,7 +78,8 @@ MOMENTUM = tuple(tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], st
 
 SAFETY = 0.9
 KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
-TENSION = 0.3  # measured: 1 costs 10 % more steps on a released tether, 0.1 lets short damped segments err by 30 %
+DAMPER = 0.01  # part of the largest tension; see `damper_error`
+TINY = 1e-200
 LARGEST_GROWTH = 5.0
 STRONGEST_CUT = 0.2
 SMALLEST_STEP = 1e-10  # part of the communication step
@@ -291,35 +292,53 @@ def kink_error(n, drive, length, h, parameters, w):
     worst = 0.0
     for s in range(n):
         rest = chain.rest_length(s, length, parameters)
-        over = norm(sub(get(w.x_stage, s + 1), get(w.x_stage, s))) - rest
-        if over * w.branches[s] < 0.0:
+        r = sub(get(w.x_stage, s + 1), get(w.x_stage, s))
+        if (dot(r, r) - rest * rest) * w.branches[s] < 0.0:
             taut, _ = segment.stiffness(segment.TAUT, rest, s, n, parameters)
             slack, _ = segment.stiffness(segment.SLACK, rest, s, n, parameters)
-            worst = max(worst, KINK * h * (taut - slack) * abs(over) / lighter_free_node(s, drive, w))
+            over = abs(norm(r) - rest)
+            worst = max(worst, KINK * h * (taut - slack) * over / lighter_free_node(s, drive, w))
     return worst
 
 
 @kernel
-def tension_error(n, drive, length, h, parameters, w):
-    """Largest error estimate of a tension in the last step as a velocity [m/s]: over the impedance sqrt(k m) of a taut segment.
+def damper_error(n, drive, length, parameters, w):
+    """Largest error estimate of a damper's tension in the last step as a velocity [m/s]: c |e.dv|/sqrt(k m).
 
-    dT = k dl + c de.v from the estimates dl of a segment's length and de.v of its rate; m is the mass of its lighter free
-    node. Without it the velocities of a stiff damper are allowed errors that, times c, are tensions of kilonewtons, and
-    move the nodes sideways. `length` is the unstretched length of the tether [m] at the end of the step.
+    dv is the difference of the error estimates of the two nodes, sqrt(k m) the impedance of the taut segment with the mass
+    of the lighter free node. A step in which it is more than the velocity error allowed is rejected if this tension is also
+    more than DAMPER times the largest one (`relative_damper_error`). Without it the velocities of a stiff damper are allowed
+    errors that, times c, are kilonewtons. `length` is the unstretched length of the tether [m] at the end of the step.
     """
     nodes = 3 * (n + 1)
     error = w.velocities[nodes * (at.STAGES - 1) :]
-    worst = 0.0
+    worst = 0.0  # squared
     for s in range(n):
-        _, e = segment.geometry(sub(get(w.x_stage, s + 1), get(w.x_stage, s)))
-        stretch = GAMMA * h * dot(e, sub(get(w.b, s + 1), get(w.b, s)))
-        rate = dot(e, sub(get(error, s + 1), get(error, s)))
+        r = sub(get(w.x_stage, s + 1), get(w.x_stage, s))
         rest = chain.rest_length(s, length, parameters)
-        taut, _ = segment.stiffness(segment.TAUT, rest, s, n, parameters)
-        k, c = segment.stiffness(w.branches[s], rest, s, n, parameters)
-        tension = k * stretch + c * rate
-        worst = max(worst, tension * tension / (taut * lighter_free_node(s, drive, w)))
+        k, _ = segment.stiffness(segment.TAUT, 1.0, s, n, parameters)  # times l0
+        _, c = segment.stiffness(w.branches[s], 1.0, s, n, parameters)  # times l0
+        wrong = c * dot(r, sub(get(error, s + 1), get(error, s)))  # times l0 l
+        worst = max(worst, wrong * wrong / (k * rest * lighter_free_node(s, drive, w) * dot(r, r) + TINY))
     return sqrt(worst)
+
+
+@kernel
+def relative_damper_error(n, drive, length, parameters, w):
+    """Largest error estimate of a damper's tension in the last step, see `damper_error`, over the largest tension [-]."""
+    nodes = 3 * (n + 1)
+    error = w.velocities[nodes * (at.STAGES - 1) :]
+    worst = 0.0
+    largest = TINY
+    for s in range(n):
+        stretched, e = segment.geometry(sub(get(w.x_stage, s + 1), get(w.x_stage, s)))
+        rest = chain.rest_length(s, length, parameters)
+        k, c = segment.stiffness(w.branches[s], rest, s, n, parameters)
+        rate = dot(e, sub(get(w.v_stage, s + 1), get(w.v_stage, s)))
+        tension = segment.tension(stretched, rate, rest, drive.reeling / length, k, c, parameters)
+        largest = max(largest, abs(tension))
+        worst = max(worst, c * abs(dot(e, sub(get(error, s + 1), get(error, s)))))
+    return worst / largest
 
 
 @kernel
@@ -376,8 +395,11 @@ def integrate(n, drive, duration, state, x, v, parameters, w):
         if step(n, drive, time, h_now, x, v, parameters, w):
             error = error_norm(n, drive, h_now, position_scale, velocity_scale, w)
             length = drive.length + drive.reeling * (time + h_now)
-            tension = TENSION * tension_error(n, drive, length, h_now, parameters, w) / velocity_scale
-            error = max(error, tension)
+            damper = damper_error(n, drive, length, parameters, w) / velocity_scale
+            if damper > 1.0:
+                relative = relative_damper_error(n, drive, length, parameters, w)
+                damper = min(damper, relative / DAMPER)
+            error = max(error, damper)
             kink = kink_error(n, drive, length, h_now, parameters, w) / velocity_scale
             if kink > 1.0:
                 error = max(error, kink * kink)  # it falls with h^2, the other estimate with h^4

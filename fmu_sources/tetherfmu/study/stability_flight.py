@@ -5,12 +5,12 @@ Upper bound of the tension of a tether with damping and drag, whatever its motio
     T_max = EA eps + Q + (EA Q^2/24)^(1/3) + AMPLIFICATION (Z V + D V/l0)
     Z = sqrt(EA mu),   V = U + sqrt(EA/mu) (eps + eps_slack),   Q = L (mu g + rho cd d U^2/2 + mu U^2/d)
 
-eps is the largest strain of the chord (distance of the ends over unstretched length, minus 1, at least 0), eps_slack
-that of a straight start shorter than the tether, times the root of the slack stiffness ratio. U adds the speeds of ends,
-wind and reeling, and that of a fall over the length of the tether. Z V is the wave that an impact of speed V sends along
-a taut line, D V/l0 the tension of the damper of a segment whose one node moves with V. AMPLIFICATION stands for
-reflections and for the whip of a bend. Q is the load across the line: weight, drag and inertia of turning; its cubic root
-is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
+eps is the largest strain of the chord (distance of the ends over unstretched length, minus 1; at least `ROUND_OFF`),
+eps_slack that of a straight start shorter than the tether, times the root of the slack stiffness ratio. U adds the speeds
+of ends, wind and reeling, and that of a fall over the length of the tether. Z V is the wave that an impact of speed V
+sends along a taut line, D V/l0 the tension of the damper of a segment whose one node moves with V. AMPLIFICATION stands
+for reflections and for the whip of a bend. Q is the load across the line: weight, drag and inertia of turning; its cubic
+root is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
 """
 
 from math import inf, pi, sqrt
@@ -32,6 +32,7 @@ MODELS = {
     "straight": TetherStraight,
 }
 AMPLIFICATION = 6.0
+ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DIAMETER, DENSITY = 0.004, 724.0
 DRAG_FACTOR = 0.5 * 1.225 * 0.958 * DIAMETER  # drag per length over the square of the speed [N s2/m3]
@@ -95,7 +96,7 @@ class _Bound:
 
     def __init__(self, point):
         self._point = point
-        self._strain = 0.0
+        self._strain = ROUND_OFF
         self._speed = 0.0
         self._end = None
 
