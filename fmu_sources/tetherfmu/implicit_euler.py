@@ -10,8 +10,8 @@ The positions x after a step of h make the incremental potential as small as a b
 Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
 Euler. Its matrix is made positive definite (no negative tension across a segment), so that iterations descend; one that
 would not is shortened, or left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
-A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, each of which
-is taken as it is by then.
+A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
+not in `PARTS` again; of these each is taken as it is by then.
 
 Half drag F and its slope A are those of the old velocities and of the directions at the start of the iteration. A driven
 end is where its curve is; its old position counts as x - h v, so that the damper sees its exact velocity.
@@ -32,7 +32,8 @@ from .workspace import place_ends
 
 MOST_ITERATIONS = 8
 PARTS = 4
-WORST_WORK = MOST_ITERATIONS * (1 + PARTS)  # iterations for one fixed step
+FINEST = PARTS**2
+WORST_WORK = MOST_ITERATIONS * (1 + PARTS + FINEST)  # iterations for one fixed step
 MOST_HALVINGS = 8
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
@@ -277,15 +278,21 @@ def careful_step(n, drive, time, h, x, v, parameters, w):
 
     Returns the number of iterations, at most `WORST_WORK`; negative where the matrix is singular.
     """
-    taken, iterations = step(n, drive, time, h, False, x, v, parameters, w)
-    if taken or iterations < 0:
-        return iterations
-    for j in range(PARTS):
-        part = h / PARTS
-        _, more = step(n, drive, time + j * part, part, True, x, v, parameters, w)
+    iterations = 0
+    done = 0  # in parts of the finest kind
+    size = FINEST
+    while done < FINEST:
+        start = time + h * done / FINEST
+        taken, more = step(n, drive, start, h * size / FINEST, size == 1, x, v, parameters, w)
         if more < 0:
             return more
         iterations += more
+        if not taken:
+            size //= PARTS
+            continue
+        done += size
+        while size < FINEST and done % (size * PARTS) == 0:
+            size *= PARTS
     return iterations
 
 

@@ -39,8 +39,8 @@ SENTENCES = {
         "and the length (tether_length {length} m)"
     ),
     FIXED_STEPS_TOO_MANY: (
-        "a communication step of {step} s needs more than {budget} iterations (2 to 40 for each internal step of fixed_step "
-        "{fixed_step} s); use a longer fixed_step or a shorter communication step"
+        "a communication step of {step} s needs more than {budget} iterations (2 to 168 for each internal step of "
+        "fixed_step {fixed_step} s); use a longer fixed_step or a shorter communication step"
     ),
     OUTPUT_NOT_FINITE: (
         "an output would not be a finite number after a step of {step} s; check kite_position, wind_velocity and "

@@ -15,6 +15,7 @@ from tetherfmu.study.stability import main
 from tetherfmu.study.stability_flight import Flight, fly
 from tetherfmu.study.stability_points import VARIANTS, kite, point
 from tetherfmu.study.stability_pool import judge_all, key, read
+from tetherfmu.study.stability_report import compared
 from tetherfmu.study.stability_verdict import Verdict, judge
 
 POINTS = [point(1, number) for number in range(400)]
@@ -149,3 +150,13 @@ def test_the_quick_map_holds(quick_map):
     assert page.startswith("# Stability\n")
     verdicts = [v.verdict for _, v in read(folder / "stability_1.jsonl").values()]
     assert sum(v in ("converged", "stable") for v in verdicts) >= 0.8 * len(verdicts)
+
+
+def test_before_and_now_are_compared_on_the_points_of_both():
+    now = [(p, Verdict("converged", 0.0)) for p in POINTS[:40]]
+    before = [(p, Verdict("wrong")) for p in POINTS[20:60]] + [(POINTS[0]._replace(length=2.0), Verdict("wrong"))]
+    table = compared(now, before)
+    wrong, points = table.columns.index("wrong"), table.columns.index("points")
+    (_, *earlier), (_, *later) = table.rows[-2:]
+    assert (earlier[points - 1], earlier[wrong - 1]) == (20, 20)
+    assert (later[points - 1], later[wrong - 1]) == (20, 0)

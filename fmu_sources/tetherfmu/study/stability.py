@@ -1,11 +1,13 @@
 """Stability map: where the tethers hold at the extremes, and where they refuse.
 
-    python -m tetherfmu.study.stability [--points 20000] [--seed 1] [--out docs] [--results FILE] [--processes N] [--quick]
+    python -m tetherfmu.study.stability [--points 20000] [--seed 1] [--out docs] [--results FILE] [--before FILE]
+                                        [--processes N] [--quick]
     python -m tetherfmu.study.stability --point NUMBER [--seed 1]
 
 The first form judges random points (`stability_points`), writes the page stability.md with its heat maps, and exits with
 1 if a point is wrong, crashed or hanging. It may be stopped at any time and goes on where it was: finished points are kept
-in the file of results. The second form judges one point and prints all that is known about it.
+in the file of results. `--before` compares with the file of results of another version, on the points that are in both. The
+second form judges one point and prints all that is known about it.
 """
 
 import argparse
@@ -15,7 +17,7 @@ from pathlib import Path
 
 from .stability_flight import MODELS
 from .stability_points import point
-from .stability_pool import judge_all
+from .stability_pool import judge_all, read
 from .stability_verdict import judge
 
 QUICK = 60
@@ -30,6 +32,7 @@ def _parse(arguments):
     parser.add_argument("--seed", type=int, default=1, help="of the points (default 1)")
     parser.add_argument("--out", default="docs", help="folder for stability.md and figures/ (default docs)")
     parser.add_argument("--results", help="file of finished points (default: stability_<seed>.jsonl in the folder of --out)")
+    parser.add_argument("--before", help="file of results of another version, to compare with")
     parser.add_argument("--processes", type=int, help="how many at a time (default: one per core)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} points and no figures: shows that it runs")
     parser.add_argument("--point", type=int, help="judge this point alone and print it")
@@ -61,7 +64,8 @@ def main(arguments=None):
     results = judge_all(points, path, options.processes, progress=_progress(count))
     from .stability_report import write
 
-    print(write(results, Path(options.out), figures=not options.quick))
+    before = list(read(options.before).values()) if options.before else []
+    print(write(results, before, Path(options.out), figures=not options.quick))
     bad = [(p.number, v.verdict) for p, v in results if v.verdict in FORBIDDEN]
     for number, verdict in bad[:20]:
         print(f"point {number}: {verdict}", file=sys.stderr)

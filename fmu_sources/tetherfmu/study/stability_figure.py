@@ -54,6 +54,11 @@ def refused(verdicts):
     return 100.0 * np.mean([v.verdict == "refused" for v in verdicts])
 
 
+def held(verdicts):
+    """Share of points that are converged or stable [%]."""
+    return 100.0 * np.mean([v.verdict in ("converged", "stable") for v in verdicts])
+
+
 def error(verdicts):
     """Median error [%] of the points that have one; nan where there is none."""
     errors = [v.error for v in verdicts if v.error is not None]
@@ -73,6 +78,7 @@ class Row(NamedTuple):
 
 CONVERGED = Row("converged [%]", converged, 0.0, 100.0, False, "viridis")
 REFUSED = Row("refused [%]", refused, 0.0, 50.0, False, "magma_r")
+HELD = Row("converged or\nstable [%]", held, 50.0, 100.0, False, "magma")
 ERROR = Row("median difference from\nthe refinement [%]", error, 1e-3, 1e2, True, "viridis_r")
 FIGURES = {
     "stability_dynamic": ("TetherDynamic, adaptive", ("dynamic",), PAIRS, (CONVERGED, REFUSED)),
@@ -84,6 +90,12 @@ FIGURES = {
         (CONVERGED, REFUSED),
     ),
 }
+COMPARED = (
+    "dynamic (adaptive and fixed step) and quasi-steady",
+    ("dynamic", "dynamic fixed step", "quasi_steady"),
+    PAIRS,
+    (HELD,),
+)
 
 
 def cells(results, across, up, quantity):
@@ -98,15 +110,15 @@ def cells(results, across, up, quantity):
     return values
 
 
-def draw(results, name, path):
-    """Write one of `FIGURES` to a PNG file."""
+def draw(results, figure_of, path, when=""):
+    """Write one of `FIGURES`, or `COMPARED` with a word about when, to a PNG file."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot as plt
     from matplotlib.colors import LogNorm, Normalize
 
-    title, variants, pairs, rows = FIGURES[name]
+    title, variants, pairs, rows = figure_of
     results = [(p, v) for p, v in results if p.variant in variants]
     figure, axes = plt.subplots(
         len(rows), len(pairs), figsize=(3.3 * len(pairs), 2.9 * len(rows)), squeeze=False, layout="constrained"
@@ -122,7 +134,7 @@ def draw(results, name, path):
             panel.set_xlabel(across.label)
             panel.set_ylabel(up.label)
         figure.colorbar(mesh, ax=line, label=row.name, extend="both" if row.logarithmic else "neither", pad=0.01)
-    figure.suptitle(f"{title}: {len(results)} points; grey: fewer than {FEWEST} points")
+    figure.suptitle(f"{when}{title}: {len(results)} points; grey: fewer than {FEWEST} points")
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=90, metadata={"Software": None})
     plt.close(figure)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .report import Table, cell, circumstances
-from .stability_figure import FIGURES, draw
+from .stability_figure import COMPARED, FIGURES, draw
 from .stability_flight import AMPLIFICATION
 from .stability_points import VARIANTS, is_core
 from .stability_verdict import LONGEST_CALL, VERDICTS
@@ -35,6 +35,8 @@ slack tether buckles, and where each segment goes is chance.
 A point is made again from its number: `python -m tetherfmu.study.stability --point NUMBER`. Axes and their distributions:
 `study/stability_points.py`.
 """
+BEFORE = """\
+The same points with the kernels of an earlier version, judged by the criteria of today. What changed: CHANGELOG."""
 TITLES = {
     "dynamic": "dynamic, adaptive",
     "dynamic fixed step": "dynamic, fixed step",
@@ -137,6 +139,24 @@ def worst(results):
     return Table("Worst points", text, columns, rows)
 
 
+def common(results, before):
+    """The points of both lists of (Point, Verdict): these points in the first, and in the second."""
+    earlier = {p.number: (p, v) for p, v in before}
+    mine = [(p, v) for p, v in results if earlier.get(p.number, (None,))[0] == p]
+    return mine, [earlier[p.number] for p, _ in mine]
+
+
+def compared(results, before):
+    """Table of a version before and of now, by variant, on the points of both."""
+    mine, earlier = common(results, before)
+    rows = []
+    for name in VARIANTS:
+        for when, found in (("before", earlier), ("now", mine)):
+            rows.append([f"{TITLES[name]}, {when}", *figures_of([(p, v) for p, v in found if p.variant == name])])
+    rows += [["all, before", *figures_of(earlier)], ["all, now", *figures_of(mine)]]
+    return Table("Before and now", BEFORE, ("variant", *COLUMNS), rows)
+
+
 def tables(results):
     """All tables of the page."""
     core = [(p, v) for p, v in results if is_core(p)]
@@ -166,7 +186,7 @@ def tables(results):
 def markdown(found, drawn):
     """The page of some tables and figures (paths as seen from the page)."""
     lines = [HEAD, circumstances(), "", MEANING]
-    lines += [f"![{FIGURES[name][0]}: heat maps]({path})\n" for name, path in drawn.items()]
+    lines += [f"![{title}]({path})\n" for title, path in drawn.items()]
     for table in found:
         lines += [f"## {table.title}", "", table.text, ""]
         lines += ["| " + " | ".join(table.columns) + " |", "|" + "---|" * len(table.columns)]
@@ -175,14 +195,22 @@ def markdown(found, drawn):
     return "\n".join(lines)
 
 
-def write(results, folder, figures):
-    """Write stability.md, and its figures if asked for, to a folder; returns the summary as text."""
+def write(results, before, folder, figures):
+    """Write stability.md, and its figures if asked for, to a folder; returns the summary as text.
+
+    before : results of another version, or an empty list.
+    """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     drawn = {}
-    for name in FIGURES if figures else ():
-        drawn[name] = f"figures/{name}.png"
-        draw(results, name, folder / drawn[name])
+    for name, figure in FIGURES.items() if figures else ():
+        drawn[f"{figure[0]}: heat maps"] = f"figures/{name}.png"
+        draw(results, figure, folder / f"figures/{name}.png")
+    if before and figures:
+        for when, found in zip(("now", "before"), common(results, before), strict=True):
+            drawn[f"Heat maps, {when}"] = f"figures/stability_{when}.png"
+            draw(found, COMPARED, folder / f"figures/stability_{when}.png", f"{when}: ")
     found = tables(results)
-    (folder / "stability.md").write_text(markdown(found, drawn), encoding="utf-8")
+    page = markdown([*found[:3], *([compared(results, before)] if before else []), *found[3:]], drawn)
+    (folder / "stability.md").write_text(page, encoding="utf-8")
     return "\n".join(" ".join(map(cell, row)) for row in found[0].rows) + "\n" + found[1].text
