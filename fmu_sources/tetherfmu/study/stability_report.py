@@ -207,7 +207,7 @@ def write(results, before, folder, figures):
         drawn[f"{figure[0]}: heat maps"] = f"figures/{name}.png"
         draw(results, figure, folder / f"figures/{name}.png")
     if before and figures:
-        for when, found in zip(("now", "before"), common(results, before), strict=True):
+        for when, found in zip(("before", "now"), reversed(common(results, before)), strict=True):
             drawn[f"Heat maps, {when}"] = f"figures/stability_{when}.png"
             draw(found, COMPARED, folder / f"figures/stability_{when}.png", f"{when}: ")
     found = tables(results)
