@@ -2,6 +2,7 @@
 
 from collections import Counter
 from itertools import pairwise
+from math import inf, isnan
 from pathlib import Path
 
 import numpy as np
@@ -52,7 +53,7 @@ def figures_of(results):
     counts = Counter(verdict.verdict for _, verdict in results)
     total = len(results)
     shares = [100.0 * counts[name] / total if total else None for name in VERDICTS[:3]]
-    errors = [100.0 * v.error for _, v in results if v.error is not None]
+    errors = [inf if isnan(v.error) else 100.0 * v.error for _, v in results if v.error is not None]
     quantiles = [float(x) for x in np.quantile(errors, (0.5, 0.9))] if errors else [None, None]
     return [total, *shares, *(counts[name] for name in VERDICTS[3:]), *quantiles]
 
