@@ -11,7 +11,7 @@ Its gradient is zero where the equations of motion hold with the forces of the n
 Euler. Its matrix is made positive definite (no negative tension across a segment), so that iterations descend; one that
 would not is shortened, or left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
 A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
-not in `PARTS` again; of these each is taken as it is by then.
+not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS`.
 
 Half drag F and its slope A are those of the old velocities and of the directions at the start of the iteration. A driven
 end is where its curve is; its old position counts as x - h v, so that the damper sees its exact velocity.
@@ -31,9 +31,10 @@ from .vectors import add, along, apply, dot, get, get_matrix, norm, put, put_mat
 from .workspace import place_ends
 
 MOST_ITERATIONS = 8
+LAST_ITERATIONS = 32  # of the finest parts
 PARTS = 4
 FINEST = PARTS**2
-WORST_WORK = MOST_ITERATIONS * (1 + PARTS + FINEST)  # iterations for one fixed step
+WORST_WORK = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations for one fixed step
 MOST_HALVINGS = 8
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
@@ -247,8 +248,8 @@ def add_drag(n, drive, x, v, parameters, w):
 def step(n, drive, time, h, in_any_case, x, v, parameters, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    in_any_case : whether a result is taken that has not come to rest. Returns whether it was taken, and the number of
-    iterations, negative where the matrix is singular.
+    in_any_case : whether to iterate longer, and to take a result that has not come to rest. Returns whether it was taken,
+    and the number of iterations, negative where the matrix is singular.
     """
     length = drive.length + drive.reeling * (time + h)
     begin(n, drive, time, h, x, v, parameters, w)
@@ -258,7 +259,8 @@ def step(n, drive, time, h, in_any_case, x, v, parameters, w):
     goal = CLOSE * drive.length / n
     iterations = 0
     farthest = inf
-    while iterations < MOST_ITERATIONS and farthest > goal:
+    most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
+    while iterations < most and farthest > goal:
         phi, farthest = descend(n, drive, h, length, w.x_stage, v, phi, parameters, w)
         iterations += 1
         if not farthest < inf:

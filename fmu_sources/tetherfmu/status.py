@@ -39,7 +39,7 @@ SENTENCES = {
         "and the length (tether_length {length} m)"
     ),
     FIXED_STEPS_TOO_MANY: (
-        "a communication step of {step} s needs more than {budget} iterations (2 to 168 for each internal step of "
+        "a communication step of {step} s needs more than {budget} iterations (2 to 552 for each internal step of "
         "fixed_step {fixed_step} s); use a longer fixed_step or a shorter communication step"
     ),
     OUTPUT_NOT_FINITE: (
