@@ -63,6 +63,11 @@ def polar(distance, elevation, azimuth):
     )
 
 
+def swing(amplitude, period, time):
+    """To and fro with an amplitude and a period [s]."""
+    return amplitude * np.sin(2.0 * np.pi / period * time)
+
+
 def ramp(u):
     """A smooth step from 0 to 1 for u from 0 to 1: 6 u^5 - 15 u^4 + 10 u^3."""
     u = np.where(np.real(u) < 0.0, 0.0, np.where(np.real(u) > 1.0, 1.0, u))
@@ -158,7 +163,7 @@ class Parked(Flight):
 
     def kite(self, time):
         """To and fro at constant distance."""
-        azimuth = self.sway / self.distance * np.sin(2.0 * np.pi / self.sway_period * time)
+        azimuth = swing(self.sway / self.distance, self.sway_period, time)
         return polar(self.distance, self.elevation, azimuth)
 
 
@@ -217,7 +222,7 @@ class Towing(Flight):
 
     def kite(self, time):
         """Behind the vehicle."""
-        azimuth = np.pi + self.weave * np.sin(2.0 * np.pi / self.weave_period * time)
+        azimuth = np.pi + swing(self.weave, self.weave_period, time)
         return self.ground(time) + polar(self.distance, self.elevation, azimuth)
 
 
@@ -241,7 +246,7 @@ class Reel(Flight):
 
     def kite(self, time):
         """As far as the tether has been paid out."""
-        azimuth = self.weave * np.sin(2.0 * np.pi / self.weave_period * time)
+        azimuth = swing(self.weave, self.weave_period, time)
         return polar(self.distance + self.reeled(time), self.elevation, azimuth)
 
 

@@ -158,8 +158,8 @@ def compared(results, before):
     return Table("Before and now", BEFORE, ("variant", *COLUMNS), rows)
 
 
-def tables(results):
-    """All tables of the page."""
+def tables(results, before):
+    """All tables of the page; that of before and now only if there are results of before."""
     core = [(p, v) for p, v in results if is_core(p)]
     held = 100.0 * np.mean([v.verdict in ("converged", "stable") for _, v in core]) if core else 0.0
     return [
@@ -170,6 +170,7 @@ def tables(results):
             f"Converged or stable: {held:.1f} % of {len(core)} points.",
         ),
         refusals(results),
+        *([compared(results, before)] if before else []),
         by_region(
             results, "dynamic", REGIONS, "Dynamic, adaptive, by region", "Each row: one axis in a band, all others free."
         ),
@@ -205,13 +206,12 @@ def write(results, before, folder, figures):
     folder.mkdir(parents=True, exist_ok=True)
     drawn = {}
     for name, figure in FIGURES.items() if figures else ():
-        drawn[f"{figure[0]}: heat maps"] = f"figures/{name}.png"
-        draw(results, figure, folder / f"figures/{name}.png")
+        drawn[f"{figure[0]}: heat maps"] = path = f"figures/{name}.png"
+        draw(results, figure, folder / path)
     if before and figures:
         for when, found in zip(("before", "now"), reversed(common(results, before)), strict=True):
-            drawn[f"Heat maps, {when}"] = f"figures/stability_{when}.png"
-            draw(found, COMPARED, folder / f"figures/stability_{when}.png", f"{when}: ")
-    found = tables(results)
-    page = markdown([*found[:3], *([compared(results, before)] if before else []), *found[3:]], drawn)
-    (folder / "stability.md").write_text(page, encoding="utf-8")
+            drawn[f"Heat maps, {when}"] = path = f"figures/stability_{when}.png"
+            draw(found, COMPARED, folder / path, f"{when}: ")
+    found = tables(results, before)
+    (folder / "stability.md").write_text(markdown(found, drawn), encoding="utf-8")
     return "\n".join(" ".join(map(cell, row)) for row in found[0].rows) + "\n" + found[1].text
