@@ -4,9 +4,9 @@ import argparse
 import sys
 import traceback
 
-from tetherfmu.ahead_of_time import TARGETS, libraries
-from tetherfmu.build import DEFAULT_PLATFORMS, SLAVES, build, contents, kernels_folder
-from tetherfmu.layout import MAX_SEGMENTS
+from tetherfmu.export.ahead_of_time import TARGETS, libraries
+from tetherfmu.export.archive import DEFAULT_PLATFORMS, SLAVES, build, contents, kernels_folder
+from tetherfmu.runtime.layout import MAX_SEGMENTS
 
 MAX_SHAPE_POINTS = 1001
 
@@ -46,7 +46,7 @@ def parse(arguments):
 
 def build_for_scene(options):
     """Build the FMU that is advised for a scene; returns 0, 1 if nothing meets what it asks for, 2 if the file is wrong."""
-    from tetherfmu.study.scene_build import SceneError, advised
+    from tetherfmu.study.advice.scene_build import SceneError, advised
 
     try:
         advice = advised(options.scene, options.shape_points)

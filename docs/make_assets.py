@@ -8,7 +8,7 @@ import numpy as np
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
-ASSETS = Path(__file__).resolve().parents[1] / "fmu_sources" / "tetherfmu" / "assets"
+ASSETS = Path(__file__).resolve().parents[1] / "fmu_sources" / "tetherfmu" / "export" / "assets"
 TETHER, KITE, WIND, FORCE, MOTION = "#1f4e79", "#c0392b", "#2e8b8b", "#c0392b", "#7d5ba6"
 NODES = 7
 

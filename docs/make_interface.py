@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from tetherfmu.build import SLAVES
-from tetherfmu.documents import folded, meaning, start
-from tetherfmu.fmi import DEFAULT_OPTIONS
-from tetherfmu.interface import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
-from tetherfmu.model_description import number
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.documents import folded, meaning, start
+from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.slave import DEFAULT_OPTIONS
+from tetherfmu.runtime.variables import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
 
 PAGE = Path(__file__).with_name("interface.md")
 FMU_OF = {variant: "Tether" + variant.title().replace("_", "") for variant in IGNORED}

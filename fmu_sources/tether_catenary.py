@@ -1,6 +1,6 @@
 """PythonFMU slave: the elastic catenary."""
 
-from tetherfmu.fmi import TetherSlave
+from tetherfmu.runtime.slave import TetherSlave
 
 
 class TetherCatenary(TetherSlave):

@@ -1,6 +1,6 @@
 """PythonFMU slave: the dynamic segmented tether, both ends driven."""
 
-from tetherfmu.fmi import TetherSlave
+from tetherfmu.runtime.slave import TetherSlave
 
 
 class TetherDynamic(TetherSlave):

@@ -1,6 +1,6 @@
 """PythonFMU slave: the quasi-steady segmented tether."""
 
-from tetherfmu.fmi import TetherSlave
+from tetherfmu.runtime.slave import TetherSlave
 
 
 class TetherQuasiSteady(TetherSlave):

@@ -1,6 +1,6 @@
 """PythonFMU slave: the straight elastic line."""
 
-from tetherfmu.fmi import TetherSlave
+from tetherfmu.runtime.slave import TetherSlave
 
 
 class TetherStraight(TetherSlave):

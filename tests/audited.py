@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 
 from tetherfmu.energy import EnergyAudit
-from tetherfmu.parameters import Environment
+from tetherfmu.runtime.parameters import Environment
 
 VOID = Environment(gravity=0.0, air_density=0.0)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tetherfmu import layout as at
+from tetherfmu.runtime import layout as at
 
 
 def line_density(tether):

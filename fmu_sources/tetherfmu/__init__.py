@@ -1,3 +1,47 @@
-"""Tether models for kites, cranes, moorings and drones: compiled functions on flat arrays, and shells around them."""
+"""Tether models for kites, cranes and drones: compiled functions on flat arrays, and shells around them.
 
-__version__ = "0.1.0"
+The public names are imported when they are first used, so that a part which needs no kernels starts without them.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from .runtime import __version__
+
+if TYPE_CHECKING:
+    from .energy import Energy, EnergyAudit
+    from .models import Outputs, StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+    from .runtime.parameters import Environment, Solver, Tether
+
+_HOMES = {
+    "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight", "Outputs", "StepRefused"),
+    "runtime.parameters": ("Tether", "Environment", "Solver"),
+    "energy": ("Energy", "EnergyAudit"),
+}
+__all__ = [
+    "Energy",
+    "EnergyAudit",
+    "Environment",
+    "Outputs",
+    "Solver",
+    "StepRefused",
+    "Tether",
+    "TetherCatenary",
+    "TetherDynamic",
+    "TetherQuasiSteady",
+    "TetherStraight",
+    "__version__",
+]
+
+
+def __getattr__(name):
+    """A public name, from the module that defines it."""
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f".{module}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__():
+    """The public names."""
+    return __all__

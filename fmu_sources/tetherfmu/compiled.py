@@ -2,14 +2,14 @@
 
 from functools import cache
 
-from . import entry
-from .compilation import compile_entry_point
-from .library import PROTOTYPES, Kernels
+from tetherfmu.kernels import entry_points
+from tetherfmu.kernels.compilation import compile_entry_point
+from tetherfmu.runtime.kernel_library import PROTOTYPES, Kernels
 
 
 @cache
 def _compiled(name):
-    return compile_entry_point(getattr(entry, name))
+    return compile_entry_point(getattr(entry_points, name))
 
 
 def kernels(variant):

@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from . import layout as at
-from .atmosphere import air_density, wind_factor
-from .segment import SHORTEST
+from tetherfmu.kernels.chain.atmosphere import air_density, wind_factor
+from tetherfmu.kernels.chain.segment import SHORTEST
+from tetherfmu.runtime import layout as at
 
 
 @dataclass(frozen=True)

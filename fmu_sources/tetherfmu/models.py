@@ -4,11 +4,21 @@ from collections import namedtuple
 
 import numpy as np
 
-from . import energy, status
-from . import layout as at
-from .compiled import kernels
-from .interface import INPUT_NAMES, KITE_AT_START
-from .parameters import DEFAULT_TOLERANCE, VARIANTS_WITHOUT_NODES, Environment, Solver, Tether, effective, pack
+from tetherfmu.compiled import kernels
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import status
+from tetherfmu.runtime.parameters import (
+    DEFAULT_TOLERANCE,
+    VARIANTS_WITHOUT_NODES,
+    Environment,
+    Solver,
+    Tether,
+    effective,
+    pack,
+)
+from tetherfmu.runtime.variables import INPUT_NAMES, KITE_AT_START
+
+from . import energy
 
 Outputs = namedtuple(
     "Outputs",

@@ -14,10 +14,10 @@ from time import perf_counter_ns, thread_time_ns
 
 import numpy as np
 
-from tetherfmu import layout as at
 from tetherfmu.models import TetherDynamic, _address
-from tetherfmu.parameters import Solver, Tether
-from tetherfmu.study.report import circumstances
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu.study.measuring.tables import circumstances
 
 WIND = (8.0, 0.0, 0.0)
 

@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from tetherfmu.models import StepRefused, TetherQuasiSteady
-from tetherfmu.parameters import Tether
+from tetherfmu.runtime.parameters import Tether
 
 STEP = 0.02
 BANDS = (-0.01, 0.0, 0.02, 0.1, 0.3, 0.5)

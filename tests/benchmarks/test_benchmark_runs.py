@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from tetherfmu.study.benchmark import main
+from tetherfmu.study.benchmark.__main__ import main
 
 
 @pytest.fixture(scope="module")

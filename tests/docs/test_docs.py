@@ -13,20 +13,24 @@ import pytest
 
 from scenes import fly_circle
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", THEORY, re.MULTILINE | re.DOTALL))
-FUNCTIONS = r"`(" + "|".join(path.stem for path in PACKAGE.glob("[a-z]*.py")) + r")\.(\w+)`"
+MODULES = {  # by the name that the theory page calls them: modules that compute
+    path.stem: ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    for path in [*PACKAGE.glob("[a-z]*.py"), *PACKAGE.glob("runtime/[a-z]*.py"), *PACKAGE.glob("kernels/**/[a-z]*.py")]
+}
+FUNCTIONS = r"`(" + "|".join(MODULES) + r")\.(\w+)`"
 
 
 def cited_sections():
     """Pairs (file, section) of all citations of the theory page in the sources."""
     found = []
-    for path in sorted(PACKAGE.glob("*.py")):
+    for path in sorted(PACKAGE.rglob("*.py")):
         for line in re.findall(r"docs/theory\.md, (.+)", path.read_text(encoding="utf-8")):
             found += [(path.name, section) for section in re.findall(r'"([^"]+)"', line)]
     return found
@@ -48,7 +52,7 @@ def test_functions_named_in_the_theory_exist(section):
     named = re.findall(FUNCTIONS, SECTIONS[section])
     assert named
     for module, function in named:
-        assert callable(getattr(importlib.import_module(f"tetherfmu.{module}"), function))
+        assert callable(getattr(importlib.import_module(MODULES[module]), function))
 
 
 def test_readme_has_the_two_commands_of_the_ci():

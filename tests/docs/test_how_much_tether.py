@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from tetherfmu.study.page import threshold_table
-from tetherfmu.study.page_text import CLOSING, OPENING, scene_file_tables
+from tetherfmu.study.advice.page import threshold_table
+from tetherfmu.study.advice.page_text import CLOSING, OPENING, scene_file_tables
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "how_much_tether.md").read_text(encoding="utf-8")
 

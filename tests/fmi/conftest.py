@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmi.clients import python_library
-from tetherfmu.library import this_platform
+from tetherfmu.runtime.kernel_library import this_platform
 
 
 def compile_c(source, target, *options):

@@ -16,7 +16,7 @@ from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precon
 
 from fmi.host import Host
 from isolation import in_own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 BEFORE, INITIALIZING, STEPPING, TERMINATED, FATAL = "before", "initializing", "stepping", "terminated", "fatal"
 GOOD_INPUTS = {

@@ -7,7 +7,7 @@ from fmpy.fmi1 import FMICallException
 
 from fmi.host import Host
 from isolation import in_own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 VECTORS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
 INPUTS = [f"{name}[{i}]" for name in VECTORS for i in (1, 2, 3)] + ["reel_out_speed"]

@@ -4,7 +4,7 @@ import pytest
 
 from fmi import clients
 from isolation import own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 FLIGHTS = {  # plan: what the flights are that it prints
     "alone": ["alone"],

@@ -9,9 +9,9 @@ import zipfile
 
 import pytest
 
-from tetherfmu import check, inspection
-from tetherfmu.build import SLAVES
-from tetherfmu.library import this_platform
+from tetherfmu.check import __main__, inspection
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.kernel_library import this_platform
 
 FOREIGN = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="{fmi}" modelName="foreign" guid="{{0}}">
@@ -75,9 +75,9 @@ def test_wrong_use(tmp_path, fmu_folder):
 
 
 def test_without_fmpy_it_says_how_to_get_it(monkeypatch, capsys, fmu_folder):
-    find = check.importlib.util.find_spec
-    monkeypatch.setattr(check.importlib.util, "find_spec", lambda name: None if name == "fmpy" else find(name))
-    assert check.main([str(fmu_folder / "TetherStraight.fmu")]) == 2
+    find = __main__.importlib.util.find_spec
+    monkeypatch.setattr(__main__.importlib.util, "find_spec", lambda name: None if name == "fmpy" else find(name))
+    assert __main__.main([str(fmu_folder / "TetherStraight.fmu")]) == 2
     assert "python -m pip install fmpy" in capsys.readouterr().err
 
 
@@ -158,7 +158,7 @@ def test_what_crashes_pythonfmu_is_known(tmp_path, fmu_folder, folder, dies):
     command = [
         sys.executable,
         "-m",
-        "tetherfmu.replay",
+        "tetherfmu.check.replay",
         str(fmu_folder / "TetherStraight.fmu"),
         str(tmp_path / "result.json"),
     ]

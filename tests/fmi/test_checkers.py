@@ -10,7 +10,7 @@ from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
 from lxml import etree
 
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))

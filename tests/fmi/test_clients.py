@@ -9,7 +9,7 @@ import pytest
 from fmi import clients
 from fmi.clients import different
 from isolation import own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 # a rounded step is wrong by 2e-13 of it; what the solvers make of that was found, with a margin of three
 ROUNDED = {"TetherStraight": 3e-14, "TetherCatenary": 3e-14, "TetherQuasiSteady": 2e-11, "TetherDynamic": 1e-10}

@@ -10,7 +10,7 @@ import pytest
 
 from fmi.host import Host
 from isolation import in_own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 ROUNDING = 1e-10  # a change below this part of the value is rounding: n segments in series add up to L/EA for each n
 SCENE = {  # nothing at zero, nothing along an axis, all that a wind profile reads

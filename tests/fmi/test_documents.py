@@ -9,9 +9,9 @@ from pathlib import PurePosixPath
 import pytest
 from fmpy import read_model_description
 
-from tetherfmu.build import SLAVES, build
-from tetherfmu.documents import folded
-from tetherfmu.interface import variables
+from tetherfmu.export.archive import SLAVES, build
+from tetherfmu.export.documents import folded
+from tetherfmu.runtime.variables import variables
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 

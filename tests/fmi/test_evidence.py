@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from tetherfmu import evidence, models
-from tetherfmu.build import SLAVES
-from tetherfmu.parameters import DEFAULT_TOLERANCE, Solver, Tether
+from tetherfmu import models
+from tetherfmu.export import evidence
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver, Tether
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fmi import clients
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 

@@ -11,7 +11,7 @@ from fmpy.fmi1 import FMICallException
 
 from fmi.host import Host
 from isolation import in_own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 LONGEST_CALL = 2.0  # seconds
 HUGE = (1e300, 1e160, 1e30, 1e12, 1e9, 1e6, 1e3)

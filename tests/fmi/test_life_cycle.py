@@ -7,9 +7,9 @@ from fmi.host import Host
 from isolation import in_own_process
 from scenes import REVOLUTION, circle
 from tetherfmu import models
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 WIND = (0.1, 0.0, 0.0)
 

@@ -11,7 +11,7 @@ import pytest
 from fmi.host import Host
 from isolation import in_own_process
 from scenes import circle
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory and open files are read from /proc")
 PAGE = 4096

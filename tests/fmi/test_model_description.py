@@ -8,7 +8,7 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 VECTORS = {"input": ["kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity"]}
 VECTORS["output"] = ["ground_force", "kite_force"]

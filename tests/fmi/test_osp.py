@@ -11,8 +11,8 @@ from pythonfmu.builder import FmuBuilder
 
 from fmi.kite_on_rails import RISE
 from isolation import in_own_process
-from tetherfmu import osp
-from tetherfmu.build import SLAVES
+from tetherfmu.export import osp
+from tetherfmu.export.archive import SLAVES
 
 KITE = f"""<?xml version="1.0" encoding="UTF-8"?>
 <OspModelDescription xmlns="{osp.NAMESPACE}" version="1.0">

@@ -9,7 +9,7 @@ from fmpy.fmi1 import FMICallException
 from fmi.host import Host
 from isolation import in_own_process
 from scenes import circle
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 STEP = 0.02
 

@@ -10,8 +10,8 @@ import pytest
 
 from fmi.host import Host
 from isolation import in_own_process
-from tetherfmu.build import SLAVES
-from tetherfmu.library import this_platform
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.kernel_library import this_platform
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu import layout as at
-from tetherfmu.ahead_of_time import VARIANTS, libraries
-from tetherfmu.build import kernels_folder
 from tetherfmu.compiled import kernels
-from tetherfmu.library import file_name
-from tetherfmu.parameters import Environment, Solver, effective, pack
+from tetherfmu.export.ahead_of_time import VARIANTS, libraries
+from tetherfmu.export.archive import kernels_folder
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.parameters import Environment, Solver, effective, pack
 
 STEPS, STEP, POINTS = 100, 0.02, 5
 # the mathematical libraries differ in the last bit of log1p, asinh, ...; a step of the solver does not amplify that

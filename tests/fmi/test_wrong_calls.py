@@ -7,7 +7,7 @@ from fmpy.fmi1 import FMICallException
 
 from fmi.host import Host
 from isolation import in_own_process
-from tetherfmu.build import SLAVES
+from tetherfmu.export.archive import SLAVES
 
 
 def step_is_refused(host, words):

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from tetherfmu import end_motion
-from tetherfmu import layout as at
-from tetherfmu.parameters import Environment, Solver, Tether, pack
-from tetherfmu.workspace import Drive, workspace
+from tetherfmu.kernels.arrays import workspace
+from tetherfmu.kernels.communication import driven_end
+from tetherfmu.kernels.communication.drive import Drive
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 
 class ChainProblem:
@@ -36,8 +37,8 @@ class ChainProblem:
         self.work = workspace(n, self.memory)
         still = (0.0, 0.0, 0.0)
         self.drive = Drive(
-            end_motion.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
-            end_motion.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
+            driven_end.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
+            driven_end.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
             n - 1,
             self.length,

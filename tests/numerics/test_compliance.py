@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from tetherfmu import chain, equilibrium
-from tetherfmu import layout as at
+from tetherfmu.kernels.arrays import workspace
+from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.equilibrium import newton
 from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether, pack
-from tetherfmu.workspace import workspace
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 N = 7
 WIND = (9.0, -4.0, 1.0)
@@ -25,7 +26,7 @@ def linear_problem(axial_stiffness):
     x = positions.ravel().copy()
     v = np.zeros_like(x)
     work = workspace(N, np.zeros(at.work_size(N)))
-    chain.node_masses(N, 60.0, parameters, work.mass)
+    nodes.node_masses(N, 60.0, parameters, work.mass)
     distances = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     tension = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
     return parameters, spin, stretching, x, v, tension, work
@@ -35,15 +36,15 @@ def linear_problem(axial_stiffness):
 def test_equal_to_stiffnesses(resistance):
     """The same motions and tensions from both systems, in a chain soft enough that both are well conditioned."""
     parameters, spin, stretching, x, v, tension, w = linear_problem(500.0)
-    equilibrium.node_loads(N, spin, stretching, WIND, 60.0, equilibrium.SPRINGS, tension, parameters, x, v, w.mass, w.force)
-    equilibrium.linearize(N, spin, stretching, 60.0, WIND, parameters, x, v, tension, w)
-    assert equilibrium.factorize_newton(N, spin, resistance, w)
+    newton.node_loads(N, spin, stretching, WIND, 60.0, newton.SPRINGS, tension, parameters, x, v, w.mass, w.force)
+    newton.linearize(N, spin, stretching, 60.0, WIND, parameters, x, v, tension, w)
+    assert newton.factorize_newton(N, spin, resistance, w)
     aim = np.zeros(N)
-    equilibrium.step_by_stiffness(N, 60.0, parameters, x, w.force, aim, w)
+    newton.step_by_stiffness(N, 60.0, parameters, x, w.force, aim, w)
     motions = w.b.copy()
     other = np.zeros(N)
     never = np.inf  # the length decides which segment is taut, as with stiffnesses
-    equilibrium.step_by_compliance(N, spin, stretching, 60.0, WIND, parameters, x, v, tension, never, resistance, other, w)
+    newton.step_by_compliance(N, spin, stretching, 60.0, WIND, parameters, x, v, tension, never, resistance, other, w)
     np.testing.assert_allclose(w.b, motions, atol=1e-9 * np.abs(motions).max())
     taut = np.linalg.norm(np.diff(x.reshape(-1, 3), axis=0), axis=1) > 60.0 / N
     assert taut.any()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from mechanics import energy
-from tetherfmu import layout as at
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
-from tetherfmu.study.stability_flight import fly
-from tetherfmu.study.stability_points import point
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu.study.stability.flight import fly
+from tetherfmu.study.stability.points import point
 
 KITE = np.array([300.0, 0.0, 400.0])
 

@@ -7,10 +7,11 @@ over n internal steps (adaptive) or iterations (fixed step), plus those of one f
 import numpy as np
 import pytest
 
-from tetherfmu import implicit_euler, models
-from tetherfmu import layout as at
+from tetherfmu import models
+from tetherfmu.kernels.motion import implicit_euler
 from tetherfmu.models import StepRefused, TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 FACES = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
 SOLVERS = [Solver(), Solver(fixed_step=0.01)]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from numerics.chain_problem import ChainProblem
-from tetherfmu import chain
-from tetherfmu import layout as at
+from tetherfmu.kernels.chain import nodes
+from tetherfmu.runtime import layout as at
 
 STEP = 1e-5
 # central differences: truncation h^2 F''' and rounding eps F/h are both below 1e-6 of the largest entry
@@ -15,8 +15,8 @@ TOLERANCE = 1e-6
 def forces(problem, x, v, length):
     out = np.zeros_like(x)
     mass = np.zeros(problem.n + 1)
-    chain.node_masses(problem.n, length, problem.parameters, mass)
-    chain.node_forces(
+    nodes.node_masses(problem.n, length, problem.parameters, mass)
+    nodes.node_forces(
         problem.n, np.zeros(problem.n), x, v, length, problem.drive.reeling, problem.wind, mass, problem.parameters, out
     )
     return out
@@ -32,9 +32,9 @@ def differences(function, point):
 
 
 def dense(problem, factors):
-    """The block tridiagonal matrix of `chain.assemble` as a full one."""
+    """The block tridiagonal matrix of `nodes.assemble` as a full one."""
     n, w = problem.n, problem.work
-    chain.assemble(n, *factors, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    nodes.assemble(n, *factors, w.mass, w.records, w.diagonal, w.lower, w.upper)
     full = np.zeros((3 * (n + 1), 3 * (n + 1)))
     for i in range(n + 1):
         rows = slice(3 * i, 3 * i + 3)
@@ -53,8 +53,8 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
     length = 60.0 if slack else problem.length
     w = problem.work
-    chain.node_masses(problem.n, length, problem.parameters, w.mass)
-    chain.linearize(
+    nodes.node_masses(problem.n, length, problem.parameters, w.mass)
+    nodes.linearize(
         problem.n,
         problem.x,
         problem.v,
@@ -79,19 +79,19 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
 def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     problem = ChainProblem()
     n, w = problem.n, problem.work
-    chain.node_masses(n, problem.length, problem.parameters, w.mass)
-    chain.linearize(n, problem.x, problem.v, problem.length, 1.5, problem.wind, problem.parameters, w.records, w.force_rate)
+    nodes.node_masses(n, problem.length, problem.parameters, w.mass)
+    nodes.linearize(n, problem.x, problem.v, problem.length, 1.5, problem.wind, problem.parameters, w.records, w.force_rate)
     stiffness = dense(problem, (0.0, 0.0, -1.0))
     damping = dense(problem, (0.0, -1.0, 0.0))
     move = np.random.default_rng(5).normal(size=(2, 3))
     for kite_end, columns in ((False, slice(0, 3)), (True, slice(3 * n, 3 * n + 3))):
         change = np.zeros(3 * (n + 1))
-        chain.add_end_motion(n, kite_end, tuple(move[0]), tuple(move[1]), w.records, change)
+        nodes.add_end_motion(n, kite_end, tuple(move[0]), tuple(move[1]), w.records, change)
         expected = stiffness[:, columns] @ move[0] + damping[:, columns] @ move[1]
         np.testing.assert_allclose(change, expected, rtol=1e-12, atol=1e-9)
     u = np.random.default_rng(6).normal(size=3 * (n + 1))
     product = np.zeros_like(u)
-    chain.add_damping_product(n, -2.0, u, w.records, product)
+    nodes.add_damping_product(n, -2.0, u, w.records, product)
     np.testing.assert_allclose(product, -2.0 * damping @ u, rtol=1e-12, atol=1e-9)
 
 
@@ -100,5 +100,5 @@ def test_still_air_has_a_derivative():
     problem = ChainProblem()
     w = problem.work
     still = np.zeros_like(problem.v)
-    chain.linearize(problem.n, problem.x, still, 38.0, 0.0, (0.0, 0.0, 0.0), problem.parameters, w.records, w.force_rate)
+    nodes.linearize(problem.n, problem.x, still, 38.0, 0.0, (0.0, 0.0, 0.0), problem.parameters, w.records, w.force_rate)
     assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tetherfmu.block_tridiagonal import factorize, solve
-from tetherfmu.hanging import solve_symmetric
+from tetherfmu.kernels.algebra.block_tridiagonal import factorize, solve
+from tetherfmu.kernels.equilibrium.hanging_chain import solve_symmetric
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 5), (1, 4), (1, 5), (0, 2), (2, 3), (2, 2)])

@@ -12,7 +12,7 @@ import pytest
 
 from numerics.chain_problem import ChainProblem
 from scenes import REFERENCE
-from tetherfmu import implicit_euler, rosenbrock
+from tetherfmu.kernels.motion import implicit_euler, rosenbrock
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
 

@@ -8,12 +8,12 @@ import pytest
 ALLOWED = {"memset", "memcpy", "sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "sin", "cos"}
 PROGRAM = """
 import llvmlite.binding as llvm
-from tetherfmu import entry
-from tetherfmu.compilation import compile_entry_point
+from tetherfmu.kernels import entry_points
+from tetherfmu.kernels.compilation import compile_entry_point
 
 llvm.initialize_all_targets()
 llvm.initialize_all_asmprinters()
-function = compile_entry_point(getattr(entry, "{name}"), on_disk=False)
+function = compile_entry_point(getattr(entry_points, "{name}"), on_disk=False)
 machine = llvm.Target.from_triple("x86_64-unknown-linux-gnu").create_target_machine(cpu="x86-64", opt=3, reloc="pic")
 module = llvm.parse_assembly(function._library.get_llvm_str())
 entry_name = function._wrapper_name

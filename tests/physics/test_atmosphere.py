@@ -9,8 +9,8 @@ from math import exp, log
 import numpy as np
 import pytest
 
-from tetherfmu.atmosphere import air_density, wind_factor
-from tetherfmu.parameters import Environment, Solver, Tether, pack
+from tetherfmu.kernels.chain.atmosphere import air_density, wind_factor
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 HEIGHTS = [0.5, 6.0, 10.0, 200.0, 3000.0]
 REFERENCE, ALPHA, ROUGHNESS = 10.0, 0.14, 0.03

@@ -10,7 +10,7 @@ import pytest
 
 from mechanics import drag, line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Tether
+from tetherfmu.runtime.parameters import Environment, Tether
 
 KITE = np.array([300.0, 50.0, 400.0])
 CHORD = np.linalg.norm(KITE)

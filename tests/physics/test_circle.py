@@ -10,7 +10,7 @@ import pytest
 from mechanics import line_density
 from scenes import CIRCLE_TETHER, REVOLUTION, fly_circle, nodes, read
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver
+from tetherfmu.runtime.parameters import Solver
 
 STEP = 0.02
 EVERY = 25  # communication steps between two rows of the file

@@ -13,7 +13,7 @@ import pytest
 
 from scenes import CIRCLE_TETHER, circle, fly_circle
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 RATE = 0.5
 SMOOTH = Solver(relative_tolerance=1e-8, initial_shape=2)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from mechanics import energy, node_masses
-from tetherfmu import layout as at
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Solver, Tether
 
 KITE = (40.0, 0.0, 10.0)
 N = 8

@@ -13,11 +13,11 @@ import pytest
 
 from mechanics import energy as energy_of_chain
 from mechanics import line_density
-from tetherfmu import chain, segment
-from tetherfmu import layout as at
 from tetherfmu.energy import EnergyAudit
+from tetherfmu.kernels.chain import nodes, segment
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 WIND = (9.0, -3.0, 1.0)
 LOAD = (20.0, -5.0, 40.0)
@@ -44,9 +44,9 @@ def accelerations(model, reel_out_speed, free_ends):
     n, state, parameters = model.segments, model.get_state(), model._parameters
     x, v = state[at.STATE_HEADER :].reshape(2, -1)
     mass, force = np.zeros(n + 1), np.zeros(3 * (n + 1))
-    chain.node_masses(n, state[at.LENGTH], parameters, mass)
+    nodes.node_masses(n, state[at.LENGTH], parameters, mass)
     by_length = np.full(n, segment.BY_LENGTH)
-    chain.node_forces(n, by_length, x, v, state[at.LENGTH], reel_out_speed, WIND, mass, parameters, force)
+    nodes.node_forces(n, by_length, x, v, state[at.LENGTH], reel_out_speed, WIND, mass, parameters, force)
     force[-3:] += LOAD
     result = force.reshape(-1, 3) / mass[:, None]
     for end, free in zip((0, -1), free_ends, strict=True):

@@ -9,7 +9,7 @@ import pytest
 
 from mechanics import line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 FREE = {"free_ends": (True, True)}
 TETHER = Tether(segments=8, initial_length=40.0)

@@ -5,7 +5,7 @@ import pytest
 
 from scenes import CIRCLE_TETHER, fly_circle
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 COMMUNICATION = 0.02
 

@@ -13,7 +13,7 @@ import pytest
 
 from mechanics import elastic_catenary, line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Tether
+from tetherfmu.runtime.parameters import Tether
 
 KITE = np.array([100.0, 100.0, 800.0])
 LENGTH = 853.0240324867758

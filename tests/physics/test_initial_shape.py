@@ -11,7 +11,7 @@ import pytest
 from mechanics import node_masses
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 KITE = np.array([60.0, 20.0, 70.0])
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 STEP, COUNT = 0.02, 50
 SAME, UNIFORM = np.eye(3), Environment()

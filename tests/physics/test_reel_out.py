@@ -12,7 +12,7 @@ import pytest
 
 from mechanics import line_density
 from tetherfmu.models import StepRefused, TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 SPEED = 2.0
 STRAIN = 1e-3

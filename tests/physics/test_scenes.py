@@ -9,7 +9,7 @@ import pytest
 
 from scenes import nodes, read
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 N = 5
 END = 50.0 * np.array([-np.sin(np.pi / 10.0), 0.0, -np.cos(np.pi / 10.0)])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 STEP = 0.02
 

@@ -14,7 +14,7 @@ import pytest
 
 from mechanics import displaced, line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 PERIODS = 5.25
 LENGTH = 100.0

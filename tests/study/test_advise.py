@@ -6,10 +6,10 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.advise import advise
-from tetherfmu.study.converged import converged
-from tetherfmu.study.scene_files import load
-from tetherfmu.study.tradeoff import measure
+from tetherfmu.study.advice.advise import advise
+from tetherfmu.study.advice.tradeoff import measure
+from tetherfmu.study.measuring.converged import converged
+from tetherfmu.study.scenes.files import load
 
 NAMES = ("kite_force",)
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tetherfmu.study.advisor_check import unseen
-from tetherfmu.study.random_scenes import random_scenes
+from tetherfmu.study.advice.advisor_check import unseen
+from tetherfmu.study.scenes.random_scenes import random_scenes
 
 QUICK = (3, 7, 9, 15, 31)  # a launch, a circle, a parked kite, a figure of eight, a launch
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
-from tetherfmu import layout as at
-from tetherfmu.study.errors import errors, settled
-from tetherfmu.study.runs import SHAPE_POINTS, Run
-from tetherfmu.study.scene_files import OUTPUTS, load
+from tetherfmu.runtime import layout as at
+from tetherfmu.study.measuring.errors import errors, settled
+from tetherfmu.study.measuring.runs import SHAPE_POINTS, Run
+from tetherfmu.study.scenes.files import OUTPUTS, load
 
 
 @pytest.fixture

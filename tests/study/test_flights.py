@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tetherfmu.study.flights import KINDS, FigureOfEight, Launch, Reel, Towing
-from tetherfmu.study.scene_files import Wind
+from tetherfmu.study.scenes.files import Wind
+from tetherfmu.study.scenes.flights import KINDS, FigureOfEight, Launch, Reel, Towing
 
 TIMES = np.linspace(0.3, 31.7, 200)
 STEP = 1e-4

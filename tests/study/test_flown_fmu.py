@@ -3,9 +3,9 @@
 import pytest
 
 from study.scenes_of_tests import written
-from tetherfmu.study.flown_fmu import flown
-from tetherfmu.study.runs import Config, run
-from tetherfmu.study.scene_files import load
+from tetherfmu.study.measuring.flown_fmu import flown
+from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.scenes.files import load
 
 
 @pytest.mark.parametrize("config", [Config("catenary", 0, 0.0, 0.02), Config("dynamic", 6, 1e-3, 0.02)])

@@ -8,14 +8,14 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.converged import converged
-from tetherfmu.study.forecast import fast_advice, forecast, group_error, thresholds_at
-from tetherfmu.study.numbers import lead_error, line_density, numbers
-from tetherfmu.study.random_scenes import random_scenes
-from tetherfmu.study.runs import Config
-from tetherfmu.study.scene_files import load
-from tetherfmu.study.thresholds import LEVELS, crossing, drag_scene, slack_scene, wave_scene, weight_scene
-from tetherfmu.study.tradeoff import measure
+from tetherfmu.study.advice.forecast import fast_advice, forecast, group_error, thresholds_at
+from tetherfmu.study.advice.numbers import lead_error, line_density, numbers
+from tetherfmu.study.advice.thresholds import LEVELS, crossing, drag_scene, slack_scene, wave_scene, weight_scene
+from tetherfmu.study.advice.tradeoff import measure
+from tetherfmu.study.measuring.converged import converged
+from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.random_scenes import random_scenes
 
 STRAIGHT, CATENARY = Config("straight", 0, 0.0, 0.02), Config("catenary", 0, 0.0, 0.02)
 

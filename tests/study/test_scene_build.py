@@ -9,9 +9,9 @@ from fmpy.validation import validate_fmu
 from build_fmus import main
 from isolation import in_own_process
 from study.scenes_of_tests import SCENE, written
-from tetherfmu.study.advise import advise
-from tetherfmu.study.runs import run
-from tetherfmu.study.scene_files import load
+from tetherfmu.study.advice.advise import advise
+from tetherfmu.study.measuring.runs import run
+from tetherfmu.study.scenes.files import load
 
 
 @pytest.fixture(scope="module")

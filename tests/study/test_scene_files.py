@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
-from tetherfmu import layout as at
+from tetherfmu.runtime import layout as at
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.scene_files import load
+from tetherfmu.study.scenes.files import load
 
 HEAD = "time,kite_position[1],kite_position[2],kite_position[3]\n"
 SERIES = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "series"\nfile = "flight.csv"')

@@ -10,13 +10,13 @@ import time
 import numpy as np
 import pytest
 
-from tetherfmu.study import stability_pool, stability_verdict
-from tetherfmu.study.stability import main
-from tetherfmu.study.stability_flight import Flight, fly
-from tetherfmu.study.stability_points import VARIANTS, kite, point
-from tetherfmu.study.stability_pool import judge_all, key, read
-from tetherfmu.study.stability_report import compared
-from tetherfmu.study.stability_verdict import Verdict, judge
+from tetherfmu.study.stability import pool
+from tetherfmu.study.stability.__main__ import main
+from tetherfmu.study.stability.flight import Flight, fly
+from tetherfmu.study.stability.points import VARIANTS, kite, point
+from tetherfmu.study.stability.pool import judge_all, key, read
+from tetherfmu.study.stability.report import compared
+from tetherfmu.study.stability.verdict import Verdict, judge
 
 POINTS = [point(1, number) for number in range(400)]
 DEADLY = POINTS[5]
@@ -80,7 +80,7 @@ def flight(**changes):
 )
 def test_verdicts(monkeypatch, first, second, expected):
     flights = iter((flight(**first), flight(**second)))
-    monkeypatch.setattr(stability_verdict, "fly", lambda *arguments, **options: next(flights))
+    monkeypatch.setattr("tetherfmu.study.stability.verdict.fly", lambda *arguments, **options: next(flights))
     assert judge(POINTS[0]).verdict == expected
 
 
@@ -100,8 +100,8 @@ def test_a_point_that_kills_its_process_is_found(tmp_path):
 
 
 def test_a_point_that_hangs_is_found():
-    assert stability_pool._judge_alone(time.sleep, 0.0, 1.0) is None
-    assert stability_pool._judge_alone(time.sleep, 30.0, 1.0).verdict == "hanging"
+    assert pool._judge_alone(time.sleep, 0.0, 1.0) is None
+    assert pool._judge_alone(time.sleep, 30.0, 1.0).verdict == "hanging"
 
 
 def test_finished_points_are_not_judged_again(tmp_path):

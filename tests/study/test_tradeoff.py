@@ -12,11 +12,11 @@ import pytest
 
 from study.scenes_of_tests import written
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.executors import executor_of
-from tetherfmu.study.runs import Config
-from tetherfmu.study.scene_files import load
-from tetherfmu.study.store import Store
-from tetherfmu.study.tradeoff import cheapest, front, ladder, study
+from tetherfmu.study.advice.tradeoff import cheapest, front, ladder, study
+from tetherfmu.study.measuring.executors import executor_of
+from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.scenes.files import load
 
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
 TIMEOUT = 60.0  # seconds

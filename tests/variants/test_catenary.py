@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 from tetherfmu.models import TetherCatenary, TetherQuasiSteady
-from tetherfmu.parameters import Tether
+from tetherfmu.runtime.parameters import Tether
 from variants.balance import line_density
 
 KITE, LENGTH = (100.0, 100.0, 800.0), 853.0240324867758

@@ -12,7 +12,7 @@ import pytest
 
 from scenes import REVOLUTION, fly_circle
 from tetherfmu.models import TetherDynamic, TetherQuasiSteady
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 STILL, BREEZE = (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import models
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from variants.balance import VARIANTS, drag_per_length, residual, segment_drags, weight
 
 KITE = np.array([240.0, -180.0, 400.0])  # 500 m away

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from benchmarks.robustness import STEP, random_cases, solve, table
-from tetherfmu.equilibrium import MOST_CREEPING, MOST_ITERATIONS
-from tetherfmu.parameters import Environment
+from tetherfmu.kernels.equilibrium.newton import MOST_CREEPING, MOST_ITERATIONS
+from tetherfmu.runtime.parameters import Environment
 from variants.balance import residual
 
 COUNT, SEED = 2000, 1

@@ -9,9 +9,9 @@ import pytest
 from fmpy import read_model_description
 
 from tetherfmu import models
-from tetherfmu.build import SLAVES
-from tetherfmu.interface import IGNORED
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variables import IGNORED
 from variants.balance import VARIANTS
 
 KITE = np.array([300.0, 40.0, 400.0])

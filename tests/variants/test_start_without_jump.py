@@ -9,7 +9,7 @@ import pytest
 
 from scenes import CIRCLE_TETHER, REVOLUTION, fly_circle
 from tetherfmu.models import TetherDynamic, TetherQuasiSteady
-from tetherfmu.parameters import Solver
+from tetherfmu.runtime.parameters import Solver
 
 STEPS = 6283  # of a turn, 20 ms
 STEP = REVOLUTION / STEPS

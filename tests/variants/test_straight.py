@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import models
-from tetherfmu.parameters import Environment, Tether
+from tetherfmu.runtime.parameters import Environment, Tether
 from variants.balance import line_density
 
 KITE = np.array([300.0, 0.0, 400.0])

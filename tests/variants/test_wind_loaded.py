@@ -15,7 +15,7 @@ import pytest
 
 from scenes import read
 from tetherfmu import models
-from tetherfmu.parameters import Environment, Tether
+from tetherfmu.runtime.parameters import Environment, Tether
 from variants.balance import segments
 
 TABLE = read("wind_loaded.csv")

@@ -6,18 +6,18 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..models import StepRefused
-from . import stability
-from .advise import advise
-from .advise_text import explain, explain_fast
-from .costs import TABLE, measure_costs
-from .executors import executor_of, progress_bar
-from .forecast import fast_advice
-from .numbers import numbers
-from .scene_files import SceneError, load
-from .store import Store
-from .thresholds import thresholds, write
-from .tradeoff import LEVELS, cheapest, study
+from tetherfmu.models import StepRefused
+from tetherfmu.study.advice.advise import advise
+from tetherfmu.study.advice.advise_text import explain, explain_fast
+from tetherfmu.study.advice.forecast import fast_advice
+from tetherfmu.study.advice.numbers import numbers
+from tetherfmu.study.advice.thresholds import thresholds, write
+from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
+from tetherfmu.study.measuring.costs import TABLE, measure_costs
+from tetherfmu.study.measuring.executors import executor_of, progress_bar
+from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.scenes.files import SceneError, load
+from tetherfmu.study.stability import __main__
 
 
 def parse(arguments):
@@ -49,7 +49,7 @@ def parse(arguments):
 @contextmanager
 def fmus(folder):
     """A folder with all FMUs; those that are missing are built, without a folder into one that is removed."""
-    from .benchmark import fmus_in
+    from tetherfmu.study.benchmark.__main__ import fmus_in
 
     with tempfile.TemporaryDirectory() as temporary:
         fmus_in(folder or temporary)
@@ -58,7 +58,7 @@ def fmus(folder):
 
 def fmpy_times(scene, points, folder):
     """Measured time per simulated second through FMPy of the configurations that the report names."""
-    from .flown_fmu import flown
+    from tetherfmu.study.measuring.flown_fmu import flown
 
     names = scene.wanted.outputs
     best = [cheapest(points, level, names) for level in {*LEVELS, scene.wanted.allowed_error}]
@@ -68,7 +68,7 @@ def fmpy_times(scene, points, folder):
 
 def tradeoff_command(options):
     """Study a scene, write the report; returns 0."""
-    from .scene_report import write
+    from tetherfmu.study.advice.scene_report import write
 
     scene = load(options.scene)
     store = Store(options.out or Path("study") / scene.name)
@@ -108,7 +108,7 @@ def thresholds_command(options):
 
 def page_command(options):
     """Write the page of the manual; returns 0."""
-    from .page import make
+    from tetherfmu.study.advice.page import make
 
     with executor_of() as executor:
         make(options.scenes, options.out, options.store, executor, progress_bar)
@@ -128,7 +128,7 @@ def main(arguments=None):
     """Do what the command line says; returns the exit status, 2 for a wrong scene file."""
     arguments = sys.argv[1:] if arguments is None else arguments
     if arguments[:1] == ["stability"]:  # has options of its own
-        return stability.main(arguments[1:])
+        return __main__.main(arguments[1:])
     options = parse(arguments)
     try:
         return COMMANDS[options.command](options)

@@ -12,7 +12,7 @@ import numpy as np
 
 from audited import run
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 LENGTH, GRAVITY = 10.0, 9.81
 

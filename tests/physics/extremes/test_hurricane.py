@@ -13,7 +13,7 @@ import pytest
 from audited import held, run
 from mechanics import drag, line_density
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.parameters import Environment, Tether
+from tetherfmu.runtime.parameters import Environment, Tether
 
 KITE = np.array([60.0, 0.0, 60.0])
 SLACK = [1.05, 1.4]

@@ -11,7 +11,7 @@ import pytest
 
 from audited import run
 from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.parameters import Tether
+from tetherfmu.runtime.parameters import Tether
 
 STEP, COUNT = 0.02, 200
 WIND = (5.0, 1.0, 0.0)

@@ -10,7 +10,7 @@ import pytest
 
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver
+from tetherfmu.runtime.parameters import Solver
 
 STEPS_PER_REVOLUTION = 1000
 STEP = 0.02

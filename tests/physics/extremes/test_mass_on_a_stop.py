@@ -12,7 +12,7 @@ import pytest
 from audited import run
 from mechanics import line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 LENGTH, FALL, ASIDE = 50.0, 5.0, 1.0
 NO_AIR = Environment(air_density=0.0)

@@ -16,7 +16,7 @@ from scipy.linalg import expm
 
 from mechanics import line_density
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 STEP, POSITION_NOISE, VELOCITY_NOISE = 0.02, 1e-3, 1e-2
 LENGTH, STRAIN = 500.0, 5e-4

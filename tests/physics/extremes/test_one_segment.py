@@ -12,7 +12,7 @@ import pytest
 from audited import VOID, held, run
 from mechanics import drag, line_density
 from tetherfmu.models import TetherDynamic, TetherQuasiSteady
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 LENGTH = 100.0
 ONE = Tether(segments=1, initial_length=LENGTH)

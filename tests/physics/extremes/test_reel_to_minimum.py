@@ -13,7 +13,7 @@ import pytest
 from audited import run
 from mechanics import line_density
 from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.parameters import Tether
+from tetherfmu.runtime.parameters import Tether
 
 VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
 

@@ -23,7 +23,7 @@ import pytest
 from audited import VOID, run
 from mechanics import line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 LENGTH, STRAIN = 100.0, 0.005
 EA, DAMPING = 614600.0, 473.0

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tetherfmu.models import StepRefused, TetherDynamic, TetherQuasiSteady
-from tetherfmu.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 COUNT = 6
 SAME = np.eye(3)

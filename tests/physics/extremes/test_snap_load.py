@@ -17,7 +17,7 @@ from scipy.special import erf
 from audited import VOID, run
 from mechanics import line_density
 from tetherfmu.models import TetherDynamic
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 LENGTH, SPEED = 100.0, 5.0
 STIFFNESS = Tether().axial_stiffness

@@ -10,9 +10,9 @@ import pytest
 
 from audited import VOID, run
 from mechanics import node_masses
-from tetherfmu import layout as at
 from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.parameters import Solver, Tether
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Solver, Tether
 
 
 def tumbling(n, tolerance, count=200, step=0.005):

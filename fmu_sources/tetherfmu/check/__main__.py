@@ -1,0 +1,144 @@
+"""Check FMUs on this machine: `python -m tetherfmu.check FILE.fmu [FILE.fmu ...]`; needs FMPy.
+
+It validates the archive and the model description, looks for what is known to make trouble and tells the remedy, and runs
+the evidence set in a process of its own. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
+"""
+
+import argparse
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+from . import inspection
+from .inspection import NOTE, OK, PROBLEM, Finding
+from .replay import evidence_of
+
+TIMEOUT = 300.0  # seconds for the run of the evidence set; it takes one or two
+LAST_LINES = 5  # of what a failed run said
+
+
+def findings(path):
+    """All findings on an FMU that exists: list of `Finding`."""
+    found = inspection.archive(path)
+    if any(each.level == PROBLEM for each in found):
+        return found
+    with zipfile.ZipFile(path) as opened:
+        names = opened.namelist()
+    found += inspection.description(path) + inspection.layout(names)
+    run = inspection.platforms(names)
+    if inspection.MADE_BY_PYTHONFMU in names:
+        run += inspection.paths(path, tempfile.gettempdir())
+    ready = not any(each.level == PROBLEM for each in run)
+    found += run + evidence(path, ready)
+    if inspection.MADE_BY_PYTHONFMU in names:
+        found += inspection.hosts_that_are_not_python()
+    return found
+
+
+def evidence(path, ready):
+    """Findings on the evidence set of an FMU; it is run if the FMU is `ready` for that."""
+    try:
+        wanted = evidence_of(path)
+    except (KeyError, ValueError) as error:
+        return [Finding(PROBLEM, f"the evidence set cannot be read: {error}", "build the FMU again")]
+    if wanted is None:
+        return [Finding(NOTE, "there is no evidence set in this FMU: it was validated, not run")]
+    if not ready:
+        return [Finding(NOTE, "the evidence set was not run, because of the problem above")]
+    result, problem = run_apart(path)
+    return [problem] if problem else comparison(result, wanted, inspection.units(path))
+
+
+def run_apart(path):
+    """Run the evidence set in a process of its own: (result, None) or (None, Finding)."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "result.json"
+        command = [sys.executable, "-m", "tetherfmu.check.replay", str(path), str(file)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, timeout=TIMEOUT)
+        except subprocess.TimeoutExpired:
+            return None, Finding(PROBLEM, f"the run of the evidence set did not end within {TIMEOUT:.0f} s")
+        said = " | ".join(done.stderr.strip().splitlines()[-LAST_LINES:])
+        if done.returncode == 0:
+            return json.loads(file.read_text(encoding="utf-8")), None
+    if done.returncode < 0 or done.returncode > 255:
+        text = f"the process that ran the FMU died (exit code {done.returncode}); it said last: {said or 'nothing'}"
+        return None, Finding(PROBLEM, text, "look at `Traps for hosts` in docs/fmi.md of TetherFMU")
+    return None, Finding(PROBLEM, f"the run of the evidence set failed: {said}")
+
+
+def comparison(result, wanted, units):
+    """Findings on a run against the reference: whether it reached the end, and the deviation of each output.
+
+    result : dict of name to list of numbers.  wanted : `replay.Evidence`.  units : dict of name to unit.
+    """
+    times = wanted.reference["time"]
+    if len(result["time"]) != len(times):
+        text = f"the run ended at {result['time'][-1]:g} s instead of {times[-1]:g} s: a step was refused"
+        return [Finding(PROBLEM, text, "the FMU says why on stderr: run it with debug_logging=True in FMPy")]
+    share = wanted.options["AllowedDeviation"]
+    largest = largest_values(wanted.reference)
+    lines, level = [], OK
+    for name, values in wanted.reference.items():
+        deviations = [abs(here - there) for here, there in zip(result[name], values, strict=True)]
+        allowed = share * largest[name.partition("[")[0]]
+        exceeded = not all(deviation <= allowed for deviation in deviations)  # true for NaN
+        level = PROBLEM if exceeded else level
+        if name != "time":
+            verdict = "  TOO MUCH" if exceeded else ""
+            lines.append(f"{name:<18} {max(deviations):9.2e} of {allowed:9.2e} {units.get(name) or ''}{verdict}")
+    head = f"evidence set: {len(times) - 1} steps; largest deviation of each output from the reference, of that allowed:"
+    remedy = "build the FMU again; if that does not help, report it with this text" if level == PROBLEM else ""
+    return [Finding(level, "\n".join([head, *lines]), remedy)]
+
+
+def largest_values(reference):
+    """Largest size of a number or of a component of a vector in the reference: dict of name without index to number."""
+    largest = {}
+    for name, values in reference.items():
+        vector = name.partition("[")[0]
+        largest[vector] = max(largest.get(vector, 0.0), *map(abs, values))
+    return largest
+
+
+def show(found):
+    """Print findings."""
+    for level, text, remedy in found:
+        first, *others = text.splitlines()
+        print(f"  {level:<8}{first}")
+        for line in others:
+            print(f"            {line}")
+        if remedy:
+            print(f"          remedy: {remedy}")
+
+
+def main(arguments=None):
+    """Check the FMUs that are named; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m tetherfmu.check", description="Check FMUs on this machine.")
+    parser.add_argument("files", nargs="+", metavar="FILE.fmu", type=Path)
+    files = parser.parse_args(arguments).files
+    if importlib.util.find_spec("fmpy") is None:
+        print("The check needs FMPy, which is not installed: python -m pip install fmpy", file=sys.stderr)
+        return 2
+    for path in files:
+        if not path.is_file():
+            print(f"There is no file {path}", file=sys.stderr)
+            return 2
+    sys.stdout.reconfigure(errors="backslashreplace")  # paths may have letters that the terminal does not know
+    show(inspection.machine())
+    problems = 0
+    for path in files:
+        print(path)
+        found = findings(path)
+        show(found)
+        problems += sum(each.level == PROBLEM for each in found)
+    print(f"{problems} problem{'s' if problems != 1 else ''} found")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

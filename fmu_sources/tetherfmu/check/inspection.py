@@ -1,0 +1,165 @@
+"""What can be said of an FMU and of this machine without running the FMU; needs FMPy."""
+
+import platform
+import string
+import sys
+import sysconfig
+import zipfile
+import zlib
+from importlib.metadata import version
+from pathlib import Path, PurePosixPath
+from typing import NamedTuple
+
+from tetherfmu.runtime.kernel_library import this_platform
+
+OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"
+MADE_BY_PYTHONFMU = "resources/slavemodule.txt"
+KERNELS = "resources/kernels/"
+RECOMMENDED = (
+    *("model.png", "documentation/index.html", "documentation/externalDependencies.txt"),
+    "documentation/licenses/license.txt",
+)
+HARMLESS = frozenset(string.ascii_letters + string.digits + "_-.~ ")  # in a path that PythonFMU's library must understand
+
+
+class Finding(NamedTuple):
+    """One thing found: its level (`OK`, `NOTE` or `PROBLEM`), what it is, and the remedy if there is one."""
+
+    level: str
+    text: str
+    remedy: str = ""
+
+
+def machine():
+    """Python and FMPy that check the FMU."""
+    bits = 64 if sys.maxsize > 2**32 else 32
+    python = f"Python {platform.python_version()}, {bits} bit, {sys.executable}, on {this_platform()}"
+    return [Finding(OK, python), Finding(OK, f"FMPy {version('fmpy')}")]
+
+
+def archive(path):
+    """Whether the file is a sound archive with a model description."""
+    try:
+        with zipfile.ZipFile(path) as opened:
+            names = opened.namelist()
+            damaged = opened.testzip()
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, NotImplementedError) as error:
+        return [Finding(PROBLEM, f"this is no zip archive that can be read: {error}", "build or download the FMU again")]
+    found = []
+    if damaged:
+        found.append(Finding(PROBLEM, f"{damaged!r} is damaged in the archive", "build or download the FMU again"))
+    if "modelDescription.xml" not in names:
+        found.append(Finding(PROBLEM, "this is no FMU: it has no modelDescription.xml at its root"))
+    for name in names:
+        if "\\" in name or name.startswith("/") or ".." in PurePosixPath(name).parts:
+            found.append(Finding(PROBLEM, f"the archive has the path {name!r}, which leads out of it or has a backslash"))
+    if len(set(names)) < len(names):
+        found.append(Finding(PROBLEM, "the archive has two files of one name"))
+    return found or [Finding(OK, f"archive: {len(names)} files, {Path(path).stat().st_size / 1024:.0f} kB, none damaged")]
+
+
+def description(path):
+    """Whether the model description obeys the XML schema of FMI 2.0 and FMPy's validation."""
+    from fmpy.validation import validate_fmu
+
+    problems = [Finding(PROBLEM, f"FMPy's validation: {problem}") for problem in validate_fmu(str(path))]
+    schema = schema_problems(path)
+    if schema is None:
+        return problems or [Finding(OK, "model description: FMPy finds no problem (not FMI 2.0: no schema check)")]
+    problems += [Finding(PROBLEM, f"XML schema of FMI 2.0: {problem}") for problem in schema]
+    return problems or [Finding(OK, "model description: valid by the XML schema of FMI 2.0, and FMPy finds no problem")]
+
+
+def schema_problems(path):
+    """Where the model description breaks the XML schema of FMI 2.0: list of str, or None for another version of FMI."""
+    import fmpy
+    from lxml import etree
+
+    with zipfile.ZipFile(path) as opened:
+        text = opened.read("modelDescription.xml")
+    try:
+        root = etree.fromstring(text, etree.XMLParser(resolve_entities=False, no_network=True))
+    except etree.XMLSyntaxError as error:
+        return [str(error)]
+    if root.get("fmiVersion") != "2.0":
+        return None
+    schema = etree.XMLSchema(etree.parse(Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"))
+    schema.validate(root)
+    return [f"line {error.line}: {error.message}" for error in schema.error_log]
+
+
+def units(path):
+    """Units of the variables of an FMU: dict of name to unit or None."""
+    from fmpy import read_model_description
+
+    return {variable.name: variable.unit for variable in read_model_description(str(path), validate=False).modelVariables}
+
+
+def layout(names):
+    """Files that FMI recommends and that this FMU has not."""
+    missing = [name for name in RECOMMENDED if name not in names]
+    if missing:
+        return [Finding(NOTE, f"FMI recommends files that are not there: {', '.join(missing)}")]
+    return [Finding(OK, "page, icon, licences and external dependencies are where FMI wants them")]
+
+
+def platforms(names):
+    """Whether the FMU has a library, and its kernels if it is a tether, for this machine."""
+    import fmpy
+
+    ending = fmpy.sharedLibraryExtension
+    libraries = sorted({PurePosixPath(name).parts[1] for name in names if name.startswith("binaries/") and name[-1] != "/"})
+    if not any(name.startswith(f"binaries/{fmpy.platform}/") and name.endswith(ending) for name in names):
+        remedy = "run it on one of those platforms" if libraries else ""
+        if MADE_BY_PYTHONFMU in names:
+            remedy = "use 64-bit Linux or Windows on x86: PythonFMU has no library for other platforms"
+        text = f"the FMU has no library for {fmpy.platform}, only for {', '.join(libraries) or 'none'}"
+        return [Finding(PROBLEM, text, remedy)]
+    kernels = sorted(name.removeprefix(KERNELS) for name in names if name.startswith(KERNELS))
+    if kernels and not any(f"-{this_platform()}." in name for name in kernels):
+        remedy = f"build it with: python build_fmus.py --platforms {this_platform()}"
+        return [Finding(PROBLEM, f"the FMU has no kernels for {this_platform()}, only {', '.join(kernels)}", remedy)]
+    return [Finding(OK, f"platforms: {', '.join(libraries)}; this one is among them")]
+
+
+def hosts_that_are_not_python():
+    """What a host that is no Python program needs for an FMU made by PythonFMU."""
+    if sys.platform != "linux":
+        return []
+    found = shared_python()
+    if found is None:
+        return [
+            Finding(
+                NOTE,
+                "this Python has no shared library, so hosts that are not Python cannot run the FMU with it",
+                f"install libpython{sysconfig.get_python_version()} or a Python that is built with --enable-shared",
+            )
+        ]
+    return [Finding(NOTE, "hosts that are not Python need the Python library", f"start them with LD_PRELOAD={found}")]
+
+
+def shared_python():
+    """Path of the shared library of this Python, or None."""
+    name = sysconfig.get_config_var("INSTSONAME") or ""
+    folder = Path(sysconfig.get_config_var("LIBDIR") or "")
+    candidates = [folder / name, folder / (sysconfig.get_config_var("MULTIARCH") or "") / name]
+    return next((each for each in candidates if ".so" in name and each.is_file()), None)
+
+
+def crashing_characters(path):
+    """Characters of a path on which PythonFMU's library crashes when an FMU is extracted there."""
+    path = Path(path).resolve()
+    return sorted(set("".join(path.parts).removeprefix(path.anchor)) - HARMLESS)
+
+
+def paths(path, temporary):
+    """Whether PythonFMU's library can live in the folder for extraction; and beside the FMU, where some hosts extract."""
+    characters = crashing_characters(temporary)
+    if characters:
+        text = f"FMUs are extracted to {temporary}; PythonFMU's library crashes on {' '.join(characters)} in that path"
+        return [Finding(PROBLEM, text, "set the variable TMPDIR (TEMP on Windows) to a folder with a plain path")]
+    characters = crashing_characters(Path(path).resolve().parent)
+    if characters:
+        text = f"a host that extracts the FMU beside itself will crash: its path has {' '.join(characters)}"
+        return [Finding(NOTE, text, "move the FMU to a folder with a plain path")]
+    return [Finding(OK, "paths: nothing that PythonFMU's library would crash on")]

@@ -1,0 +1,188 @@
+"""Assemble FMUs: compiled kernels, the folder `runtime`, PythonFMU's wrapper, one archive.
+
+Inside an FMU the slave script and the package have names with a hash of their content, so that FMUs of different versions
+live side by side in one process. Equal sources and options give equal bytes.
+"""
+
+import hashlib
+import json
+import platform
+import shutil
+import sys
+import tempfile
+import zipfile
+from importlib.metadata import version
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from pythonfmu.builder import FmuBuilder
+
+from tetherfmu.kernels.sources import PACKAGE, source_digest
+from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.slave import KERNELS_FOLDER, OPTIONS_FILE
+
+from . import osp
+from .ahead_of_time import TARGETS, libraries
+from .documents import OSP_FOLDER, documents
+
+SLAVES = {  # name: (slave script, variant)
+    "TetherStraight": ("tether_straight.py", "straight"),
+    "TetherCatenary": ("tether_catenary.py", "catenary"),
+    "TetherQuasiSteady": ("tether_quasi_steady.py", "quasi_steady"),
+    "TetherDynamic": ("tether_dynamic.py", "dynamic"),
+}
+DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
+# PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
+LAUNCHER = """from {package}.slave import hold_globals
+from {package}.{module} import {name}
+
+hold_globals(globals())
+"""
+DATE = (2026, 1, 1, 0, 0, 0)
+DATE_TEXT = "2026-01-01T00:00:00Z"
+
+
+class Trim(NamedTuple):
+    """What an FMU of one scene has of its own."""
+
+    name: str
+    starts: list  # pairs (input or parameter, start value)
+    left_out: list  # names of inputs and outputs
+    about: str  # sentence that is added to the description
+    step: float  # communication step of the default experiment [s]
+    page: str  # documentation, HTML
+
+
+def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
+    """Build one FMU.
+
+    Parameters
+    ----------
+    name : str
+        One of `SLAVES`.
+    folder : Path
+        Where the FMU goes; made if missing.
+    segments : int
+        Start value of the parameter `segments`.
+    shape_points : int
+        Points of the output `shape`; 0 leaves it out.
+    platforms : sequence of str
+        Names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : Trim
+        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
+
+    Returns
+    -------
+    Path
+        Of the FMU. The groups of variables for the Open Simulation Platform are written beside it (`osp.py`).
+
+    Raises
+    ------
+    RuntimeError
+        If the compiler or the linker fails.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    _, variant = SLAVES[name]
+    kernels = kernels_folder()
+    libraries(kernels, platforms, [variant])
+    with tempfile.TemporaryDirectory() as temporary:
+        resources = Path(temporary) / "resources"
+        shipped = _write_package(resources, name)
+        (resources / KERNELS_FOLDER).mkdir()
+        for each in platforms:
+            shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
+        options = {"segments": segments, "shape_points": shape_points}
+        if scene:
+            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
+        (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
+        files = _unpacked(_pack(resources, shipped, Path(temporary)))
+    file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
+    description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
+    files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
+    if not scene:
+        (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
+    partial = folder / f"{file}.partial"
+    _write(files, partial)
+    return partial.replace(folder / file)
+
+
+def kernels_folder():
+    """Where compiled libraries are kept: named by all that they are made from."""
+    tools = [f"{package} {version(package)}" for package in ("numba", "llvmlite", "ziglang")]
+    made_from = [platform.python_version(), *tools, source_digest("export/ahead_of_time.py", "runtime/kernel_library.py")]
+    digest = hashlib.sha256("\n".join(made_from).encode()).hexdigest()[:12]
+    return PACKAGE / "__pycache__" / f"libraries_{digest}"
+
+
+def contents(path):
+    """Platforms that an FMU has kernels for."""
+    with zipfile.ZipFile(path) as archive:
+        names = [Path(entry).name for entry in archive.namelist() if f"/{KERNELS_FOLDER}/" in entry]
+    return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
+
+
+def _write_package(resources, name):
+    """Write the package with the slave in it, and its launcher, under names with their hash; returns both paths."""
+    script, _ = SLAVES[name]
+    sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
+    sources[script] = (PACKAGE.parent / script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
+    digest = hashlib.sha256(json.dumps(sources, sort_keys=True).encode("utf-8"))
+    digest.update(str(kernels_folder().name).encode("utf-8"))
+    package = resources / f"tetherfmu_{digest.hexdigest()[:12]}"
+    package.mkdir(parents=True)
+    for file, text in sources.items():
+        (package / file).write_text(text, encoding="utf-8", newline="\n")
+    module = Path(script).stem
+    launcher = resources / f"{module}_{digest.hexdigest()[:12]}.py"
+    text = LAUNCHER.format(package=package.name, module=module, name=name)
+    launcher.write_text(text, encoding="utf-8", newline="\n")
+    return launcher, package
+
+
+def _pack(resources, shipped, folder):
+    """Let PythonFMU make the archive; leaves no trace of the hashed modules in this process. Returns its path."""
+    script, package = shipped
+    path = list(sys.path)
+    try:
+        return FmuBuilder.build_FMU(
+            script, dest=folder, project_files=[package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
+        )
+    finally:
+        sys.path[:] = path
+        for module in [name for name in sys.modules if name.split(".")[0] in (script.stem, package.name)]:
+            del sys.modules[module]
+
+
+def _unpacked(archive):
+    """Files of an archive: dict of path to bytes."""
+    with zipfile.ZipFile(archive) as opened:
+        names = [name for name in opened.namelist() if not name.endswith("/") and "__pycache__" not in name]
+        return {name: opened.read(name) for name in names}
+
+
+def _write(files, target):
+    """Write an FMU with a guid from its content, fixed dates and sorted entries."""
+    description = files["modelDescription.xml"].decode("utf-8")
+    description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
+    description = _replace_attribute(description, "guid", "")
+    digest = hashlib.sha256(description.encode("utf-8"))
+    for name in sorted(files):
+        if name != "modelDescription.xml":
+            digest.update(name.encode("utf-8"))
+            digest.update(files[name])
+    description = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}")
+    files = {**files, "modelDescription.xml": description.encode("utf-8")}
+    with zipfile.ZipFile(target, "w") as archive:
+        for name in sorted(files):
+            item = zipfile.ZipInfo(name, DATE)
+            item.compress_type = zipfile.ZIP_DEFLATED
+            item.external_attr = 0o644 << 16
+            archive.writestr(item, files[name])
+
+
+def _replace_attribute(description, name, value):
+    """The description with another value of the first attribute of this name."""
+    start = description.index(f' {name}="') + len(name) + 3
+    return description[:start] + value + description[description.index('"', start) :]

@@ -1,0 +1,112 @@
+"""What an FMU carries beside the model, for people and for tools: page, pictures, licences, evidence set, OSP's groups."""
+
+import re
+from html import escape
+from importlib.metadata import distribution
+from pathlib import Path
+from string import Template
+
+from tetherfmu.kernels.sources import PACKAGE
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
+
+from . import evidence, osp
+
+ASSETS = Path(__file__).with_name("assets")
+LICENCE = PACKAGE.parents[1] / "LICENSE"
+EVIDENCE_FOLDER = "documentation/evidence"
+OSP_FOLDER = "extra/com.open-simulation-platform"
+
+
+def documents(name, variant, description, options, platforms, scene_page=None):
+    """All files beside the model: dict of their path in the archive to bytes.
+
+    name : of the FMU.  variant : "dynamic", "quasi_steady", "catenary" or "straight".  description : of the model, one
+    paragraph.  options : dict of the build options.  platforms : names of those that the FMU has kernels for.
+    scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
+    """
+    table = table_of(variant, options)
+    osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
+    texts = {
+        "documentation/index.html": scene_page or page(name, variant, description, table, osp_file),
+        "documentation/externalDependencies.txt": _filled("externalDependencies.txt", platforms=", ".join(platforms)),
+        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8"),
+        "documentation/licenses/PythonFMU.txt": _licence_of_pythonfmu(),
+        "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
+        osp_file: osp.model_description(table),
+    }
+    evidence_set = {} if scene_page else evidence.files(name, options["segments"])
+    for file, text in evidence_set.items():
+        texts[f"{EVIDENCE_FOLDER}/{file}"] = text
+    return {
+        "model.png": (ASSETS / "model.png").read_bytes(),
+        "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
+        **{path: text.encode("utf-8") for path, text in texts.items()},
+    }
+
+
+def page(name, variant, description, table, osp_file):
+    """Text of documentation/index.html: use, physics, and the tables of all variables."""
+    return _filled(
+        "index.html",
+        name=name,
+        version=__version__,
+        description=escape(description),
+        physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
+        inputs=_rows(table, INPUT, lambda each: (unit(each), start(each), meaning(each))),
+        outputs=_rows(table, OUTPUT, lambda each: (unit(each), meaning(each))),
+        parameters=_rows(table, PARAMETER, lambda each: (unit(each), start(each), allowed(each), meaning(each))),
+        osp=osp_file,
+    )
+
+
+def folded(listed):
+    """Pairs (name, variables) with the components of a vector in one pair, and the whole shape in another."""
+    found = {}
+    for variable in listed:
+        name = variable.name.partition("[")[0]
+        found.setdefault(name, []).append(variable)
+    indices = {1: "", 3: "[1..3]"}
+    return [(name + indices.get(len(each), "[1..K,1..3]"), each) for name, each in found.items()]
+
+
+def unit(each):
+    """Unit of a variable or of a vector of them."""
+    return each[0].quantity.unit or "-"
+
+
+def start(each):
+    """Start value of a variable or of a vector of them."""
+    return ", ".join(number(variable.start) for variable in each)
+
+
+def allowed(each):
+    """Range of a variable."""
+    return each[0].quantity.range()
+
+
+def meaning(each):
+    """What a variable or a vector of them means."""
+    text = each[0].quantity.meaning
+    return text if len(each) == 1 else re.sub(r"^point 1 of \d+", "points", text.removesuffix(", x"))
+
+
+def _rows(table, causality, columns):
+    """Rows of an HTML table of the variables of a causality."""
+    rows = []
+    for name, each in folded([variable for variable in table if variable.causality == causality]):
+        cells = "".join(f"<td>{escape(text)}</td>" for text in columns(each))
+        rows.append(f"<tr><td><code>{name}</code></td>{cells}</tr>")
+    return "\n".join(rows)
+
+
+def _licence_of_pythonfmu():
+    """Licence text of the installed PythonFMU, which the FMU carries."""
+    metadata = distribution("pythonfmu")
+    return metadata.read_text("licenses/LICENSE") or metadata.read_text("LICENSE")
+
+
+def _filled(file, **values):
+    """Text of an asset with its $names replaced."""
+    return Template((ASSETS / file).read_text(encoding="utf-8")).substitute(values)

@@ -1,0 +1,147 @@
+"""The evidence set of an FMU, in the files of FMI's cross-check: what goes in, what must come out, and with which options.
+
+The scene starts from the start values of the FMU: a kite 500 m away flies into a part of a circle and outwards, the wind
+rises, the tether pays out and becomes taut. The reference is the Python face with a tolerance far tighter than the FMU's.
+"""
+
+from math import cos, sin
+
+from tetherfmu import models
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver, Tether
+from tetherfmu.runtime.variables import INPUT, KITE_AT_START, OUTPUT, variables
+
+STEP, STEPS = 0.05, 200  # of communication [s], and how many of them
+REFERENCE_TOLERANCE = 1e-9  # of the solver; 1e-10 changes the reference by 1e-8 of the largest force
+# Deviation from the reference, as a part of the largest value. The solver of the dynamic tether makes 1e-3 at its default
+# tolerance; the others integrate nothing, so that only the digits of the files are left.
+ALLOWED = {"dynamic": 5e-3, "quasi_steady": 1e-6, "catenary": 1e-6, "straight": 1e-6}
+RECORDED = ("ground_force", "kite_force", "ground_tension", "kite_tension", "tether_length", "sag")
+INPUT_DIGITS, OUTPUT_DIGITS = 10, 8  # so that the last bit of a mathematical library does not show
+
+_TURN_RATE, _TURN_RISES = 0.08, 4.0  # [rad/s], [s]
+_GROWTH, _GROWS = 0.018, 8.0  # of the distance [-], [s]
+_REEL_OUT, _REEL_OUT_BEGINS, _REEL_OUT_RISES = 0.5, 2.0, 4.0  # [m/s], [s], [s]
+_WIND, _WIND_RISES = 8.0, 3.0  # [m/s], [s]
+_GUST, _GUST_RATE = 2.0, 0.5  # [m/s], [rad/s]
+
+
+def _rise(time, duration):
+    """A smooth rise from 0 to 1: its value, its rate [1/s] and its integral [s] at a time [s]."""
+    u = min(max(time / duration, 0.0), 1.0)
+    integral = duration * (u**3 - u**4 / 2.0) + max(time - duration, 0.0)
+    return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / duration, integral
+
+
+def inputs_at(time):
+    """Inputs of the scene at a time [s], as a dict of the Python face's arguments (SI units)."""
+    share, _, turn_time = _rise(time, _TURN_RISES)
+    angle, rate = _TURN_RATE * turn_time, _TURN_RATE * share
+    growth, growth_rate, _ = (_GROWTH * each for each in _rise(time, _GROWS))
+    x, _, z = KITE_AT_START
+    east, north = (1.0 + growth) * x * cos(angle), (1.0 + growth) * x * sin(angle)
+    stretching = growth_rate / (1.0 + growth)
+    position = (east, north, (1.0 + growth) * z)
+    velocity = (stretching * east - rate * north, stretching * north + rate * east, growth_rate * z)
+    wind = (_WIND * _rise(time, _WIND_RISES)[0], _GUST * sin(_GUST_RATE * time), 0.0)
+    reel_out = _REEL_OUT * _rise(time - _REEL_OUT_BEGINS, _REEL_OUT_RISES)[0]
+    return {"kite_position": position, "kite_velocity": velocity, "reel_out_speed": reel_out, "wind_velocity": wind}
+
+
+def files(name, segments):
+    """The evidence set of an FMU: dict of file name to text.
+
+    name : of the FMU and of its class in `models`.  segments : start value of `segments` in the FMU.
+    """
+    model = getattr(models, name)
+    scene = [{key: _rounded(value) for key, value in inputs_at(k * STEP).items()} for k in range(STEPS + 1)]
+    return {
+        f"{name}_in.csv": _table(_names(INPUT), [_flat(inputs, _names(INPUT)) for inputs in scene], INPUT_DIGITS),
+        f"{name}_ref.csv": _table(_names(OUTPUT), reference(model, segments, scene), OUTPUT_DIGITS),
+        f"{name}_ref.opt": _options(ALLOWED[model.variant]),
+        "README.txt": README.format(
+            name=name,
+            step=STEP,
+            tolerance=DEFAULT_TOLERANCE,
+            reference_tolerance=REFERENCE_TOLERANCE,
+            allowed=ALLOWED[model.variant],
+        ),
+    }
+
+
+def reference(model, segments, scene):
+    """Recorded outputs of the Python face at the start and after each step: list of lists of numbers."""
+    tether = model(Tether(segments=segments), solver=Solver(relative_tolerance=REFERENCE_TOLERANCE))
+    rows = [tether.initialize(**scene[0])]
+    rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]
+    return [_flat(row._asdict(), _names(OUTPUT)) for row in rows]
+
+
+def _names(causality):
+    """FMI names of all inputs or of the recorded outputs."""
+    listed = [variable.name for variable in variables("dynamic", 0) if variable.causality == causality]
+    return [name for name in listed if causality == INPUT or name.partition("[")[0] in RECORDED]
+
+
+def _flat(values, names):
+    """Numbers of FMI variables from a dict of numbers and vectors; what is not in it is 0."""
+    row = []
+    for name in names:
+        vector, _, index = name.partition("[")
+        value = values.get(vector, (0.0, 0.0, 0.0))
+        row.append(float(value[int(index[:-1]) - 1] if index else value))
+    return row
+
+
+def _rounded(value):
+    """A number or a vector with the digits of the input file."""
+    if isinstance(value, tuple):
+        return tuple(map(_rounded, value))
+    return float(text_of(value, INPUT_DIGITS))
+
+
+def text_of(value, digits):
+    """A number with so many digits, two of them less behind the point: what rounding leaves of a zero becomes 0."""
+    return f"{round(value, digits - 2) + 0.0:.{digits}g}"
+
+
+def _table(names, rows, digits):
+    """CSV as FMI's cross-check wants it: quoted names, commas, the time first."""
+    lines = [",".join(f'"{name}"' for name in ("time", *names))]
+    for k, row in enumerate(rows):
+        lines.append(",".join([f"{k * STEP:.10g}", *(text_of(value, digits) for value in row)]))
+    return "\n".join(lines) + "\n"
+
+
+def _options(allowed):
+    """Options of the run as FMI's cross-check wants them, and the allowed deviation."""
+    options = {
+        "StartTime": 0.0,
+        "StopTime": STEP * STEPS,
+        "StepSize": STEP,
+        "RelTol": DEFAULT_TOLERANCE,
+        "OutputIntervalLength": STEP,
+        "AllowedDeviation": allowed,
+    }
+    return "".join(f"{name}, {value!r}\n" for name, value in options.items())
+
+
+README = """Evidence set of {name}, in the files of FMI's cross-check rules
+
+{name}_in.csv    inputs over time: the kite flies into a part of a circle and outwards, the wind rises, the tether pays out
+                 and becomes taut. All other variables keep their start values.
+{name}_ref.csv   reference: the outputs that belong to the end of each step
+{name}_ref.opt   options of the run
+
+Run the FMU with a communication step of {step} s and a relative tolerance of {tolerance:g}; give the inputs of a row at the
+start of the step that begins at its time. Each output must stay within {allowed:g} of the largest value that the reference
+has for it (for a vector: the largest of its components).
+
+The reference does not come from the FMU. It is the solution of the Python class {name} of this project, compiled on
+another way, with a relative tolerance of {reference_tolerance:g} of its solver (of those tethers that have one) and the same
+steps. It shows that an importer gets the numbers of the exporter; how the equations compare with formulas, with other codes
+and with refined solutions is shown by the tests and the manual of the project.
+
+    python -m tetherfmu.check {name}.fmu
+
+runs all this and tells what else it finds. Building the FMU writes the set anew.
+"""

@@ -1,0 +1,185 @@
+"""Solve a block tridiagonal system with 3x3 blocks, without allocation, from both ends towards the middle.
+
+    L_i y_(i-1) + D_i y_i + U_i y_(i+1) = b_i,   i = first .. last
+
+Pivots D'_i = D_i - L_i D'_(i-1)^-1 U_(i-1) above the middle row, D'_i = D_i - U_i D'_(i+1)^-1 L_(i+1) below it, both in it.
+Source: Golub and Van Loan, Matrix Computations, 4th ed., section 4.5 (block tridiagonal systems).
+"""
+
+from math import inf
+
+import numpy as np
+
+from tetherfmu.kernels.compilation import kernel
+
+from .pairs import first, load_pair, pair, second, store_pair, unzip
+from .vectors import apply, get, get_matrix, get_two, multiply, put, put_matrix, put_two, sub, subtract
+
+
+@kernel
+def inverse(m):
+    """Inverse of a 3x3 matrix by its cofactors, and its determinant."""
+    c0 = m[4] * m[8] - m[5] * m[7]
+    c1 = m[5] * m[6] - m[3] * m[8]
+    c2 = m[3] * m[7] - m[4] * m[6]
+    determinant = m[0] * c0 + m[1] * c1 + m[2] * c2
+    r = 1.0 / determinant
+    return (
+        c0 * r,
+        (m[2] * m[7] - m[1] * m[8]) * r,
+        (m[1] * m[5] - m[2] * m[4]) * r,
+        c1 * r,
+        (m[0] * m[8] - m[2] * m[6]) * r,
+        (m[2] * m[3] - m[0] * m[5]) * r,
+        c2 * r,
+        (m[1] * m[6] - m[0] * m[7]) * r,
+        (m[0] * m[4] - m[1] * m[3]) * r,
+    ), determinant
+
+
+@kernel
+def is_regular(determinant):
+    """Whether a matrix with this determinant has an inverse."""
+    return 0.0 < abs(determinant) < inf
+
+
+@kernel
+def get_blocks(a, i, b, j):
+    """Block i of an array and block j of another one, as pairs."""
+    p = np.uint64(9 * i)
+    q = np.uint64(9 * j)
+    m0, m1 = unzip(load_pair(a, p), load_pair(b, q))
+    m2, m3 = unzip(load_pair(a, p + np.uint64(2)), load_pair(b, q + np.uint64(2)))
+    m4, m5 = unzip(load_pair(a, p + np.uint64(4)), load_pair(b, q + np.uint64(4)))
+    m6, m7 = unzip(load_pair(a, p + np.uint64(6)), load_pair(b, q + np.uint64(6)))
+    return m0, m1, m2, m3, m4, m5, m6, m7, pair(a[p + np.uint64(8)], b[q + np.uint64(8)])
+
+
+@kernel
+def weave(a, i, b, j, m):
+    """Write a matrix of pairs into block i of an array and block j of another one (modified), four pairs into each.
+
+    The two numbers of the ninth pair stand at the ends of the blocks.
+    """
+    p = np.uint64(9 * i)
+    q = np.uint64(9 * j)
+    for k in range(4):
+        store_pair(a, p + np.uint64(2 * k), m[k])
+        store_pair(b, q + np.uint64(2 * k), m[k + 4])
+    a[p + np.uint64(8)] = first(m[8])
+    b[q + np.uint64(8)] = second(m[8])
+
+
+@kernel
+def get_woven(a, i, b, j):
+    """Matrix of pairs that `weave` wrote."""
+    p = np.uint64(9 * i)
+    q = np.uint64(9 * j)
+    return (
+        load_pair(a, p),
+        load_pair(a, p + np.uint64(2)),
+        load_pair(a, p + np.uint64(4)),
+        load_pair(a, p + np.uint64(6)),
+        load_pair(b, q),
+        load_pair(b, q + np.uint64(2)),
+        load_pair(b, q + np.uint64(4)),
+        load_pair(b, q + np.uint64(6)),
+        pair(a[p + np.uint64(8)], b[q + np.uint64(8)]),
+    )
+
+
+@kernel
+def minus_product(a, m, b):
+    """a - m b, summed so that the result waits for b as little as possible."""
+    return (
+        (a[0] - m[0] * b[0]) - (m[1] * b[1] + m[2] * b[2]),
+        (a[1] - m[3] * b[0]) - (m[4] * b[1] + m[5] * b[2]),
+        (a[2] - m[6] * b[0]) - (m[7] * b[1] + m[8] * b[2]),
+    )
+
+
+@kernel
+def factorize_halves(rows, up, down, diagonal, lower, upper):
+    """Factor so many rows from row `up` upwards and from row `down` downwards, both at once (all three arrays modified).
+
+    Returns what the blocks of the next two rows lose, as a matrix of pairs, and False if a pivot block is singular.
+    """
+    block = get_blocks(diagonal, up, diagonal, down)
+    loss = block
+    regular = True
+    for _ in range(rows):
+        pivot, determinant = inverse(block)
+        regular = regular and is_regular(first(determinant)) and is_regular(second(determinant))
+        inward = get_blocks(upper, up, lower, down)
+        weave(diagonal, up, diagonal, down, pivot)
+        weave(upper, up, lower, down, inward)
+        up += 1
+        down -= 1
+        factor = multiply(get_blocks(lower, up, upper, down), pivot)
+        weave(lower, up, upper, down, factor)
+        loss = multiply(factor, inward)
+        block = subtract(get_blocks(diagonal, up, diagonal, down), loss)
+    return loss, regular
+
+
+@kernel
+def factorize(first_row, last_row, diagonal, lower, upper):
+    """Factor the matrix in place (all three modified); False if a pivot block is singular.
+
+    Afterwards `diagonal` holds the inverses of D', `lower` the products L_i D'_(i-1)^-1 up to the middle row, `upper` the
+    products U_i D'_(i+1)^-1 from the middle row on; the blocks of mirror rows are woven (`weave`).
+    """
+    middle = (first_row + last_row) // 2
+    rows = middle - first_row
+    below = last_row - rows  # the middle row itself, or the next one
+    block = get_matrix(diagonal, 9 * middle)
+    block_below = get_matrix(diagonal, 9 * below)
+    regular = True
+    if rows > 0:
+        loss, regular = factorize_halves(rows, first_row, last_row, diagonal, lower, upper)
+        block = subtract(block, first(loss))
+        if below == middle:
+            block = subtract(block, second(loss))
+        else:
+            block_below = subtract(block_below, second(loss))
+    if below > middle:
+        pivot, determinant = inverse(block_below)
+        regular = regular and is_regular(determinant)
+        factor = multiply(get_matrix(upper, 9 * middle), pivot)
+        put_matrix(diagonal, 9 * below, pivot)
+        put_matrix(upper, 9 * middle, factor)
+        block = subtract(block, multiply(factor, get_matrix(lower, 9 * below)))
+    pivot, determinant = inverse(block)
+    put_matrix(diagonal, 9 * middle, pivot)
+    return regular and is_regular(determinant)
+
+
+@kernel
+def solve(first_row, last_row, diagonal, lower, upper, b):
+    """Solve with the factors of `factorize`; the right-hand side `b` (modified) becomes the solution."""
+    middle = (first_row + last_row) // 2
+    rows = middle - first_row
+    below = last_row - rows
+    if rows > 0:
+        two = get_two(b, first_row, last_row)
+        for k in range(1, rows):
+            i = first_row + k
+            j = last_row - k
+            two = minus_product(get_two(b, i, j), get_woven(lower, i, upper, j), two)
+            put_two(b, i, j, two)
+        loss = apply(get_woven(lower, middle, upper, below), two)
+        put(b, middle, sub(get(b, middle), first(loss)))
+        put(b, below, sub(get(b, below), second(loss)))
+    if below > middle:
+        put(b, middle, sub(get(b, middle), apply(get_matrix(upper, 9 * middle), get(b, below))))
+    put(b, middle, apply(get_matrix(diagonal, 9 * middle), get(b, middle)))
+    if below > middle:
+        rest = sub(get(b, below), apply(get_matrix(lower, 9 * below), get(b, middle)))
+        put(b, below, apply(get_matrix(diagonal, 9 * below), rest))
+    two = get_two(b, middle, below)
+    for k in range(1, rows + 1):
+        i = middle - k
+        j = below + k
+        rest = minus_product(get_two(b, i, j), get_woven(upper, i, lower, j), two)
+        two = apply(get_woven(diagonal, i, diagonal, j), rest)
+        put_two(b, i, j, two)

@@ -1,0 +1,243 @@
+"""The chain of lumped masses: node forces, node masses, and the matrices of an implicit step.
+
+Node 0 is at the ground, node n at the kite; segment s joins nodes s and s + 1. Half of the mass, of the weight and of
+the drag of a segment sits on each of its nodes:
+
+    m_i = sum over its segments of 1/2 mu l0  +  point mass of the node
+    F_i = T_i e_i - T_(i-1) e_(i-1) + half drags - m_i g e_z
+
+The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
+only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. Theory: docs/theory.md, "The chain".
+"""
+
+import numpy as np
+
+from tetherfmu.kernels.algebra.pairs import first, load_pair, number_at, pair, second
+from tetherfmu.kernels.algebra.vectors import (
+    add,
+    add_matrices,
+    add_to_diagonal,
+    apply,
+    dot,
+    get,
+    get_matrix_of_pairs,
+    get_two,
+    get_vector_of_pairs,
+    put,
+    put_matrix,
+    put_pairs,
+    put_side_by_side,
+    put_two,
+    scale,
+    scale_matrix,
+    sub,
+    subtract,
+    symmetric,
+)
+from tetherfmu.kernels.compilation import kernel, view
+from tetherfmu.runtime import layout as at
+
+from . import segment
+
+
+@kernel
+def rest_length(s, length, parameters):
+    """Unstretched length [m] of segment s (of two, as a pair) when that of the tether is `length` [m]."""
+    return number_at(parameters, at.PARAMETER_SCALARS, s) * length
+
+
+@kernel
+def node_masses(n, length, parameters, mass):
+    """Masses of all nodes [kg] into `mass` (modified) at the unstretched length of the tether [m]."""
+    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
+    points = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
+    for i in range(n + 1):
+        mass[i] = parameters[points + i]
+    for s in range(n):
+        half = 0.5 * parameters[line + s] * rest_length(s, length, parameters)
+        mass[s] += half
+        mass[s + 1] += half
+
+
+@kernel
+def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, force):
+    """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
+
+    Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], unstretched
+    length of the tether [m] and its rate [m/s], wind at the reference height [m/s] as a tuple, node masses [kg].
+    """
+    gravity = parameters[at.GRAVITY]
+    growth = reeling / length
+    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    x_p = get_two(x, 0, n)
+    v_p = get_two(v, 0, n)
+    for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
+        mirror = n - 1 - s
+        x_q = get_two(x, s + 1, mirror)
+        v_q = get_two(v, s + 1, mirror)
+        rest = rest_length((s, mirror), length, parameters)
+        branch = pair(branches[s], branches[mirror])
+        pull, drag, _, _ = segment.forces((s, mirror), n, branch, x_p, x_q, v_p, v_q, rest, growth, wind, parameters)
+        total = add(add(from_outside, pull), drag)
+        put_two(force, s, n - s, (total[0], total[1], total[2] - gravity * pair(mass[s], mass[n - s])))
+        from_outside = sub(drag, pull)
+        x_p = x_q
+        v_p = v_q
+    if n % 2 == 0:
+        middle = n // 2
+        total = add(first(from_outside), second(from_outside))
+        put(force, middle, (total[0], total[1], total[2] - gravity * mass[middle]))
+
+
+@kernel
+def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
+    """Force of the tether on what holds its ground end (or its kite end) [N], and the tension there [N].
+
+    Force of the end segment plus half of its drag plus weight of its half there; without inertia, and without a point mass
+    at the end, which is not of the tether.
+    Source: docs/theory.md, "End forces".
+    """
+    s = n - 1 if kite_end else 0
+    rest = rest_length(s, length, parameters)
+    pull, drag, tension, _ = segment.forces(
+        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, reeling / length, wind, parameters
+    )
+    if kite_end:
+        pull = scale(-1.0, pull)
+    total = add(pull, drag)
+    i = n if kite_end else 0
+    weight = (mass[i] - parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i]) * parameters[at.GRAVITY]
+    return (total[0], total[1], total[2] - weight), tension
+
+
+@view
+def record_of(s, n, records):
+    """Derivatives of the forces of segment s: a view of `records`, where those of mirror segments stand as pairs."""
+    outer = min(s, n - 1 - s)
+    first = 2 * at.SEGMENT_RECORD * outer + (1 if s > outer else 0)
+    return records[first : 2 * at.SEGMENT_RECORD * (outer + 1) : 2]
+
+
+@kernel
+def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
+    """Derivatives of all segment forces into `records` (modified); rate of the forces from reeling into `force_rate`.
+
+    `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
+    """
+    growth = reeling / length
+    for s in range((n + 1) // 2):
+        mirror = n - 1 - s
+        x_p = get_two(x, s, mirror)
+        x_q = get_two(x, s + 1, mirror + 1)
+        v_p = get_two(v, s, mirror)
+        v_q = get_two(v, s + 1, mirror + 1)
+        both = (s, mirror)
+        r = sub(x_q, x_p)
+        rest = rest_length(both, length, parameters)
+        axial, e, damper, slope = segment.linearize_tension(both, n, r, sub(v_q, v_p), rest, growth, parameters)
+        height = 0.5 * (x_p[2] + x_q[2])
+        velocity = scale(0.5, add(v_p, v_q))
+        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
+        p = 2 * at.SEGMENT_RECORD * s
+        put_pairs(records, p + 2 * segment.K, axial)
+        put_pairs(records, p + 2 * segment.G, drag)
+        put_pairs(records, p + 2 * segment.A, drag_by_velocity)
+        put_pairs(records, p + 2 * segment.HEIGHT, (*a, *e, damper, slope))
+    rate_from_reeling(n, reeling, parameters, records, force_rate)
+
+
+@kernel
+def rate_from_reeling(n, reeling, parameters, records, force_rate):
+    """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities."""
+    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
+    for k in range(3 * (n + 1)):
+        force_rate[k] = 0.0
+    if reeling == 0.0:
+        return
+    for s in range(n):
+        record = record_of(s, n, records)
+        rest_rate = rest_length(s, reeling, parameters)
+        half_weight = 0.5 * parameters[line + s] * rest_rate * parameters[at.GRAVITY]
+        pull = record[segment.SLOPE] * rest_rate
+        for i in range(3):
+            along_e = pull * record[segment.DIRECTION + i]
+            weight = half_weight if i == 2 else 0.0
+            force_rate[3 * s + i] += along_e - weight
+            force_rate[3 * s + 3 + i] = -along_e - weight
+
+
+@kernel
+def add_end_motion(n, kite_end, dx, dv, records, force):
+    """Add to `force` (modified) the change of node forces [N] when one end moves by dx [m] and dv [m/s]."""
+    still = (0.0, 0.0, 0.0)
+    s = n - 1 if kite_end else 0
+    record = record_of(s, n, records)
+    if kite_end:
+        axial, drag = segment.force_change(record, still, dx, still, dv)
+    else:
+        axial, drag = segment.force_change(record, dx, still, dv, still)
+    put(force, s, add(get(force, s), add(axial, drag)))
+    put(force, s + 1, add(get(force, s + 1), sub(drag, axial)))
+
+
+@kernel
+def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, diagonal, lower, upper):
+    """Blocks of the matrix mass_factor M - damping_factor B - stiffness_factor K (modified: the three block arrays).
+
+    Block i of `lower` stands left of diagonal block i, block i of `upper` right of it; 9 numbers each, row by row.
+    """
+    outward = pair(1.0, -1.0)
+    nothing = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    from_outside = pair(nothing, nothing)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        i = n - s
+        axial, drag, both = step_blocks(2 * at.SEGMENT_RECORD * s, damping_factor, stiffness_factor, records)
+        drag = scale_matrix(outward, drag)
+        total = add_matrices(axial, drag)
+        outer = add_to_diagonal(subtract(total, both), mass_factor * pair(mass[s], mass[i]))
+        put_side_by_side(diagonal, 9 * s, diagonal, 9 * i, add_matrices(from_outside, outer))
+        put_side_by_side(upper, 9 * s, lower, 9 * i, scale_matrix(-1.0, add_matrices(total, both)))
+        put_side_by_side(lower, 9 * s + 9, upper, 9 * i - 9, subtract(subtract(drag, axial), both))
+        from_outside = subtract(subtract(axial, drag), both)
+    if n % 2 == 0:
+        middle = n // 2
+        block = add_matrices(first(from_outside), second(from_outside))
+        put_matrix(diagonal, 9 * middle, add_to_diagonal(block, mass_factor * mass[middle]))
+
+
+@kernel
+def step_blocks(start, damping_factor, stiffness_factor, records):
+    """Parts of the blocks of two segments, whose records start at a place, as pairs.
+
+    stiffness_factor K + damping_factor c e e, stiffness_factor G, and (stiffness_factor a e_z - damping_factor A)/2.
+    """
+    damper = damping_factor * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
+    along_e = symmetric(damper, get_vector_of_pairs(records, start + 2 * segment.DIRECTION))
+    axial = add_matrices(scale_matrix(stiffness_factor, get_matrix_of_pairs(records, start + 2 * segment.K)), along_e)
+    drag = scale_matrix(stiffness_factor, get_matrix_of_pairs(records, start + 2 * segment.G))
+    both = scale_matrix(-0.5 * damping_factor, get_matrix_of_pairs(records, start + 2 * segment.A))
+    x, y, z = scale(0.5 * stiffness_factor, get_vector_of_pairs(records, start + 2 * segment.HEIGHT))
+    return axial, drag, (both[0], both[1], both[2] + x, both[3], both[4], both[5] + y, both[6], both[7], both[8] + z)
+
+
+@kernel
+def add_damping_product(n, sign, u, records, result):
+    """Add sign B u to `result` (modified), from both ends at once; u and result are flat arrays of node vectors."""
+    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    u_p = get_two(u, 0, n)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        mirror = n - 1 - s
+        u_q = get_two(u, s + 1, mirror)
+        start = 2 * at.SEGMENT_RECORD * s
+        e = get_vector_of_pairs(records, start + 2 * segment.DIRECTION)
+        damper = sign * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
+        axial = scale(damper * dot(e, sub(u_q, u_p)), e)
+        drag_by_velocity = get_matrix_of_pairs(records, start + 2 * segment.A)
+        drag = scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))
+        both = add(from_outside, add(drag, axial))
+        put_two(result, s, n - s, add(get_two(result, s, n - s), both))
+        from_outside = sub(drag, axial)
+        u_p = u_q
+    if n % 2 == 0:
+        middle = n // 2
+        put(result, middle, add(get(result, middle), add(first(from_outside), second(from_outside))))

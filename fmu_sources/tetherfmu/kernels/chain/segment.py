@@ -1,0 +1,182 @@
+"""One segment: length, direction, tension, drag, and their derivatives.
+
+A segment joins node p (towards the ground) to node q (towards the kite):
+
+    r = x_q - x_p,  u = v_q - v_p,  l = |r|,  e = r/l,  dl/dt = e . u
+
+    T = k (l - l0) + c (dl/dt - (l/l0) dl0/dt)                                                      (tension)
+        k = EA/l0 if l > l0, else slack_stiffness_ratio EA/l0
+        c = D/l0  if l > l0, else slack_damping_ratio D/l0
+        stretch_rate law: without the term of dl0/dt, as Tethers.jl writes it
+
+    F = 1/4 rho cd d l |w| w,  w = W - (W . e) e,  W = air - (v_p + v_q)/2                          (half drag)
+
+Node p feels T e + F, node q feels -T e + F. Theory: docs/theory.md, "One segment".
+
+The derivatives of these forces travel in a record of `layout.SEGMENT_RECORD` numbers. With the symmetric
+A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
+
+    dF_axial = K dr + c e (e . du),                    K = e g + (T/l) (1 - e e),  g = dT/dr
+    dF_drag  = G dr - A (dv_p + dv_q)/2 + a (dz_p + dz_q)/2
+"""
+
+from math import sqrt
+
+from tetherfmu.kernels.algebra.pairs import choose, number_at
+from tetherfmu.kernels.algebra.vectors import (
+    add,
+    add_to_diagonal,
+    along,
+    apply,
+    cross,
+    dot,
+    get_matrix,
+    outer,
+    scale,
+    scale_matrix,
+    skew,
+    sub,
+    subtract,
+    symmetric,
+)
+from tetherfmu.kernels.compilation import kernel
+from tetherfmu.runtime import layout as at
+
+from .atmosphere import air
+
+# places in the record of derivatives, see `chain.record_of`
+K = 0  # 3x3
+G = 9  # 3x3
+A = 18  # 3x3
+HEIGHT = 27  # a: change of the half drag with the height of the segment, through wind and density
+DIRECTION = 30  # e
+DAMPER = 33  # c
+SLOPE = 34  # dT/dl0
+
+TAUT, SLACK, BY_LENGTH = 1.0, -1.0, 0.0  # which stiffness a segment has
+
+SHORTEST = 1e-9  # floor of |r| [m]: coincident nodes have no direction
+STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exists in still air
+
+
+@kernel
+def geometry(r):
+    """Length [m] and direction of a segment from the vector [m] between its nodes."""
+    length = sqrt(dot(r, r))
+    length = choose(length - SHORTEST, length, SHORTEST)
+    return length, scale(1.0 / length, r)
+
+
+@kernel
+def property_of(segment, which, n, parameters):
+    """One of the properties `layout.SHARE`, ... of a segment, or of two segments, as a pair."""
+    return number_at(parameters, at.PARAMETER_SCALARS + which * n, segment)
+
+
+@kernel
+def stiffness(branch, rest_length, segment, n, parameters):
+    """Stiffness k [N/m] and damping c [N s/m] of a segment of this unstretched length [m]: taut if branch > 0."""
+    per_length = 1.0 / rest_length
+    k = per_length * property_of(segment, at.STIFFNESS, n, parameters)
+    c = per_length * property_of(segment, at.DAMPING, n, parameters)
+    return choose(branch, k, parameters[at.SLACK_STIFFNESS_RATIO] * k), choose(
+        branch, c, parameters[at.SLACK_DAMPING_RATIO] * c
+    )
+
+
+@kernel
+def tension(length, length_rate, rest_length, growth, k, c, parameters):
+    """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
+
+    Lengths [m], rate of the length [m/s], growth (dl0/dt)/l0 [1/s], k [N/m], c [N s/m].
+    Source: docs/theory.md, "One segment".
+    """
+    seen = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
+    return k * (length - rest_length) + c * (length_rate - seen * length)
+
+
+@kernel
+def apparent_wind(e, height, velocity, wind, parameters):
+    """Wind across a segment w [m/s], wind along it W . e [m/s] and air density [kg/m3].
+
+    Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s], wind at the reference height [m/s].
+    """
+    factor, density, _, _ = air(height, parameters)
+    relative = sub(scale(factor, wind), velocity)
+    lengthwise = dot(relative, e)
+    return along(relative, -lengthwise, e), lengthwise, density
+
+
+@kernel
+def half_drag(segment, n, length, e, height, velocity, wind, parameters):
+    """Half of the drag of a segment [N], equation "half drag" of this file.
+
+    Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes, wind at the reference height [m/s].
+    """
+    w, _, density = apparent_wind(e, height, velocity, wind, parameters)
+    drag_width = property_of(segment, at.DRAG_WIDTH, n, parameters)
+    return scale(0.25 * density * drag_width * length * sqrt(dot(w, w) + STILLEST), w)
+
+
+@kernel
+def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, growth, wind, parameters):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment, or of two, as pairs.
+
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.  growth : (dl0/dt)/l0 [1/s].
+    """
+    length, e = geometry(sub(x_q, x_p))
+    branch = choose(branch * branch, branch, length - rest_length)
+    k, c = stiffness(branch, rest_length, segment, n, parameters)
+    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, growth, k, c, parameters)
+    height = 0.5 * (x_p[2] + x_q[2])
+    drag = half_drag(segment, n, length, e, height, scale(0.5, add(v_p, v_q)), wind, parameters)
+    return scale(pull, e), drag, pull, length
+
+
+@kernel
+def linearize_tension(segment, n, r, u, rest_length, growth, parameters):
+    """Derivatives of the tension vector of one segment, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
+
+    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s]. dT/dl0 is
+    that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
+    """
+    length, e = geometry(r)
+    k, c = stiffness(length - rest_length, rest_length, segment, n, parameters)
+    length_rate = dot(e, u)
+    stretch = tension(length, length_rate, rest_length, growth, k, c, parameters) / length
+    strain_rate = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
+    turning = scale(c / length, along(u, -length_rate, e))
+    g = along(turning, k - c * strain_rate - stretch, e)
+    slope = -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+    return add_to_diagonal(outer(e, g), stretch), e, c, slope
+
+
+@kernel
+def linearize_drag(segment, n, r, height, velocity, wind, parameters):
+    """Derivatives of the half drag of one segment, or of two: G [N/m], A [N s/m] and a [N/m].
+
+    Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s], wind at the reference height [m/s].
+    G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
+    """
+    length, e = geometry(r)
+    w, lengthwise, density = apparent_wind(e, height, velocity, wind, parameters)
+    _, _, wind_slope, density_slope = air(height, parameters)
+    speed = sqrt(dot(w, w) + STILLEST)
+    width = 0.25 * property_of(segment, at.DRAG_WIDTH, n, parameters)
+    across = add_to_diagonal(subtract(symmetric(1.0 / speed, w), symmetric(speed, e)), speed)
+    drag_by_velocity = scale_matrix(width * density * length, across)
+    turn = skew(scale(width * density * speed, cross(e, w)))
+    drag_by_position = subtract(turn, scale_matrix(width * density * lengthwise, across))
+    shear = apply(drag_by_velocity, scale(wind_slope, wind))
+    return drag_by_position, drag_by_velocity, along(shear, width * density_slope * length * speed, w)
+
+
+@kernel
+def force_change(record, dx_p, dx_q, dv_p, dv_q):
+    """Changes of the axial force and of the half drag [N] for changes of node positions [m] and velocities [m/s]."""
+    dr = sub(dx_q, dx_p)
+    e = (record[DIRECTION], record[DIRECTION + 1], record[DIRECTION + 2])
+    a = (record[HEIGHT], record[HEIGHT + 1], record[HEIGHT + 2])
+    axial = along(apply(get_matrix(record, K), dr), record[DAMPER] * dot(e, sub(dv_q, dv_p)), e)
+    drag = along(apply(get_matrix(record, G), dr), 0.5 * (dx_p[2] + dx_q[2]), a)
+    return axial, along(drag, -0.5, apply(get_matrix(record, A), add(dv_p, dv_q)))

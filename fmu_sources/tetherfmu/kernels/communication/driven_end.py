@@ -1,0 +1,60 @@
+"""Motion of a driven end within a communication step: a curve with continuous position and velocity.
+
+At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
+velocity inputs, a = (v - v_last)/h_last (zero in the first step; h_last counts as at least h/4, so that a jump of the
+velocity is extrapolated to no more than four times itself), the end is led from the position and velocity it has reached to
+
+    p + v h + a h^2/2,   v + a h
+
+by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Theory: docs/theory.md, "Driven ends".
+"""
+
+from tetherfmu.kernels.algebra.vectors import add, along, scale, sub
+from tetherfmu.kernels.compilation import kernel
+
+STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration is extrapolated in full
+
+
+@kernel
+def estimated_acceleration(velocity, last_velocity, last_step, step):
+    """Acceleration [m/s2] from two velocity inputs [m/s] that are one communication step [s] apart; 0 without a last.
+
+    `step` [s] is the communication step that it is for: after a much shorter one it counts in part only.
+    """
+    if last_step <= 0.0:
+        return 0.0, 0.0, 0.0
+    return scale(1.0 / max(last_step, step / STRONGEST_GROWTH), sub(velocity, last_velocity))
+
+
+@kernel
+def target(position, velocity, acceleration, step):
+    """Position [m] and velocity [m/s] to which an end is led within a step [s]."""
+    return along(along(position, step, velocity), 0.5 * step * step, acceleration), along(velocity, step, acceleration)
+
+
+@kernel
+def curve(reached_position, reached_velocity, position, velocity, acceleration, step):
+    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3: returns (x0, v0, c2, c3), SI units."""
+    target_position, target_velocity = target(position, velocity, acceleration, step)
+    mean = scale(1.0 / step, sub(target_position, reached_position))
+    c2 = scale(1.0 / step, sub(scale(3.0, mean), add(scale(2.0, reached_velocity), target_velocity)))
+    c3 = scale(1.0 / (step * step), sub(add(reached_velocity, target_velocity), scale(2.0, mean)))
+    return reached_position, reached_velocity, c2, c3
+
+
+@kernel
+def position_at(end, time):
+    """Position [m] on the curve at a time [s] since the start of the step."""
+    return along(along(along(end[0], time, end[1]), time * time, end[2]), time * time * time, end[3])
+
+
+@kernel
+def velocity_at(end, time):
+    """Velocity [m/s] on the curve at a time [s] since the start of the step."""
+    return along(along(end[1], 2.0 * time, end[2]), 3.0 * time * time, end[3])
+
+
+@kernel
+def acceleration_at(end, time):
+    """Acceleration [m/s2] on the curve at a time [s] since the start of the step."""
+    return along(scale(2.0, end[2]), 6.0 * time, end[3])

@@ -1,0 +1,149 @@
+"""What every variant does in a communication step: check the inputs, lead the ends, remember what the next step needs."""
+
+from math import inf
+
+from tetherfmu.kernels.algebra.vectors import put
+from tetherfmu.kernels.arrays import state_size
+from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.compilation import kernel, view
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import (
+    INPUT_NOT_FINITE,
+    OK,
+    OUTPUT_NOT_FINITE,
+    REELED_TOO_SHORT,
+    STATE_NOT_FINITE,
+    STEP_NOT_POSITIVE,
+)
+
+from .driven_end import estimated_acceleration, target
+
+
+@kernel
+def vector(array, first):
+    """Three-vector from place `first` of a flat array."""
+    return array[first], array[first + 1], array[first + 2]
+
+
+@kernel
+def set_vector(array, first, a):
+    """Write a three-vector to place `first` of a flat array (modified)."""
+    array[first] = a[0]
+    array[first + 1] = a[1]
+    array[first + 2] = a[2]
+
+
+@view
+def positions_and_velocities(n, state):
+    """Views of the node positions [m] and node velocities [m/s] in a state."""
+    nodes = 3 * (n + 1)
+    return (
+        state[at.STATE_HEADER : at.STATE_HEADER + nodes],
+        state[at.STATE_HEADER + nodes : at.STATE_HEADER + 2 * nodes],
+    )
+
+
+@kernel
+def check_inputs(inputs):
+    """OK, or INPUT_NOT_FINITE with the place of the first input that is no finite number or a huge one."""
+    for i in range(at.INPUTS):
+        if not abs(inputs[i]) <= at.LARGEST_INPUT:
+            return INPUT_NOT_FINITE | i << 8
+    return OK
+
+
+@kernel
+def check_state(n, state):
+    """OK, or STATE_NOT_FINITE."""
+    for k in range(state_size(n)):
+        if not abs(state[k]) < inf:
+            return STATE_NOT_FINITE
+    return OK
+
+
+@kernel
+def begin(n, parameters, inputs, state):
+    """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
+    status = check_inputs(inputs)
+    if status != OK:
+        return status
+    for k in range(state_size(n)):
+        state[k] = 0.0
+    x, v = positions_and_velocities(n, state)
+    put(x, 0, vector(inputs, at.GROUND_POSITION))
+    put(v, 0, vector(inputs, at.GROUND_VELOCITY))
+    put(x, n, vector(inputs, at.KITE_POSITION))
+    put(v, n, vector(inputs, at.KITE_VELOCITY))
+    state[at.LENGTH] = parameters[at.INITIAL_LENGTH]
+    state[at.REELING] = inputs[at.REEL_OUT_SPEED]
+    set_vector(state, at.WIND, vector(inputs, at.WIND_VELOCITY))
+    return OK
+
+
+@kernel
+def check_step(n, parameters, inputs, step, state):
+    """OK, or why a communication step of `step` [s] cannot be: INPUT_NOT_FINITE, STEP_NOT_POSITIVE, REELED_TOO_SHORT."""
+    status = check_inputs(inputs)
+    if status != OK:
+        return status
+    if not (step > 0.0 and step <= at.LONGEST_STEP):
+        return STEP_NOT_POSITIVE
+    new_length = state[at.LENGTH] + inputs[at.REEL_OUT_SPEED] * step
+    for s in range(n):
+        if nodes.rest_length(s, new_length, parameters) < at.MIN_SEGMENT_LENGTH:
+            return REELED_TOO_SHORT
+    return OK
+
+
+@kernel
+def check_outputs(outputs):
+    """OK, or OUTPUT_NOT_FINITE."""
+    for k in range(len(outputs)):
+        if not abs(outputs[k]) < inf:
+            return OUTPUT_NOT_FINITE
+    return OK
+
+
+@kernel
+def accelerations(inputs, step, state):
+    """Accelerations [m/s2] of the ground end and of the kite for a step [s], from the last two velocity inputs."""
+    ground = estimated_acceleration(
+        vector(inputs, at.GROUND_VELOCITY), vector(state, at.LAST_GROUND_VELOCITY), state[at.LAST_STEP], step
+    )
+    kite = estimated_acceleration(
+        vector(inputs, at.KITE_VELOCITY), vector(state, at.LAST_KITE_VELOCITY), state[at.LAST_STEP], step
+    )
+    return ground, kite
+
+
+@kernel
+def move_ends(n, inputs, step, state):
+    """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
+    ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
+    x, v = positions_and_velocities(n, state)
+    ground, ground_velocity = target(
+        vector(inputs, at.GROUND_POSITION), vector(inputs, at.GROUND_VELOCITY), ground_acceleration, step
+    )
+    kite, kite_velocity = target(vector(inputs, at.KITE_POSITION), vector(inputs, at.KITE_VELOCITY), kite_acceleration, step)
+    put(x, 0, ground)
+    put(v, 0, ground_velocity)
+    put(x, n, kite)
+    put(v, n, kite_velocity)
+
+
+@kernel
+def remember(inputs, step, state):
+    """Header of the state (modified) after a communication step of `step` [s]."""
+    state[at.LENGTH] += inputs[at.REEL_OUT_SPEED] * step
+    state[at.REELING] = inputs[at.REEL_OUT_SPEED]
+    state[at.LAST_STEP] = step
+    set_vector(state, at.WIND, vector(inputs, at.WIND_VELOCITY))
+    set_vector(state, at.LAST_KITE_VELOCITY, vector(inputs, at.KITE_VELOCITY))
+    set_vector(state, at.LAST_GROUND_VELOCITY, vector(inputs, at.GROUND_VELOCITY))
+
+
+@kernel
+def copy(source, destination):
+    """Copy a flat array into another of the same length (modified)."""
+    for k in range(len(source)):
+        destination[k] = source[k]

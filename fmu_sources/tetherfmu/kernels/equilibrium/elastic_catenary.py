@@ -1,0 +1,161 @@
+"""Elastic catenary under a uniform load, in closed form.
+
+A line of unstretched length L and stiffness EA carries the load w per unstretched length, all along one direction. In the
+plane of the chord and the load, let a be the span across the load and b the span against it (both from the ground end to
+the kite end). With the tension (H, V - w L/2) at the ground end and (H, V + w L/2) at the kite end
+
+    a = H L/EA + H/w (asinh(V2/H) - asinh(V1/H))
+    b = V L/EA + (T2 - T1)/w,         V1,2 = V -+ w L/2,  T = sqrt(H^2 + V^2)
+
+The two equations say that the complementary energy  integral (T + T^2/2EA) ds - a H - b V  is stationary in (H, V). It is
+convex, so Newton's method with a line search on it finds the only solution from any start, slack or taut.
+
+Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/theory.md, "Elastic catenary".
+"""
+
+from math import asinh, log, log1p, sinh, sqrt
+
+from tetherfmu.kernels.compilation import kernel
+
+MOST_ITERATIONS = 60
+ROUNDING = 4e-15  # of the span and the rise in units of the length
+
+
+@kernel
+def asinh_difference(h, v1, v2):
+    """h (asinh(v2/h) - asinh(v1/h)) for h >= 0, v1 < v2, without cancellation."""
+    if h <= 0.0:
+        return 0.0
+    if v1 < 0.0 < v2:
+        return h * (asinh(v2 / h) + asinh(-v1 / h))
+    if v2 <= 0.0:
+        v1, v2 = -v2, -v1
+    t1 = sqrt(h * h + v1 * v1)
+    t2 = sqrt(h * h + v2 * v2)
+    return h * log1p((v2 - v1) * (1.0 + (v1 + v2) / (t1 + t2)) / (t1 + v1))
+
+
+@kernel
+def gap(h, v, elasticity):
+    """Span across and against the load, in units of L, for the tension (h, v) at mid-length in units of w L."""
+    v1 = v - 0.5
+    v2 = v + 0.5
+    t1 = sqrt(h * h + v1 * v1)
+    t2 = sqrt(h * h + v2 * v2)
+    return elasticity * h + asinh_difference(h, v1, v2), elasticity * v + 2.0 * v / max(t1 + t2, 1e-300)
+
+
+@kernel
+def energy(h, v, a, b, elasticity):
+    """Complementary energy in units of w L^2; its gradient is the span of (h, v) minus (a, b)."""
+    v1 = v - 0.5
+    v2 = v + 0.5
+    t1 = sqrt(h * h + v1 * v1)
+    t2 = sqrt(h * h + v2 * v2)
+    total = t1 + t2  # v2 t2 - v1 t1 = total/2 + 2 v^2/total
+    length_term = 0.25 * total + v * v / max(total, 1e-300) + 0.5 * h * asinh_difference(h, v1, v2)
+    elastic_term = 0.5 * elasticity * (h * h + v * v + 1.0 / 12.0)
+    return length_term + elastic_term - a * h - b * v
+
+
+@kernel
+def taut_guess(a, b, elasticity):
+    """Tension (h, v) of a shallow elastic parabola: e t^3 + (1 - c) t^2 = cos^2/24 with c the chord, cos = a/c."""
+    chord = max(sqrt(a * a + b * b), 1e-12)
+    cosine = a / chord
+    sag_term = max(cosine * cosine, 1e-12) / 24.0
+    t = max(0.0, (chord - 1.0) / elasticity) + (sag_term / elasticity) ** (1.0 / 3.0)
+    for _ in range(20):
+        value = (elasticity * t + 1.0 - chord) * t * t - sag_term
+        slope = (3.0 * elasticity * t + 2.0 * (1.0 - chord)) * t
+        change = value / slope
+        if not change < t:
+            break
+        t -= change
+        if change < 1e-3 * t:
+            break
+    return max(t * cosine, 1e-12), t * b / chord
+
+
+@kernel
+def slack_guess(a, b):
+    """Tension (h, v) of the inextensible catenary, from sinh(z)/z = sqrt(1 - b^2)/a, h = a/(2 z), v = b coth(z)/2."""
+    ratio = sqrt(1.0 - b * b) / max(a, 1e-12)
+    z = sqrt(6.0 * (ratio - 1.0)) if ratio < 3.0 else log(2.0 * ratio) + log(log(2.0 * ratio))
+    for _ in range(4):
+        s = sinh(z)
+        c = sqrt(1.0 + s * s)
+        z = max(0.5 * z, z - (s - ratio * z) / (c - ratio))
+    s = sinh(z)
+    return max(a, 1e-12) / (2.0 * z), 0.5 * b * sqrt(1.0 + s * s) / s
+
+
+@kernel
+def solve(span, rise, load, length, axial_stiffness):
+    """Tension at mid-length (H, V) [N] of an elastic catenary, and the number of Newton iterations (-1: none found).
+
+    Span across the load [m] (not negative), rise against the load [m], load per unstretched length [N/m] (positive),
+    unstretched length [m], EA [N].
+    """
+    a = span / length
+    b = rise / length
+    elasticity = load * length / axial_stiffness
+    if a * a + b * b < 0.999**2:
+        h, v = slack_guess(a, b)
+    else:
+        h, v = taut_guess(a, b, elasticity)
+    unit = load * length
+    g1, g2 = gap(h, v, elasticity)
+    g1 -= a
+    g2 -= b
+    now = energy(h, v, a, b, elasticity)
+    for iteration in range(MOST_ITERATIONS):
+        t1 = sqrt(h * h + (v - 0.5) ** 2)
+        t2 = sqrt(h * h + (v + 0.5) ** 2)
+        vertical = (v + 0.5) / t2 - (v - 0.5) / t1
+        across = max(asinh_difference(h, v - 0.5, v + 0.5) / h - vertical, 0.0)
+        j11 = elasticity + across
+        j12 = h * (1.0 / t2 - 1.0 / t1)
+        j22 = elasticity + vertical
+        determinant = j11 * j22 - j12 * j12
+        if not determinant > 0.0:
+            return 0.0, 0.0, -1
+        dh = -(j22 * g1 - j12 * g2) / determinant
+        dv = -(j11 * g2 - j12 * g1) / determinant
+        if abs(dh) + abs(dv) <= 1e-15 * (h + abs(v)):
+            return unit * (h + max(dh, -0.9 * h)), unit * (v + dv), iteration
+        slope = g1 * dh + g2 * dv
+        part = 1.0 if dh > -0.9 * h else 0.9 * h / -dh
+        for _ in range(40):
+            h_new = h + part * dh
+            v_new = v + part * dv
+            then = energy(h_new, v_new, a, b, elasticity)
+            if then <= now + 1e-4 * part * slope + ROUNDING * (1.0 + h + abs(v)):
+                break
+            part *= 0.5
+        h = h_new
+        v = v_new
+        now = then
+        g1, g2 = gap(h, v, elasticity)
+        g1 -= a
+        g2 -= b
+        if abs(g1) + abs(g2) <= ROUNDING * (1.0 + a + abs(b)) or (h < 1e-14 and abs(g2) <= ROUNDING):
+            return unit * h, unit * v, iteration + 1
+    return 0.0, 0.0, -1
+
+
+@kernel
+def point(arc, horizontal, ground_vertical, load, axial_stiffness):
+    """Distance across and against the load [m] of the point at unstretched length `arc` [m] from the ground end.
+
+    Tension at the ground end (horizontal, ground_vertical) [N], load [N/m], EA [N].
+    """
+    v1 = ground_vertical
+    v2 = ground_vertical + load * arc
+    if arc <= 0.0:
+        return 0.0, 0.0
+    t1 = sqrt(horizontal * horizontal + v1 * v1)
+    t2 = sqrt(horizontal * horizontal + v2 * v2)
+    across = arc * horizontal / axial_stiffness + asinh_difference(horizontal, v1, v2) / load
+    against = 0.5 * arc * (v1 + v2) / axial_stiffness + arc * (v1 + v2) / max(t1 + t2, 1e-300)
+    return across, against

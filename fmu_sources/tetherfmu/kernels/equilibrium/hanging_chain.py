@@ -1,0 +1,133 @@
+"""A taut chain under given node loads: convex, so it is always found.
+
+The tension vectors t_s of the segments follow from the first one and the loads f_i of the inner nodes,
+
+    t_s = t_0 - f_1 - ... - f_s,
+
+and the chain of these segments, each along its t_s and l0 (1 + |t_s|/EA) long, must span the chord c. That is where the
+complementary energy of the chain,
+
+    sum_s l0 (|t_s| + |t_s|^2/(2 EA)) - t_0 . c,
+
+is stationary in t_0. It is strictly convex, so Newton's method with a line search reaches the only solution from any start.
+|t| is rounded off to sqrt(t^2 + eps^2) with eps far below the loads: a segment without tension has no direction.
+"""
+
+from math import inf, sqrt
+
+from tetherfmu.kernels.algebra.vectors import along, dot, get, norm, put, scale, sub
+from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.compilation import kernel
+from tetherfmu.runtime import layout as at
+
+MOST_ITERATIONS = 60
+MOST_HALVINGS = 40
+SLACKEST = 1e-3  # eps over the mean node load
+CLOSED = 1e-3  # gap of the chain over its length; Newton's method in `equilibrium.py` does the rest
+
+
+@kernel
+def rounding_tension(n, load):
+    """eps [N]: a small part of the mean load of the inner nodes, never zero."""
+    total = 0.0
+    for i in range(1, n):
+        total += norm(get(load, i))
+    return SLACKEST * total / n + 1e-12
+
+
+@kernel
+def segment_compliance(s, n, t, eps, length, parameters):
+    """l0 (1/|t| + 1/EA) [m/N]: the vector between the nodes of a segment over its tension vector t [N]; also |t| [N]."""
+    size = sqrt(dot(t, t) + eps * eps)
+    rest = nodes.rest_length(s, length, parameters)
+    return rest * (1.0 / size + 1.0 / parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s]), size
+
+
+@kernel
+def energy(n, first_tension, eps, chord, length, load, parameters):
+    """Complementary energy [J], its gradient [m] (the gap of the chain) and the upper half of its Hessian [m/N].
+
+    First tension vector [N], chord [m], unstretched length [m], node loads [N] as a flat array.
+    """
+    t = first_tension
+    total = -dot(t, chord)
+    gap = scale(-1.0, chord)
+    h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for s in range(n):
+        if s > 0:
+            t = sub(t, get(load, s))
+        rest = nodes.rest_length(s, length, parameters)
+        compliance, size = segment_compliance(s, n, t, eps, length, parameters)
+        total += rest * size + 0.5 * (compliance - rest / size) * dot(t, t)
+        gap = along(gap, compliance, t)
+        turning = rest / (size * size * size)
+        h00 += compliance - turning * t[0] * t[0]
+        h01 -= turning * t[0] * t[1]
+        h02 -= turning * t[0] * t[2]
+        h11 += compliance - turning * t[1] * t[1]
+        h12 -= turning * t[1] * t[2]
+        h22 += compliance - turning * t[2] * t[2]
+    return total, gap, (h00, h01, h02, h11, h12, h22)
+
+
+@kernel
+def solve_symmetric(h, b):
+    """Solve the symmetric 3x3 system with upper half h = (h00, h01, h02, h11, h12, h22) for the right-hand side b."""
+    c00 = h[3] * h[5] - h[4] * h[4]
+    c01 = h[2] * h[4] - h[1] * h[5]
+    c02 = h[1] * h[4] - h[2] * h[3]
+    c12 = h[1] * h[2] - h[0] * h[4]
+    r = 1.0 / (h[0] * c00 + h[1] * c01 + h[2] * c02)
+    return (
+        r * (c00 * b[0] + c01 * b[1] + c02 * b[2]),
+        r * (c01 * b[0] + (h[0] * h[5] - h[2] * h[2]) * b[1] + c12 * b[2]),
+        r * (c02 * b[0] + c12 * b[1] + (h[0] * h[3] - h[1] * h[1]) * b[2]),
+    )
+
+
+@kernel
+def march(n, first_tension, eps, length, load, parameters, x, tension):
+    """Lay the segments one after the other from the ground end, each along its tension vector.
+
+    First tension vector [N], eps [N], unstretched length [m], node loads [N]. The inner nodes of x [m] and the segment
+    tensions [N] are modified. Returns where the march ends [m] and the last tension vector [N].
+    """
+    t = first_tension
+    position = get(x, 0)
+    for s in range(n):
+        if s > 0:
+            t = sub(t, get(load, s))
+            put(x, s, position)
+        compliance, size = segment_compliance(s, n, t, eps, length, parameters)
+        tension[s] = size
+        position = along(position, compliance, t)
+    return position, t
+
+
+@kernel
+def hang(n, first_tension, length, load, parameters, x, tension):
+    """Shape of the chain under given node loads, from a guess of its first tension vector [N].
+
+    The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given.
+    """
+    ground = get(x, 0)
+    chord = sub(get(x, n), ground)
+    eps = rounding_tension(n, load)
+    t = first_tension
+    value, gap, hessian = energy(n, t, eps, chord, length, load, parameters)
+    for _ in range(MOST_ITERATIONS):
+        if norm(gap) <= CLOSED * length:
+            break
+        change = solve_symmetric(hessian, scale(-1.0, gap))
+        part = 1.0
+        for _ in range(MOST_HALVINGS):
+            trial = along(t, part, change)
+            then, gap, hessian = energy(n, trial, eps, chord, length, load, parameters)
+            if then <= value + 1e-13 * abs(value):
+                break
+            part *= 0.5
+        if not then < inf:
+            break
+        t = trial
+        value = then
+    march(n, t, eps, length, load, parameters, x, tension)

@@ -1,0 +1,1 @@
+"""Races of kernels and FMUs against independent solvers. Imports `measuring`."""

@@ -1,0 +1,78 @@
+"""Errors of a run against a reference run of the same scene; docs/how_much_tether.md, "Errors".
+
+With F of a run, R of the reference, rms over the output times after `settled`:
+
+    kite_force        rms(|F| - |R|) / rms |R|                     the same for ground_force
+    kite_direction    rms(|R| |F/|F| - R/|R||) / rms |R|           the same for ground_direction; 0.01 is about 0.6 deg
+    peak_force        |max |F| - max |R|| / max |R|                over all communication points
+    power             rms(F . v - R . v) / rms(R . v)              or of ground_tension times reel_out_speed, if larger
+    shape             rms distance of points at equal unstretched length / mean unstretched length
+"""
+
+import numpy as np
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.study.scenes.files import OUTPUTS
+
+SETTLING = 3.0  # wave times after which the start is forgotten ...
+LONGEST_SETTLING = 0.25  # ... at most this part of the scene
+
+
+def size(vectors):
+    """Length of vectors along the last axis."""
+    return np.linalg.norm(vectors, axis=-1)
+
+
+def rms(values):
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def settled(scene, reference):
+    """First output row that counts: after 3 wave times of the reference, at most a quarter of the scene."""
+    rows = int(np.ceil(SETTLING * reference.outputs[0, at.WAVE_TIME] / scene.every))
+    return min(rows, int(LONGEST_SETTLING * scene.count))
+
+
+def direction_error(force, reference):
+    """Error of the direction of a force, each time weighted with the size of the force."""
+    sizes = size(reference)
+    units = [each / np.maximum(size(each), 1e-12)[:, None] for each in (force, reference)]
+    return rms(sizes * size(units[0] - units[1])) / rms(sizes)
+
+
+def power_error(scene, run, reference, first):
+    """Error of the power at the kite or at the winch, the larger one; 0 where there is no power."""
+    motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
+    worst = 0.0
+    for power in (
+        lambda r: np.sum(r.kite_force * motion.kite_velocity, -1),
+        lambda r: r.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed,
+    ):
+        mine, right = power(run)[first:], power(reference)[first:]
+        if rms(right) > 0.0:
+            worst = max(worst, rms(mine - right) / rms(right))
+    return worst
+
+
+def errors(scene, run, reference):
+    """Errors [-] of a run against a reference run, dict by the names of `scene_files.OUTPUTS`."""
+    first = settled(scene, reference)
+    found = {}
+    for end, force, right in (
+        ("kite", run.kite_force[first:], reference.kite_force[first:]),
+        ("ground", run.ground_force[first:], reference.ground_force[first:]),
+    ):
+        found[f"{end}_force"] = rms(size(force) - size(right)) / rms(size(right))
+        found[f"{end}_direction"] = direction_error(force, right)
+    peak, right = run.peak[first:].max(), reference.peak[first:].max()
+    found["peak_force"] = float(abs(peak - right) / right)
+    found["power"] = power_error(scene, run, reference, first)
+    lengths = reference.outputs[first:, at.TETHER_LENGTH]
+    found["shape"] = rms(size(run.shape - reference.shape)[first:]) / float(np.mean(lengths))
+    return {name: found[name] for name in OUTPUTS}
+
+
+def worst(found, names):
+    """Largest error of some outputs."""
+    return max(found[name] for name in names)

@@ -1,0 +1,71 @@
+"""Results on disk as they finish: a line of JSON for each point, a pickle for a reference. A kill loses nothing finished."""
+
+import hashlib
+import json
+import os
+import pickle
+from functools import cache
+from pathlib import Path
+
+from tetherfmu.kernels.sources import PACKAGE
+
+
+@cache
+def package_digest():
+    """Hash of all sources and tables of the package: a finished result of other sources is not taken."""
+    digest = hashlib.sha256()
+    for path in sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".py", ".csv")):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode("utf-8"))
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+class Lines:
+    """A file of finished results, by key.
+
+    points : dict of what was added, those of earlier runs included.
+    """
+
+    def __init__(self, file):
+        self._file = Path(file)
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        self.points = {}
+        text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
+        for line in text.splitlines():
+            try:
+                stored = json.loads(line)
+            except ValueError:
+                continue  # a kill came while it was written
+            self.points[stored.pop("key")] = stored
+        if text and not text.endswith("\n"):
+            self._append("\n")
+
+    def add(self, key, point):
+        """Keep a point, a dict of numbers and texts; it is on disk when this returns."""
+        self.points[key] = point
+        self._append(json.dumps({"key": key, **point}) + "\n")
+
+    def _append(self, text):
+        with open(self._file, "a", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+
+
+class Store(Lines):
+    """A folder of finished results: `Lines`, and what is kept whole."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        super().__init__(self.folder / "points.jsonl")
+
+    def kept(self, key, make):
+        """What `make` returned when it was first asked for under this key."""
+        path = self.folder / f"{key}.pickle"
+        if path.exists():
+            return pickle.loads(path.read_bytes())
+        made = make()
+        partial = path.with_suffix(".partial")
+        partial.write_bytes(pickle.dumps(made))
+        partial.replace(path)
+        return made

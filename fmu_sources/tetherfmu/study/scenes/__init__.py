@@ -1,0 +1,1 @@
+"""Scenes: flights of both ends, tethers and winds, from files, of the benchmark, or at random."""

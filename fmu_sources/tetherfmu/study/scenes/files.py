@@ -1,0 +1,240 @@
+"""Scenes as files: what is flown with which tether in which wind, and what the user wants to know of it.
+
+Docs: docs/how_much_tether.md, "Scene files". Every number is declared once, as a quantity of a record.
+"""
+
+import hashlib
+import tomllib
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu.runtime.quantities import check, quantities, quantity
+
+from .flights import KINDS, Flight
+from .units import in_si
+
+OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
+EVERY = 0.1  # time between two compared outputs [s], about
+REQUIRED = {
+    "": ("duration", "flight", "tether", "wanted"),
+    "tether": ("initial_length",),
+    "wanted": ("allowed_error",),
+    "flight of kind series": ("file",),
+}
+
+
+class SceneError(ValueError):
+    """A scene file that cannot be used; the message is one line with file, key, value and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Wind:
+    """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
+
+    velocity: tuple = (0.0, 0.0, 0.0)
+    gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
+    gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
+
+    def __post_init__(self):
+        check(self)
+
+    def at(self, time):
+        """Wind [m/s], array (times, 3)."""
+        factor = 1.0 + self.gust * np.sin(np.pi / self.gust_period * time) ** 2
+        return np.multiply.outer(factor, self.velocity)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the user asks for; an error counts relative to the reference's own size (docs/how_much_tether.md, "Errors")."""
+
+    outputs: tuple = ("kite_force",)
+    allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
+    real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
+    communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
+
+    def __post_init__(self):
+        check(self)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene; `digest` tells scenes apart by all that they hold."""
+
+    name: str
+    duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
+    flight: Any = field(default=None)
+    tether: Tether = field(default=None)
+    environment: Environment = field(default=None)
+    wind: Wind = field(default=None)
+    wanted: Wanted = field(default=None)
+    digest: str = ""
+
+    def __post_init__(self):
+        check(self)
+
+    @property
+    def every(self):
+        """Time between two compared outputs [s]: a whole number of communication steps."""
+        step = self.wanted.communication_step
+        return step * max(1, round(EVERY / step)) if step else EVERY
+
+    @property
+    def count(self):
+        """Number of compared outputs after the start."""
+        return int(self.duration / self.every + 1e-9)
+
+    def inputs(self, step, exact=False):
+        """Inputs of all communication steps, array (steps, `layout.INPUTS`).
+
+        step : communication step [s], a whole part of `every`.  exact : give the mean reel-out speed and the wind of the
+        middle of each step instead of those of its start; no importer knows them, a reference does.
+        """
+        time = step * np.arange(self.count * round(self.every / step))
+        motion = self.flight.motion(time)
+        inputs = np.zeros((len(time), at.INPUTS))
+        places = (at.KITE_POSITION, at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY)
+        for place, values in zip(places, motion, strict=False):
+            inputs[:, place : place + 3] = values
+        inputs[:, at.REEL_OUT_SPEED] = motion.reel_out_speed
+        if exact:
+            inputs[:, at.REEL_OUT_SPEED] = (self.flight.motion(time + step).reeled - motion.reeled) / step
+        inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = self.wind_at(time + 0.5 * step * exact)
+        return inputs
+
+    def wind_at(self, time):
+        """Wind [m/s] at the reference height, array (times, 3)."""
+        own = self.flight.wind(time)
+        return self.wind.at(time) if own is None else own
+
+
+def load(path):
+    """Read a scene file.
+
+    Raises
+    ------
+    SceneError
+        In one line: file, key, value and what is allowed.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+        table = tomllib.loads(text)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: is no TOML file ({error})") from None
+    try:
+        return read(table, path, path.stem)
+    except ValueError as error:
+        message = str(error)
+        raise SceneError(message if message.startswith(str(path)) else f"{path}: {message}") from None
+
+
+def read(table, path, name):
+    """`Scene` from the table of a file; ValueError names the key."""
+    known = ("name", "duration", "flight", "tether", "environment", "wind", "wanted")
+    require(table, "", known)
+    flight = read_flight(table["flight"], path.parent)
+    tether = record(Tether, table["tether"], "tether", leave_out=("segments",))
+    environment = record(Environment, table.get("environment", {}), "environment")
+    if "wind" in table and flight.wind(np.zeros(1)) is not None:
+        raise ValueError("wind is given here and in the columns of the series; it must be given once")
+    wind = record(Wind, table.get("wind", {}), "wind")
+    wanted = record(Wanted, table["wanted"], "wanted")
+    name = table.get("name", name)
+    digest = hashlib.sha256(repr((name, table)).encode())
+    if isinstance(flight, Flight):
+        digest.update(repr(flight).encode())
+    else:
+        digest.update((path.parent / table["flight"]["file"]).read_bytes())
+    duration = value_of(Scene, "duration", table["duration"], "")
+    longest = getattr(flight, "duration", np.inf)
+    if duration > longest + 1e-9:
+        raise ValueError(f"duration is {duration!r}; it must be at most {longest:g} s, the length of the series")
+    return Scene(name, duration, flight, tether, environment, wind, wanted, digest.hexdigest()[:16])
+
+
+def require(table, section, known):
+    """ValueError unless a table has what it must have and nothing unknown."""
+    label = f"{section}." if section else ""
+    if not isinstance(table, dict):
+        raise ValueError(f"{section} is {table!r}; it must be a table [{section}]")
+    for key in REQUIRED.get(section, ()):
+        if key not in table:
+            raise ValueError(f"the key {label}{key} is missing")
+    for key in table:
+        if key not in known:
+            raise ValueError(f"unknown key {label}{key}; known are {', '.join(known)}")
+
+
+def read_flight(table, folder):
+    """A flight of `flights.KINDS`, or the series of a CSV file."""
+    require(table, "flight", table)
+    if "kind" not in table:
+        raise ValueError("the key flight.kind is missing")
+    table = dict(table)
+    kind = table.pop("kind")
+    if kind == "series":
+        from .series import Series
+
+        require(table, "flight of kind series", ("file",))
+        if not isinstance(table["file"], str):
+            raise ValueError(f"flight.file is {table.get('file')!r}; it must be the name of a CSV file")
+        return Series(folder / table["file"])
+    if kind not in KINDS:
+        raise ValueError(f"flight.kind is {kind!r}; it must be one of {', '.join([*KINDS, 'series'])}")
+    return record(KINDS[kind], table, "flight")
+
+
+def record(kind, table, section, leave_out=()):
+    """A record from a table of a file; ValueError names the key."""
+    known = tuple(item.name for item in fields(kind) if item.name not in leave_out)
+    require(table, section, known)
+    given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
+    try:
+        return kind(**given)
+    except ValueError as error:
+        raise ValueError(f"{section}.{error}") from None
+
+
+def value_of(kind, key, value, label):
+    """A value of a field of a record in SI units; ValueError names it and says what is allowed."""
+    declared = dict(quantities(kind)).get(key)
+    try:
+        if declared is None:
+            return SPECIAL[key](value)
+        if value in declared.choices:
+            return 1 + declared.choices.index(value)
+        number = in_si(value, declared.unit)
+    except ValueError as error:
+        more = f", {declared.range()}" if declared else ""
+        raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None
+    if not declared.allows(number):
+        raise ValueError(f"{label}{key} is {value!r}; it must be {declared.range()}")
+    return number
+
+
+def velocity(value):
+    """Three finite numbers [m/s]."""
+    if not isinstance(value, list) or len(value) != 3:
+        raise ValueError("it must be three numbers [x, y, z] in m/s")
+    numbers = tuple(float(in_si(each, "m/s")) for each in value)
+    if not np.all(np.abs(numbers) <= 200.0):  # NaN is not
+        raise ValueError("each must be a finite number from -200 to 200 m/s")
+    return numbers
+
+
+def output_names(value):
+    """Names of `OUTPUTS`."""
+    if not isinstance(value, list) or not value or any(each not in OUTPUTS for each in value):
+        raise ValueError(f"it must be a list of some of {', '.join(OUTPUTS)}")
+    return tuple(value)
+
+
+SPECIAL = {"velocity": velocity, "outputs": output_names}

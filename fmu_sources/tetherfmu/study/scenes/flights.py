@@ -1,0 +1,261 @@
+"""Flights of a scene: where both ends of the tether are at any time, and how much of it has been paid out.
+
+A flight declares its numbers as quantities and says its path as a formula; velocities are the derivatives of the formula.
+Frame: z up, ground station at the origin at the start, azimuth from the x axis. SI units.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from tetherfmu.runtime.quantities import check, quantity
+
+TINY = 1e-30  # step of the complex-step derivative [s]: exact to rounding
+
+
+class Motion(NamedTuple):
+    """Both ends and the reel at so many times; vectors are arrays (times, 3). SI units."""
+
+    kite: np.ndarray
+    kite_velocity: np.ndarray
+    ground: np.ndarray
+    ground_velocity: np.ndarray
+    reeled: np.ndarray  # length paid out since the start
+    reel_out_speed: np.ndarray
+
+
+def metres(default, meaning):
+    """A length [m] above zero."""
+    return quantity(default, "m", meaning, minimum=1e-3, maximum=1e5)
+
+
+def seconds(default, meaning):
+    """A time [s] above zero."""
+    return quantity(default, "s", meaning, minimum=1e-3, maximum=1e6)
+
+
+def radians(default, meaning):
+    """An angle [rad] of at most a right angle."""
+    return quantity(default, "rad", meaning, minimum=-np.pi / 2, maximum=np.pi / 2)
+
+
+def metres_per_second(default, meaning):
+    """A speed [m/s] of either sign."""
+    return quantity(default, "m/s", meaning, minimum=-200.0, maximum=200.0)
+
+
+def part_of_one(default, meaning):
+    """A number from 0 to 1."""
+    return quantity(default, "", meaning, minimum=0.0, maximum=1.0)
+
+
+def rate(function, time):
+    """Time derivative of a formula: Im f(t + i TINY) / TINY."""
+    return np.imag(function(np.asarray(time, float) + 1j * TINY)) / TINY
+
+
+def polar(distance, elevation, azimuth):
+    """Points [m] at a distance [m] and two angles [rad] from the origin, array (times, 3)."""
+    across = distance * np.cos(elevation)
+    return np.stack(
+        np.broadcast_arrays(across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)), -1
+    )
+
+
+def swing(amplitude, period, time):
+    """To and fro with an amplitude and a period [s]."""
+    return amplitude * np.sin(2.0 * np.pi / period * time)
+
+
+def ramp(u):
+    """A smooth step from 0 to 1 for u from 0 to 1: 6 u^5 - 15 u^4 + 10 u^3."""
+    u = np.where(np.real(u) < 0.0, 0.0, np.where(np.real(u) > 1.0, 1.0, u))
+    return u**3 * (u * (6.0 * u - 15.0) + 10.0)
+
+
+def ramp_integral(u):
+    """Integral of `ramp` from 0 to u: u^6 - 3 u^5 + 2.5 u^4 up to 1, then u - 1/2."""
+    inside = np.where(np.real(u) < 0.0, 0.0, u)
+    return np.where(np.real(u) > 1.0, u - 0.5, inside**4 * (inside * (inside - 3.0) + 2.5))
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A flight by formulas. A kind overrides `kite`, and where they move, `ground` and `reeled`."""
+
+    def __post_init__(self):
+        check(self)
+
+    def kite(self, time):
+        """Position of the kite [m]."""
+        raise NotImplementedError
+
+    def ground(self, time):
+        """Position of the ground end [m]."""
+        return np.multiply.outer(time, np.zeros(3))
+
+    def reeled(self, time):
+        """Length paid out since the start [m]."""
+        return 0.0 * time
+
+    def motion(self, time):
+        """`Motion` at an array of times [s]."""
+        pairs = [(f(time), rate(f, time)) for f in (self.kite, self.ground, self.reeled)]
+        return Motion(*(each for pair in pairs for each in pair))
+
+    def wind(self, time):
+        """Wind [m/s] that a record brings with it, array (times, 3); None: that of the scene."""
+
+
+@dataclass(frozen=True)
+class Circle(Flight):
+    """The kite circles on a cone whose axis points towards -y."""
+
+    distance: float = metres(500.0, "of the kite from the ground station")
+    half_angle: float = radians(np.radians(10.0), "of the cone")
+    axis_elevation: float = radians(np.radians(20.0), "of the axis of the cone above the horizon")
+    rate: float = quantity(0.05, "rad/s", "angular rate of the circle", minimum=-20.0, maximum=20.0)
+
+    def kite(self, time):
+        """A circle about z, tilted about x."""
+        x, y, z = np.moveaxis(polar(self.distance, np.pi / 2 - self.half_angle, self.rate * time), -1, 0)
+        cos, sin = np.sin(self.axis_elevation), np.cos(self.axis_elevation)
+        return np.stack([x, cos * y - sin * z, sin * y + cos * z], -1)
+
+
+@dataclass(frozen=True)
+class FigureOfEight(Flight):
+    """The kite flies lying figures of eight, downwind: azimuth a sin u, elevation e + f a sin 2u; 2 pi in u is a lap."""
+
+    distance: float = metres(500.0, "of the kite from the ground station")
+    elevation: float = radians(np.radians(30.0), "of the centre")
+    lap: float = seconds(20.0, "of one figure")
+    speed: float = metres_per_second(40.0, "mean speed of the kite (as on a plane)")
+    flatness: float = part_of_one(0.3, "height of a half figure over its width, f")
+
+    def kite(self, time):
+        """The curve on the sphere."""
+        sin, double = figure_of_eight(2.0 * np.pi / self.lap * time, np.sin)
+        width = self.width()
+        return polar(self.distance, self.elevation + self.flatness * width * double, width * sin)
+
+    def width(self):
+        """Half width a [rad] for which one lap is lap times speed long: a c times the length of the unit figure."""
+        u = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+        unit = 2.0 * np.pi * np.mean(np.hypot(np.cos(u), 2.0 * self.flatness * np.cos(2.0 * u)))
+        return self.speed * self.lap / (self.distance * unit)
+
+
+def figure_of_eight(u, sin):
+    """(sin u, sin 2u), of numbers or of symbols."""
+    return sin(u), sin(2.0 * u)
+
+
+@dataclass(frozen=True)
+class Parked(Flight):
+    """The kite hovers downwind and sways to and fro across the wind."""
+
+    distance: float = metres(300.0, "of the kite from the ground station")
+    elevation: float = radians(np.radians(60.0), "of the kite")
+    sway: float = quantity(5.0, "m", "amplitude across the wind", minimum=0.0, maximum=1e4)
+    sway_period: float = seconds(15.0, "of the sway")
+
+    def kite(self, time):
+        """To and fro at constant distance."""
+        azimuth = swing(self.sway / self.distance, self.sway_period, time)
+        return polar(self.distance, self.elevation, azimuth)
+
+
+@dataclass(frozen=True)
+class Launch(Flight):
+    """The kite climbs on an arc at the end of a short tether."""
+
+    distance: float = metres(30.0, "of the kite from the ground station")
+    elevation: float = radians(np.radians(15.0), "at the start")
+    final_elevation: float = radians(np.radians(70.0), "at the end of the climb")
+    climb_time: float = seconds(8.0, "of the climb")
+
+    def kite(self, time):
+        """Along the arc."""
+        part = ramp(time / self.climb_time)
+        return polar(self.distance, self.elevation + part * (self.final_elevation - self.elevation), 0.0 * time)
+
+
+@dataclass(frozen=True)
+class Landing(Flight):
+    """The kite sinks towards the ground station faster than the winch takes the tether in, so it goes slack."""
+
+    distance: float = metres(100.0, "of the kite at the start")
+    final_distance: float = metres(70.0, "of the kite at the end")
+    elevation: float = radians(np.radians(60.0), "at the start")
+    final_elevation: float = radians(np.radians(10.0), "at the end")
+    landing_time: float = seconds(20.0, "of the landing")
+    reeled_in: float = quantity(20.0, "m", "length that the winch takes in meanwhile", minimum=0.0, maximum=1e5)
+
+    def kite(self, time):
+        """Down and nearer."""
+        part = ramp(time / self.landing_time)
+        distance = self.distance + part * (self.final_distance - self.distance)
+        return polar(distance, self.elevation + part * (self.final_elevation - self.elevation), 0.0 * time)
+
+    def reeled(self, time):
+        """Taken in along the same ramp."""
+        return -self.reeled_in * ramp(time / self.landing_time)
+
+
+@dataclass(frozen=True)
+class Towing(Flight):
+    """A vehicle speeds up along x and tows the kite, which stays behind it and weaves."""
+
+    distance: float = metres(150.0, "of the kite from the vehicle")
+    elevation: float = radians(np.radians(40.0), "of the kite as seen from the vehicle")
+    speed: float = metres_per_second(10.0, "of the vehicle in the end")
+    ramp_time: float = seconds(10.0, "in which the vehicle speeds up")
+    weave: float = radians(np.radians(10.0), "amplitude of the azimuth of the kite")
+    weave_period: float = seconds(12.0, "of the weave")
+
+    def ground(self, time):
+        """The vehicle."""
+        way = self.speed * self.ramp_time * ramp_integral(time / self.ramp_time)
+        return np.multiply.outer(way, [1.0, 0.0, 0.0])
+
+    def kite(self, time):
+        """Behind the vehicle."""
+        azimuth = np.pi + swing(self.weave, self.weave_period, time)
+        return self.ground(time) + polar(self.distance, self.elevation, azimuth)
+
+
+@dataclass(frozen=True)
+class Reel(Flight):
+    """The winch pays out, then takes in as much, and the kite flies away and back with it, weaving across the wind."""
+
+    distance: float = metres(200.0, "of the kite from the ground station at the start")
+    elevation: float = radians(np.radians(35.0), "of the kite")
+    speed: float = metres_per_second(8.0, "of the winch in both phases")
+    phase_time: float = seconds(15.0, "of each phase, ramps included")
+    ramp_time: float = seconds(3.0, "of each change of speed")
+    weave: float = radians(np.radians(5.0), "amplitude of the azimuth of the kite")
+    weave_period: float = seconds(10.0, "of the weave")
+
+    def reeled(self, time):
+        """Out with smooth ramps, then back in."""
+        r, phase = self.ramp_time, self.phase_time
+        turns = [(1.0, 0.0), (-2.0, phase - 0.5 * r), (1.0, 2.0 * phase - r)]
+        return self.speed * r * sum(factor * ramp_integral((time - begin) / r) for factor, begin in turns)
+
+    def kite(self, time):
+        """As far as the tether has been paid out."""
+        azimuth = swing(self.weave, self.weave_period, time)
+        return polar(self.distance + self.reeled(time), self.elevation, azimuth)
+
+
+KINDS = {
+    "circle": Circle,
+    "figure_of_eight": FigureOfEight,
+    "parked": Parked,
+    "launch": Launch,
+    "landing": Landing,
+    "towing": Towing,
+    "reel": Reel,
+}

@@ -1,0 +1,68 @@
+"""Verdict on one point of the stability map, from its flight and the flight of its refinement.
+
+===========  ==========================================================================================================
+converged    agrees with its refinement (half communication and fixed step, a tenth of the tolerance) within 1 %
+stable       bounded, but the refinement differs by more, or it is refused (error: none); the error stands beside it
+refused      refused with a sentence, at the start or in flight
+wrong        an output is not finite, or a tension or speed larger than the motion explains (`stability_flight`)
+crashed      the process died
+hanging      a call took longer than 2 s, of the processor or, in a process that was ended for it, of the clock
+===========  ==========================================================================================================
+
+Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .flight import LINE_DENSITY, fly
+
+VERDICTS = ("converged", "stable", "refused", "wrong", "crashed", "hanging")
+CONVERGED = 0.01
+LONGEST_CALL = 2.0  # [s]
+
+
+class Verdict(NamedTuple):
+    """What came of a point: a word of `VERDICTS`; error [-] or None; name of the refusal or ""; number of calls done;
+    largest tension and largest speed over their bounds [-]; segments times internal steps; longest call [s]."""
+
+    verdict: str
+    error: float | None = None
+    refusal: str = ""
+    calls: int = 0
+    tension: float = 0.0
+    speed: float = 0.0
+    work: float = 0.0
+    longest: float = 0.0
+
+
+def difference(point, flight, refined):
+    """Error of a flight [-] against its refinement; None where the refinement has no more than the start."""
+    count = min(len(flight.forces), len(refined.forces))
+    if count < 2:
+        return None
+    a, b = flight.forces[:count], refined.forces[:count]
+    size = np.sqrt(np.mean(b**2)) + LINE_DENSITY * point.length * point.gravity
+    return float(np.sqrt(np.mean((a - b) ** 2)) / size)
+
+
+def judge(point):
+    """Fly a point, and its refinement where that makes sense; returns its `Verdict`."""
+    flight = fly(point)
+    facts = {
+        "refusal": flight.refusal,
+        "calls": len(flight.forces),
+        "tension": float(flight.peak / flight.bound) if len(flight.forces) else 0.0,
+        "speed": float(flight.fastest / flight.speed_bound) if len(flight.forces) else 0.0,
+        "work": flight.work,
+        "longest": flight.longest,
+    }
+    if flight.longest > LONGEST_CALL:
+        return Verdict("hanging", **facts)
+    if not flight.finite or max(facts["tension"], facts["speed"]) > 1.0:
+        return Verdict("wrong", **facts)
+    if flight.refusal:
+        return Verdict("refused", **facts)
+    error = difference(point, flight, fly(point, refinement=2, calls=len(flight.forces) - 1, most_work=np.inf))
+    return Verdict("converged" if error is not None and error <= CONVERGED else "stable", error, **facts)
