@@ -1,0 +1,104 @@
+"""Derivatives of the node forces against central differences, in all regimes of a segment."""
+
+import numpy as np
+import pytest
+
+from kernels.chain_problem import ChainProblem
+from tetherfmu.kernels.chain import nodes
+from tetherfmu.runtime import layout as at
+
+STEP = 1e-5
+# central differences: truncation h^2 F''' and rounding eps F/h are both below 1e-6 of the largest entry
+TOLERANCE = 1e-6
+
+
+def forces(problem, x, v, length):
+    out = np.zeros_like(x)
+    mass = np.zeros(problem.n + 1)
+    nodes.node_masses(problem.n, length, problem.parameters, mass)
+    nodes.node_forces(
+        problem.n, np.zeros(problem.n), x, v, length, problem.drive.reeling, problem.wind, mass, problem.parameters, out
+    )
+    return out
+
+
+def differences(function, point):
+    columns = []
+    for k in range(len(point)):
+        shift = np.zeros_like(point)
+        shift[k] = STEP
+        columns.append((function(point + shift) - function(point - shift)) / (2.0 * STEP))
+    return np.array(columns).T
+
+
+def dense(problem, factors):
+    """The block tridiagonal matrix of `nodes.assemble` as a full one."""
+    n, w = problem.n, problem.work
+    nodes.assemble(n, *factors, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    full = np.zeros((3 * (n + 1), 3 * (n + 1)))
+    for i in range(n + 1):
+        rows = slice(3 * i, 3 * i + 3)
+        full[rows, rows] = w.diagonal[9 * i : 9 * i + 9].reshape(3, 3)
+        if i > 0:
+            full[rows, 3 * i - 3 : 3 * i] = w.lower[9 * i : 9 * i + 9].reshape(3, 3)
+        if i < n:
+            full[rows, 3 * i + 3 : 3 * i + 6] = w.upper[9 * i : 9 * i + 9].reshape(3, 3)
+    return full
+
+
+@pytest.mark.parametrize("damping_law", [1, 2])
+@pytest.mark.parametrize("wind_profile", [1, 2, 3, 4])
+@pytest.mark.parametrize("slack", [False, True])
+def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
+    problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
+    length = 60.0 if slack else problem.length
+    w = problem.work
+    nodes.node_masses(problem.n, length, problem.parameters, w.mass)
+    nodes.linearize(
+        problem.n,
+        problem.x,
+        problem.v,
+        length,
+        problem.drive.reeling,
+        problem.wind,
+        problem.parameters,
+        w.records,
+        w.force_rate,
+    )
+    by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
+    by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
+    by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
+    for found, expected in (
+        (dense(problem, (0.0, 0.0, -1.0)), by_position),
+        (dense(problem, (0.0, -1.0, 0.0)), by_velocity),
+        (w.force_rate / problem.drive.reeling, by_length),
+    ):
+        np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())
+
+
+def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
+    problem = ChainProblem()
+    n, w = problem.n, problem.work
+    nodes.node_masses(n, problem.length, problem.parameters, w.mass)
+    nodes.linearize(n, problem.x, problem.v, problem.length, 1.5, problem.wind, problem.parameters, w.records, w.force_rate)
+    stiffness = dense(problem, (0.0, 0.0, -1.0))
+    damping = dense(problem, (0.0, -1.0, 0.0))
+    move = np.random.default_rng(5).normal(size=(2, 3))
+    for kite_end, columns in ((False, slice(0, 3)), (True, slice(3 * n, 3 * n + 3))):
+        change = np.zeros(3 * (n + 1))
+        nodes.add_end_motion(n, kite_end, tuple(move[0]), tuple(move[1]), w.records, change)
+        expected = stiffness[:, columns] @ move[0] + damping[:, columns] @ move[1]
+        np.testing.assert_allclose(change, expected, rtol=1e-12, atol=1e-9)
+    u = np.random.default_rng(6).normal(size=3 * (n + 1))
+    product = np.zeros_like(u)
+    nodes.add_damping_product(n, -2.0, u, w.records, product)
+    np.testing.assert_allclose(product, -2.0 * damping @ u, rtol=1e-12, atol=1e-9)
+
+
+def test_still_air_has_a_derivative():
+    """At rest in still air the drag's derivative is zero, not NaN."""
+    problem = ChainProblem()
+    w = problem.work
+    still = np.zeros_like(problem.v)
+    nodes.linearize(problem.n, problem.x, still, 38.0, 0.0, (0.0, 0.0, 0.0), problem.parameters, w.records, w.force_rate)
+    assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()
