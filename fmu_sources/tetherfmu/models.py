@@ -1,12 +1,14 @@
-"""The Python face: tethers without FMI. Four verbs: initialize, step, get_state, set_state."""
+"""The Python API: tethers without FMI. Five verbs: initialize, step, fly, get_state, set_state."""
 
 from collections import namedtuple
+from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.compiled import kernels
+from tetherfmu import compiled
+from tetherfmu.runtime import kernel_library, status
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import (
     DEFAULT_TOLERANCE,
     VARIANTS_WITHOUT_NODES,
@@ -32,6 +34,31 @@ Outputs.__doc__ = (
 _NOTHING = (0.0, 0.0, 0.0)
 
 
+class Flown(NamedTuple):
+    """What a flight of many communication steps gave: one row for each step that was kept."""
+
+    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
+    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
+    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
+    seconds: float  # wall time of all steps [s]
+
+    @property
+    def kite_force(self):
+        """Force on the kite [N], array (rows, 3)."""
+        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
+
+    @property
+    def ground_force(self):
+        """Force on the ground station [N], array (rows, 3)."""
+        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
+
+    @property
+    def shape(self):
+        """Points of the tether [m], array (rows, points, 3)."""
+        points = (self.outputs.shape[1] - at.SHAPE) // 3
+        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
+
+
 class StepRefused(ValueError):
     """A step or an initialization that cannot be done; the tether keeps the state of before."""
 
@@ -52,11 +79,15 @@ class TetherModel:
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
         Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
+    library : path or None
+        Folder with kernels compiled ahead of time (`runtime.kernel_library`); None compiles them just in time.
 
     Raises
     ------
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
+    OSError
+        If the folder `library` has no kernels of this variant for this platform.
     """
 
     variant = None
@@ -69,6 +100,7 @@ class TetherModel:
         *,
         point_masses=None,
         shape_points=None,
+        library=None,
         _free_ends=(False, False),
     ):
         tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
@@ -92,7 +124,7 @@ class TetherModel:
         self._before = self._state.copy()
         self._outputs = np.zeros(at.outputs_size(self._points))
         self._work = np.zeros(at.work_size(self.segments))
-        self._kernels = kernels(self.variant)
+        self._kernels = kernel_library.load(library, self.variant) if library else compiled.kernels(self.variant)
 
     def initialize(
         self,
@@ -143,6 +175,55 @@ class TetherModel:
             _address(self._work),
         )
         return self._outputs_or_refusal(result, step)
+
+    def fly(self, inputs, step, every=1, peaks=True):
+        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+
+        Parameters
+        ----------
+        inputs : (steps, INPUTS) array
+            Inputs at the start of each step (SI units), in the columns of `layout.py`.
+        step : float
+            Communication step [s].
+        every : int
+            A row is kept after every so many steps; 0 for none.
+        peaks : bool
+            Whether outputs are computed after each step, to find the largest |kite_force| since the row before. Without it
+            they are computed where a row is kept only, and `peak` is that of the row.
+
+        Returns
+        -------
+        Flown
+
+        Raises
+        ------
+        ValueError
+            If `inputs` has another shape or `every` is negative.
+        StepRefused
+            If a step cannot be done; the message says which, and the tether keeps the state of before that step.
+        """
+        inputs = np.ascontiguousarray(inputs, dtype=float)
+        if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
+            raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
+        if every < 0:
+            raise ValueError(f"every is {every!r}; it must be at least 0")
+        count = len(inputs) // every if every else 0
+        rows = compiled.Rows(
+            np.zeros((count, len(self._outputs))), np.zeros(count), np.zeros((count, 3 * (self.segments + 1)))
+        )
+        memory = compiled.Memory(self._parameters, self._state, self._before, self._outputs, self._work)
+        before = self._kernels.advance, self._kernels.observe, self.segments, self._points, memory
+        after = float(step), int(every), bool(peaks), rows
+        compiled.fly(*before, inputs[:0], *after)  # no step: what is measured contains no compilation
+        began = perf_counter()
+        result, done = compiled.fly(*before, inputs, *after)
+        seconds = perf_counter() - began
+        self._before[:] = self._state
+        if len(inputs):
+            self._inputs[:] = inputs[min(done, len(inputs) - 1)]
+        if result != status.OK:
+            raise StepRefused(f"step {done + 1} of {len(inputs)}: {self._sentence(result, step)}")
+        return Flown(rows.outputs, rows.peak, rows.positions.reshape(count, self.segments + 1, 3), seconds)
 
     def get_state(self):
         """Copy of the whole state, one flat array; see `layout.py`."""
@@ -236,21 +317,23 @@ class TetherModel:
         if result == status.OK:
             self._before[:] = self._state
             return self._collected()
-        length = self._state[at.LENGTH]  # a refused initialization has set it too
+        sentence = self._sentence(result, step)
         self._state[:] = self._before
+        raise StepRefused(sentence)
+
+    def _sentence(self, result, step):
+        """What a status of the kernels says about a step [s] of this tether, with the inputs and the length it has now."""
         place = status.index(result)
-        raise StepRefused(
-            status.sentence(
-                result,
-                name=INPUT_NAMES.get(place, "kite_load"),
-                value=self._inputs[place],
-                step=step,
-                reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
-                length=length,
-                relative_tolerance=self._tolerance,
-                fixed_step=self._solver.fixed_step,
-                budget=at.WORK_BUDGET // self.segments,
-            )
+        return status.sentence(
+            result,
+            name=INPUT_NAMES.get(place, "kite_load"),
+            value=self._inputs[place],
+            step=step,
+            reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
+            length=self._state[at.LENGTH],
+            relative_tolerance=self._tolerance,
+            fixed_step=self._solver.fixed_step,
+            budget=at.WORK_BUDGET // self.segments,
         )
 
 
