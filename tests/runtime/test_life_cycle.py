@@ -1,4 +1,4 @@
-"""One FMU through its life: equals the Python face, state, reset, variable steps, several instances."""
+"""One FMU through its life: equals the Python API, state, reset, variable steps, several instances."""
 
 import numpy as np
 import pytest

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from variants.balance import VARIANTS
 
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu import models
@@ -10,7 +11,6 @@ from tetherfmu.export.archive import kernels_folder
 from tetherfmu.models import StepRefused, TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import this_platform
-from variants.balance import VARIANTS
 
 STEP, STEPS = 0.02, 23
 PLACES = {
