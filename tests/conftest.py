@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 LONGEST_BUILD = 600.0  # seconds
 JUST_IN_TIME = """
 from tetherfmu.compiled import kernels
-from tetherfmu.export.ahead_of_time import VARIANTS
+from tetherfmu.runtime.variants import VARIANTS
 
 for variant in VARIANTS:
     kernels(variant)
@@ -25,8 +25,9 @@ for variant in VARIANTS:
 
 def compile_all():
     """Fill the caches of the kernels, just in time and ahead of time, side by side; returns at once if they are full."""
-    from tetherfmu.export.ahead_of_time import VARIANTS, libraries
+    from tetherfmu.export.ahead_of_time import libraries
     from tetherfmu.export.archive import DEFAULT_PLATFORMS, kernels_folder
+    from tetherfmu.runtime.variants import VARIANTS
 
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen([sys.executable, "-c", JUST_IN_TIME], env=environment):
@@ -37,7 +38,10 @@ def pytest_configure(config):
     """Before the workers of a whole run start: each of them would compile for itself. A run of some tests does that, too."""
     whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
     if whole and not hasattr(config, "workerinput"):
-        compile_all()
+        try:
+            compile_all()
+        except RuntimeError as error:
+            pytest.exit(str(error), returncode=1)
 
 
 @pytest.fixture(scope="session")

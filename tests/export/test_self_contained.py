@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tetherfmu.export.ahead_of_time import VARIANTS
 from tetherfmu.export.archive import SLAVES, build, contents
 from tetherfmu.runtime.kernel_library import file_name, load
+from tetherfmu.runtime.variants import VARIANTS
 
 LARGEST = 2_000_000  # bytes of an FMU
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from tetherfmu.kernels.arrays import workspace
 from tetherfmu.kernels.communication import driven_end
-from tetherfmu.kernels.communication.drive import Drive
+from tetherfmu.kernels.communication.drive import Drive, chain_during
+from tetherfmu.kernels.motion.implicit_euler import descent
+from tetherfmu.kernels.motion.rosenbrock import stages
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
@@ -34,9 +35,11 @@ class ChainProblem:
         self.x = nodes.ravel()
         self.v = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
         self.memory = np.zeros(at.work_size(n))
-        self.work = workspace(n, self.memory)
+        self.stages, self.descent = stages(n, self.memory), descent(n, self.memory)
         still = (0.0, 0.0, 0.0)
         self.drive = Drive(
+            n,
+            self.parameters,
             driven_end.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
             driven_end.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
@@ -46,3 +49,4 @@ class ChainProblem:
             self.wind,
             still,
         )
+        self.chain = chain_during(self.drive, 0.0)

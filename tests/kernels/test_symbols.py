@@ -4,9 +4,10 @@ import struct
 
 import pytest
 
-from tetherfmu.export.ahead_of_time import VARIANTS, VERBS, libraries
+from tetherfmu.export.ahead_of_time import VERBS, libraries
 from tetherfmu.export.archive import DEFAULT_PLATFORMS, kernels_folder
 from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.variants import VARIANTS
 
 ALLOWED = {"memset", "memcpy", "sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "sin", "cos"}
 LINUX = "x86_64-linux"

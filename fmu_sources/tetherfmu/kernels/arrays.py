@@ -6,7 +6,6 @@ that each solver divides and names for itself.
 
 from tetherfmu.runtime import layout as at
 
-from .algebra.block_tridiagonal import Matrix
 from .compilation import kernel, view
 
 parameters_size = kernel(at.parameters_size)
@@ -33,18 +32,16 @@ def trial_state(n, work):
 
 @view
 def shared_arrays(n, work):
-    """Views of what the solvers share: step matrix, records of the segments, node masses [kg]; and the room behind them.
+    """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
 
-    records : derivatives of the forces of all segments, see `nodes.record_of`.
+    blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
     """
     first = at.STATE_HEADER + 6 * (n + 1)
-    blocks = 9 * (n + 1)
-    records = first + 3 * blocks
+    size = 9 * (n + 1)
+    records = first + 3 * size
     mass = records + at.SEGMENT_RECORD * (n + 1)
-    matrix = Matrix(
-        work[first : first + blocks], work[first + blocks : first + 2 * blocks], work[first + 2 * blocks : records]
-    )
-    return matrix, work[records:mass], work[mass : mass + n + 1], work[mass + n + 1 :]
+    blocks = work[first : first + size], work[first + size : first + 2 * size], work[first + 2 * size : records]
+    return blocks, work[records:mass], work[mass : mass + n + 1], work[mass + n + 1 :]
 
 
 @view

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.algebra.block_tridiagonal import factorize, solve
+from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
 from tetherfmu.kernels.equilibrium.hanging_chain import solve_symmetric
 
 
@@ -22,9 +22,9 @@ def test_solves_the_full_system(first, last):
             full[3 * i - 3 : 3 * i, 3 * i : 3 * i + 3] = upper[first + i - 1]
     b = rng.normal(size=18)
     expected = np.linalg.solve(full, b[3 * first : 3 * last + 3])
-    flat = [np.ascontiguousarray(part).ravel() for part in blocks]
-    assert factorize(first, last, *flat)
-    solve(first, last, *flat, b)
+    matrix = Matrix(*(np.ascontiguousarray(part).ravel() for part in blocks))
+    assert factorize(first, last, matrix)
+    solve(first, last, matrix, b)
     np.testing.assert_allclose(b[3 * first : 3 * last + 3], expected, rtol=1e-12)
 
 
@@ -33,7 +33,7 @@ def test_solves_the_full_system(first, last):
 def test_singular_pivot_is_reported(bad, row):
     diagonal = np.tile(np.eye(3), (4, 1, 1)).ravel()
     diagonal[9 * row : 9 * row + 9] = bad
-    assert not factorize(0, 3, diagonal, np.zeros(36), np.zeros(36))
+    assert not factorize(0, 3, Matrix(diagonal, np.zeros(36), np.zeros(36)))
 
 
 def test_symmetric_three_by_three():

@@ -5,6 +5,7 @@ import pytest
 
 from kernels.chain_problem import ChainProblem
 from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.chain.properties import chain_at
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-5
@@ -12,13 +13,16 @@ STEP = 1e-5
 TOLERANCE = 1e-6
 
 
+def chain_of_length(problem, length):
+    return chain_at(problem.n, problem.parameters, length, problem.drive.reeling, problem.wind)
+
+
 def forces(problem, x, v, length):
     out = np.zeros_like(x)
     mass = np.zeros(problem.n + 1)
-    nodes.node_masses(problem.n, length, problem.parameters, mass)
-    nodes.node_forces(
-        problem.n, np.zeros(problem.n), x, v, length, problem.drive.reeling, problem.wind, mass, problem.parameters, out
-    )
+    chain = chain_of_length(problem, length)
+    nodes.node_masses(chain, mass)
+    nodes.node_forces(chain, np.zeros(problem.n), x, v, mass, out)
     return out
 
 
@@ -33,16 +37,16 @@ def differences(function, point):
 
 def dense(problem, factors):
     """The block tridiagonal matrix of `nodes.assemble` as a full one."""
-    n, w = problem.n, problem.work
-    nodes.assemble(n, *factors, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    n, w = problem.n, problem.stages
+    nodes.assemble(n, *factors, w.mass, w.records, w.matrix)
     full = np.zeros((3 * (n + 1), 3 * (n + 1)))
     for i in range(n + 1):
         rows = slice(3 * i, 3 * i + 3)
-        full[rows, rows] = w.diagonal[9 * i : 9 * i + 9].reshape(3, 3)
+        full[rows, rows] = w.matrix.diagonal[9 * i : 9 * i + 9].reshape(3, 3)
         if i > 0:
-            full[rows, 3 * i - 3 : 3 * i] = w.lower[9 * i : 9 * i + 9].reshape(3, 3)
+            full[rows, 3 * i - 3 : 3 * i] = w.matrix.lower[9 * i : 9 * i + 9].reshape(3, 3)
         if i < n:
-            full[rows, 3 * i + 3 : 3 * i + 6] = w.upper[9 * i : 9 * i + 9].reshape(3, 3)
+            full[rows, 3 * i + 3 : 3 * i + 6] = w.matrix.upper[9 * i : 9 * i + 9].reshape(3, 3)
     return full
 
 
@@ -52,19 +56,10 @@ def dense(problem, factors):
 def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
     length = 60.0 if slack else problem.length
-    w = problem.work
-    nodes.node_masses(problem.n, length, problem.parameters, w.mass)
-    nodes.linearize(
-        problem.n,
-        problem.x,
-        problem.v,
-        length,
-        problem.drive.reeling,
-        problem.wind,
-        problem.parameters,
-        w.records,
-        w.force_rate,
-    )
+    w = problem.stages
+    chain = chain_of_length(problem, length)
+    nodes.node_masses(chain, w.mass)
+    nodes.linearize(chain, problem.x, problem.v, w.records, w.force_rate)
     by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
     by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
     by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
@@ -78,9 +73,9 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
 
 def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     problem = ChainProblem()
-    n, w = problem.n, problem.work
-    nodes.node_masses(n, problem.length, problem.parameters, w.mass)
-    nodes.linearize(n, problem.x, problem.v, problem.length, 1.5, problem.wind, problem.parameters, w.records, w.force_rate)
+    n, w = problem.n, problem.stages
+    nodes.node_masses(problem.chain, w.mass)
+    nodes.linearize(problem.chain, problem.x, problem.v, w.records, w.force_rate)
     stiffness = dense(problem, (0.0, 0.0, -1.0))
     damping = dense(problem, (0.0, -1.0, 0.0))
     move = np.random.default_rng(5).normal(size=(2, 3))
@@ -98,7 +93,8 @@ def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
 def test_still_air_has_a_derivative():
     """At rest in still air the drag's derivative is zero, not NaN."""
     problem = ChainProblem()
-    w = problem.work
+    w = problem.stages
     still = np.zeros_like(problem.v)
-    nodes.linearize(problem.n, problem.x, still, 38.0, 0.0, (0.0, 0.0, 0.0), problem.parameters, w.records, w.force_rate)
+    calm = chain_at(problem.n, problem.parameters, 38.0, 0.0, (0.0, 0.0, 0.0))
+    nodes.linearize(calm, problem.x, still, w.records, w.force_rate)
     assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.arrays import workspace
 from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.chain.properties import chain_at
 from tetherfmu.kernels.equilibrium import newton
 from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.runtime import layout as at
@@ -24,32 +24,30 @@ def linear_problem(axial_stiffness):
     positions *= 60.0 / lengths.sum()  # so that the segments are about as long as they should be
     spin, stretching = (0.05, -0.1, 0.02), 0.01
     x = positions.ravel().copy()
-    v = np.zeros_like(x)
-    work = workspace(N, np.zeros(at.work_size(N)))
-    nodes.node_masses(N, 60.0, parameters, work.mass)
+    chain = chain_at(N, parameters, 60.0, 0.0, WIND)
+    w = newton.balance(N, np.zeros(at.work_size(N)))
+    nodes.node_masses(chain, w.mass)
     distances = np.linalg.norm(np.diff(positions, axis=0), axis=1)
-    tension = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
-    return parameters, spin, stretching, x, v, tension, work
+    w.tension[:] = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
+    return newton.Body(chain, spin, stretching, x, np.zeros_like(x)), w
 
 
 @pytest.mark.parametrize("resistance", [0.0, 0.7])
 def test_equal_to_stiffnesses(resistance):
     """The same motions and tensions from both systems, in a chain soft enough that both are well conditioned."""
-    parameters, spin, stretching, x, v, tension, w = linear_problem(500.0)
-    newton.node_loads(N, spin, stretching, WIND, 60.0, newton.SPRINGS, tension, parameters, x, v, w.mass, w.force)
-    newton.linearize(N, spin, stretching, 60.0, WIND, parameters, x, v, tension, w)
-    assert newton.factorize_newton(N, spin, resistance, w)
-    aim = np.zeros(N)
-    newton.step_by_stiffness(N, 60.0, parameters, x, w.force, aim, w)
-    motions = w.b.copy()
-    other = np.zeros(N)
+    body, w = linear_problem(500.0)
+    newton.node_loads(body, newton.SPRINGS, w.tension, w.mass, w.force)
+    newton.linearize(body, w)
+    assert newton.factorize(body, resistance, w)
+    newton.step_by_stiffness(body, w)
+    motions, aim = w.move.copy(), w.aim.copy()
     never = np.inf  # the length decides which segment is taut, as with stiffnesses
-    newton.step_by_compliance(N, spin, stretching, 60.0, WIND, parameters, x, v, tension, never, resistance, other, w)
-    np.testing.assert_allclose(w.b, motions, atol=1e-9 * np.abs(motions).max())
-    taut = np.linalg.norm(np.diff(x.reshape(-1, 3), axis=0), axis=1) > 60.0 / N
+    newton.step_by_compliance(body, never, resistance, w)
+    np.testing.assert_allclose(w.move, motions, atol=1e-9 * np.abs(motions).max())
+    taut = np.linalg.norm(np.diff(body.x.reshape(-1, 3), axis=0), axis=1) > 60.0 / N
     assert taut.any()
     assert not taut.all()
-    np.testing.assert_allclose(other, aim, atol=1e-9 * np.abs(aim).max())
+    np.testing.assert_allclose(w.aim, aim, atol=1e-9 * np.abs(aim).max())
 
 
 @pytest.mark.parametrize("axial_stiffness", [1e6, 1e8, 1e10])

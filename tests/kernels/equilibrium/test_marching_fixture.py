@@ -10,6 +10,7 @@ Source: Tethers.jl (MIT), quasi-steady model, fixture of its marching test.
 
 import numpy as np
 
+from tetherfmu.kernels.chain.properties import chain_at
 from tetherfmu.kernels.equilibrium import hanging_chain
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
@@ -38,9 +39,8 @@ def test_march_ends_where_the_published_one_does():
     cos = np.cos(ELEVATION)
     start = TENSION * np.array([cos * np.cos(AZIMUTH), cos * np.sin(AZIMUTH), np.sin(ELEVATION)])
     positions, tensions = np.zeros(3 * (n + 1)), np.zeros(n)
-    end, force = hanging_chain.march(
-        n, tuple(start), 0.0, TETHER.initial_length, load.ravel(), parameters, positions, tensions
-    )
+    chain = chain_at(n, parameters, TETHER.initial_length, 0.0, (0.0, 0.0, 0.0))
+    end, force = hanging_chain.march(chain, tuple(start), 0.0, load.ravel(), positions, tensions)
     # 16 sums of numbers with 16 digits; found equal to 1e-15
     assert np.allclose(end, END, rtol=1e-12, atol=0.0)
     assert np.allclose(force, END_FORCE, rtol=1e-12, atol=0.0)

@@ -140,7 +140,7 @@ def largest_on_a_short_circle(tolerance):
 
 
 def test_loose_tolerances_do_not_feed_on_the_speed_of_stiff_dampers():
-    """`rosenbrock.damper_error`: without it the loosest tolerance gives 40 MN and 80 km/s instead of 11 kN and 74 m/s."""
+    """`step_control.damper_error`: without it the loosest tolerance gives 40 MN and 80 km/s instead of 11 kN and 74 m/s."""
     np.testing.assert_allclose(largest_on_a_short_circle(1e-2), largest_on_a_short_circle(1e-6), rtol=0.02)
 
 

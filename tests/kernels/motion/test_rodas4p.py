@@ -12,7 +12,7 @@ import pytest
 
 from kernels.chain_problem import ChainProblem
 from scenes import REFERENCE
-from tetherfmu.kernels.motion import implicit_euler, rosenbrock
+from tetherfmu.kernels.motion import implicit_euler, rodas4p, rosenbrock
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
 
@@ -23,40 +23,40 @@ def square(rows):
 
 def test_coefficients_are_those_of_the_reference():
     reference = json.loads((REFERENCE / "rodas4p.json").read_text())
-    np.testing.assert_array_equal(square(rosenbrock.A), reference["a"])
-    np.testing.assert_array_equal(square(rosenbrock.C), reference["C"])
-    np.testing.assert_array_equal(rosenbrock.ALPHA, reference["alpha"])
-    np.testing.assert_array_equal(rosenbrock.GAMMA_I, reference["gamma_i"])
-    assert reference["gamma"] == rosenbrock.GAMMA
+    np.testing.assert_array_equal(square(rodas4p.A), reference["a"])
+    np.testing.assert_array_equal(square(rodas4p.C), reference["C"])
+    np.testing.assert_array_equal(rodas4p.ALPHA, reference["alpha"])
+    np.testing.assert_array_equal(rodas4p.GAMMA_I, reference["gamma_i"])
+    assert reference["gamma"] == rodas4p.GAMMA
     # the step adds U_6 to the argument of the last stage, whose row of A is m without its last entry
-    np.testing.assert_array_equal([*rosenbrock.A[5], 1.0], reference["m"])
+    np.testing.assert_array_equal([*rodas4p.A[5], 1.0], reference["m"])
 
 
 def usual_form():
-    gamma = np.linalg.inv(np.eye(6) / rosenbrock.GAMMA - square(rosenbrock.C))
-    alpha = square(rosenbrock.A) @ gamma
-    weights = np.append(rosenbrock.A[5], 1.0) @ gamma
-    embedded = np.append(rosenbrock.A[5], 0.0) @ gamma
+    gamma = np.linalg.inv(np.eye(6) / rodas4p.GAMMA - square(rodas4p.C))
+    alpha = square(rodas4p.A) @ gamma
+    weights = np.append(rodas4p.A[5], 1.0) @ gamma
+    embedded = np.append(rodas4p.A[5], 0.0) @ gamma
     return alpha, gamma, weights, embedded
 
 
 def test_positions_follow_from_velocities():
-    """P = alpha (A + 1) and R/gamma = Gamma (A + 1)/gamma below their diagonals, see `rosenbrock`."""
+    """P = alpha (A + 1) and R/gamma = Gamma (A + 1)/gamma below their diagonals, see `rodas4p`."""
     alpha, gamma, _, _ = usual_form()
-    a = square(rosenbrock.A) + np.eye(6)
+    a = square(rodas4p.A) + np.eye(6)
     for stage in range(1, 6):
-        found = rosenbrock.R_BY_GAMMA[stage - 1]
-        np.testing.assert_allclose(found, (gamma @ a)[stage, :stage] / rosenbrock.GAMMA, atol=ROUNDING)
+        found = rodas4p.R_BY_GAMMA[stage - 1]
+        np.testing.assert_allclose(found, (gamma @ a)[stage, :stage] / rodas4p.GAMMA, atol=ROUNDING)
     for stage in range(1, 5):
-        np.testing.assert_allclose(rosenbrock.P[stage - 1], (alpha @ a)[stage, :stage], atol=ROUNDING)
+        np.testing.assert_allclose(rodas4p.P[stage - 1], (alpha @ a)[stage, :stage], atol=ROUNDING)
     # the last stage: x_5 = x_4 + d (V_4 + r_4)
     np.testing.assert_allclose((alpha @ a)[5] - (alpha @ a)[4], (gamma @ a)[4], atol=ROUNDING)
 
 
 def test_row_sums():
     alpha, gamma, _, _ = usual_form()
-    np.testing.assert_allclose(alpha.sum(axis=1), rosenbrock.ALPHA, atol=ROUNDING)
-    np.testing.assert_allclose(gamma.sum(axis=1), rosenbrock.GAMMA_I, atol=ROUNDING)
+    np.testing.assert_allclose(alpha.sum(axis=1), rodas4p.ALPHA, atol=ROUNDING)
+    np.testing.assert_allclose(gamma.sum(axis=1), rodas4p.GAMMA_I, atol=ROUNDING)
 
 
 def conditions(alpha, gamma, b):
@@ -95,8 +95,8 @@ def march(steps, reeling):
     h = 0.4 / steps
     x, v = problem.x.copy(), problem.v.copy()
     for k in range(steps):
-        assert rosenbrock.step(problem.n, problem.drive, k * h, h, x, v, problem.parameters, problem.work)
-        x[:], v[:] = problem.work.x_stage, problem.work.v_stage
+        assert rosenbrock.step(problem.drive, k * h, h, x, v, problem.stages)
+        x[:], v[:] = problem.stages.x, problem.stages.v
     return np.concatenate([x, v])
 
 
@@ -117,9 +117,7 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         h = 0.4 / steps
         for k in range(steps):
-            iterations = implicit_euler.careful_step(
-                problem.n, problem.drive, k * h, h, problem.x, problem.v, problem.parameters, problem.work
-            )
+            iterations = implicit_euler.careful_step(problem.drive, k * h, h, problem.x, problem.v, problem.descent)
             assert 1 <= iterations <= implicit_euler.WORST_WORK
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

@@ -11,6 +11,7 @@ from tetherfmu.export.archive import kernels_folder
 from tetherfmu.models import StepRefused, TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.parameters import Environment
 
 STEP, STEPS = 0.02, 23
 PLACES = {
@@ -101,6 +102,20 @@ def test_a_refused_step_keeps_the_state_of_before(variant, every, peaks):
     assert np.array_equal(model.fly(rest, STEP).outputs, twin.fly(rest, STEP).outputs)
 
 
+def test_a_step_is_refused_for_its_outputs_where_they_are_computed():
+    """Under ground in thin air the density exp(-z/H), so the drag, exceeds all numbers: the straight line finds it."""
+    inputs = circle_inputs()
+    inputs[9, at.KITE_POSITION + 2] = -4000.0
+    options = {"environment": Environment(air_density_scale_height=1.0)}
+    for every, peaks in ((1, False), (5, False), (0, True), (4, True)):
+        model, twin = started("TetherStraight", **options), started("TetherStraight", **options)
+        twin.fly(inputs[:9], STEP)
+        with pytest.raises(StepRefused, match=r"^step 10 of 23: an output would not be a finite number"):
+            model.fly(inputs, STEP, every, peaks)
+        assert np.array_equal(model.get_state(), twin.get_state())
+    started("TetherStraight", **options).fly(inputs, STEP, every=4, peaks=False)
+
+
 def test_a_refusal_says_what_step_says():
     """The same sentence as that of `step`, with the speed and the length of that step."""
     inputs = circle_inputs()
@@ -115,7 +130,7 @@ def test_a_refusal_says_what_step_says():
 
 
 def test_step_continues_after_a_flight():
-    """A refused step after a flight goes back to the end of the flight; the load of the last step is known to `energy`."""
+    """A refused step after a flight goes back to the end of the flight."""
     inputs = circle_inputs()
     model = started()
     model.fly(inputs, STEP)

@@ -2,7 +2,8 @@
 
     L_i y_(i-1) + D_i y_i + U_i y_(i+1) = b_i,   i = first .. last
 
-Pivots D'_i = D_i - L_i D'_(i-1)^-1 U_(i-1) above the middle row, D'_i = D_i - U_i D'_(i+1)^-1 L_(i+1) below it, both in it.
+Pivots D'_i = D_i - L_i D'_(i-1)^-1 U_(i-1) for i < middle, D'_i = D_i - U_i D'_(i+1)^-1 L_(i+1) for i > middle; the row in
+the middle loses both products.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., section 4.5 (block tridiagonal systems).
 """
 

@@ -4,7 +4,7 @@ from collections import namedtuple
 
 from tetherfmu.kernels.algebra.pairs import number_at
 from tetherfmu.kernels.algebra.vectors import vector_at
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
 Chain = namedtuple("Chain", "n parameters length reeling growth wind")
@@ -16,13 +16,13 @@ wind : at the reference height [m/s].
 """
 
 
-@kernel
+@view
 def chain_at(n, parameters, length, reeling, wind):
     """`Chain` of this unstretched length [m] and its rate [m/s] in a wind [m/s]."""
     return Chain(n, parameters, length, reeling, reeling / length, wind)
 
 
-@kernel
+@view
 def chain_of(n, parameters, state):
     """`Chain` with the length, the reeling and the wind of a state."""
     return chain_at(n, parameters, state[at.LENGTH], state[at.REELING], vector_at(state, at.WIND))

@@ -4,7 +4,7 @@ from collections import namedtuple
 
 from tetherfmu.kernels.algebra.vectors import get, put, scale, vector_at
 from tetherfmu.kernels.chain.properties import chain_at
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
 from .driven_end import curve, position_at, velocity_at
@@ -21,7 +21,7 @@ wind : at the reference height [m/s].  load : force on a free kite end [N].
 """
 
 
-@kernel
+@view
 def drive_of_step(n, parameters, inputs, step, state, x, v):
     """`Drive` of a communication step of `step` [s] from a state with the node positions x [m] and velocities v [m/s]."""
     ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
@@ -44,7 +44,7 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
     )
 
 
-@kernel
+@view
 def chain_during(drive, time):
     """The `Chain` at a time [s] of the communication step."""
     return chain_at(drive.n, drive.parameters, drive.length + drive.reeling * time, drive.reeling, drive.wind)

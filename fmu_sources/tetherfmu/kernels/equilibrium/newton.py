@@ -83,7 +83,7 @@ blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 @view
 def balance(n, work):
     """Cut the work array into the arrays of `Balance`."""
-    matrix, records, mass, room = shared_arrays(n, work)
+    blocks, records, mass, room = shared_arrays(n, work)
     return Balance(
         node_vectors(n, room, 0),
         node_vectors(n, room, 1),
@@ -93,9 +93,9 @@ def balance(n, work):
         room[15 * (n + 1) : 16 * n + 15],
         room[16 * (n + 1) : 17 * n + 16],
         room[17 * (n + 1) : 18 * n + 17],
-        matrix,
-        matrix.diagonal,
-        matrix.lower,
+        block_tridiagonal.Matrix(*blocks),
+        blocks[0],
+        blocks[1],
         records,
         mass,
     )

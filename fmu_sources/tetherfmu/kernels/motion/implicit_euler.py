@@ -24,7 +24,7 @@ Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (
 from collections import namedtuple
 from math import ceil, inf, sqrt
 
-from tetherfmu.kernels.algebra.block_tridiagonal import factorize, solve
+from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
 from tetherfmu.kernels.algebra.vectors import add, along, apply, dot, get, get_matrix, norm, put, put_matrix, scale, sub
 from tetherfmu.kernels.arrays import copy, node_vectors, shared_arrays
 from tetherfmu.kernels.chain import segment
@@ -63,7 +63,7 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 @view
 def descent(n, work):
     """Cut the work array into the arrays of `Descent`."""
-    matrix, _, mass, room = shared_arrays(n, work)
+    blocks, _, mass, room = shared_arrays(n, work)
     return Descent(
         node_vectors(n, room, 0),
         node_vectors(n, room, 1),
@@ -72,7 +72,7 @@ def descent(n, work):
         node_vectors(n, room, 4),
         room[15 * (n + 1) : 24 * (n + 1)],
         node_vectors(n, room, 8),
-        matrix,
+        Matrix(*blocks),
         mass,
         room[27 * (n + 1) : 28 * (n + 1)],
     )

@@ -18,7 +18,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from tetherfmu.kernels.algebra.block_tridiagonal import factorize, solve
+from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
 from tetherfmu.kernels.algebra.pairs import load_pair, pair, store_pair
 from tetherfmu.kernels.algebra.vectors import add, along, get, get_two, norm, put, put_two, scale, sub
 from tetherfmu.kernels.arrays import node_vectors, shared_arrays
@@ -48,7 +48,7 @@ of the step.  stage_mass : node masses at the stage [kg], n + 1.  branches : n, 
 @view
 def stages(n, work):
     """Cut the work array into the arrays of `Stages`."""
-    matrix, records, mass, room = shared_arrays(n, work)
+    blocks, records, mass, room = shared_arrays(n, work)
     first = 3 * (n + 1) * 6
     last = first + 3 * (n + 1) * at.STAGES
     return Stages(
@@ -60,7 +60,7 @@ def stages(n, work):
         node_vectors(n, room, 5),
         room[first:last],
         room[last - 3 * (n + 1) : last],
-        matrix,
+        Matrix(*blocks),
         records,
         mass,
         room[last : last + n + 1],

@@ -13,7 +13,7 @@ from tetherfmu.kernels.algebra.vectors import along, get, put_at, sub
 from tetherfmu.kernels.arrays import positions_and_velocities
 from tetherfmu.kernels.chain import segment
 from tetherfmu.kernels.chain.properties import chain_of, property_of
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
 # Gauss-Legendre points and weights on 0 .. 1: exact to degree 9, so for the turning tether without wind
@@ -21,7 +21,7 @@ POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
 WEIGHTS = np.array((0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095))
 
 
-@kernel
+@view
 def chord_of(parameters, state):
     """The one segment of a line, as `Chain`; its ground end [m], its chord [m] and the length of the chord [m]."""
     x, _ = positions_and_velocities(1, state)

@@ -10,13 +10,13 @@ from tetherfmu.kernels.arrays import copy, positions_and_velocities, trial_state
 from tetherfmu.kernels.chain.properties import chain_of
 from tetherfmu.kernels.communication.inputs import begin, check_state, check_step, move_ends, remember
 from tetherfmu.kernels.communication.outputs import observe_chain
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.kernels.equilibrium import newton
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 
-@kernel
+@view
 def body_of(n, parameters, state):
     """The `newton.Body` that turns about the ground end with the kite of a state."""
     x, v = positions_and_velocities(n, state)
