@@ -35,7 +35,7 @@ def compile_all():
 
 
 def pytest_configure(config):
-    """Before the workers of a whole run start: each of them would compile for itself. A run of some tests does that, too."""
+    """Compile before the workers of a whole run start, or each would do it; a run of some tests compiles what they need."""
     whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
     if whole and not hasattr(config, "workerinput"):
         try:
