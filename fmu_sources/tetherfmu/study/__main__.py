@@ -17,7 +17,7 @@ from tetherfmu.study.measuring.costs import TABLE, measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.scenes.files import SceneError, load
-from tetherfmu.study.stability import __main__
+from tetherfmu.study.stability import command as stability
 
 
 def parse(arguments):
@@ -41,7 +41,7 @@ def parse(arguments):
     doc.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
     doc.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
     commands.add_parser("costs", help="measure the unit costs anew (costs.csv of this package)")
-    commands.add_parser("stability", add_help=False, help="where the tethers hold and where they refuse; --help tells more")
+    stability.add_arguments(commands.add_parser("stability", help="where the tethers hold and where they refuse"))
     commands.add_parser("thresholds", help="measure the thresholds anew (thresholds.csv of this package)")
     return parser.parse_args(arguments)
 
@@ -116,6 +116,7 @@ def page_command(options):
 
 
 COMMANDS = {
+    "stability": stability.run,
     "page": page_command,
     "tradeoff": tradeoff_command,
     "advise": advise_command,
@@ -126,9 +127,6 @@ COMMANDS = {
 
 def main(arguments=None):
     """Do what the command line says; returns the exit status, 2 for a wrong scene file."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    if arguments[:1] == ["stability"]:  # has options of its own
-        return __main__.main(arguments[1:])
     options = parse(arguments)
     try:
         return COMMANDS[options.command](options)
