@@ -1,22 +1,18 @@
-"""The Python face: tethers without FMI. Four verbs: initialize, step, get_state, set_state."""
+"""The Python API: tethers without FMI. Five verbs: initialize, step, fly, get_state, set_state."""
 
 from collections import namedtuple
+from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.compiled import kernels
+from tetherfmu import compiled
+from tetherfmu.runtime import kernel_library, status
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import status
-from tetherfmu.runtime.parameters import (
-    DEFAULT_TOLERANCE,
-    VARIANTS_WITHOUT_NODES,
-    Environment,
-    Solver,
-    Tether,
-    effective,
-    pack,
-)
-from tetherfmu.runtime.variables import INPUT_NAMES, KITE_AT_START
+from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variables import KITE_AT_START
+from tetherfmu.runtime.variants import WITHOUT_NODES, effective
 
 from . import energy
 
@@ -32,12 +28,44 @@ Outputs.__doc__ = (
 _NOTHING = (0.0, 0.0, 0.0)
 
 
+class Flown(NamedTuple):
+    """What a flight of many communication steps gave: one row for each step that was kept."""
+
+    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
+    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
+    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
+    seconds: float  # wall time of all steps [s]
+
+    @property
+    def kite_force(self):
+        """Force on the kite [N], array (rows, 3)."""
+        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
+
+    @property
+    def ground_force(self):
+        """Force on the ground station [N], array (rows, 3)."""
+        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
+
+    @property
+    def shape(self):
+        """Points of the tether [m], array (rows, points, 3)."""
+        points = (self.outputs.shape[1] - at.SHAPE) // 3
+        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
+
+
 class StepRefused(ValueError):
     """A step or an initialization that cannot be done; the tether keeps the state of before."""
 
 
-def _address(array):
-    return array.ctypes.data
+def _checked(point_masses, segments):
+    """Pairs (node, mass) of a dict of point masses; ValueError if a node or a mass [kg] does not exist."""
+    masses = dict(point_masses or {})
+    for node, mass in masses.items():
+        if node not in range(segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
+            raise ValueError(
+                f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from 0 to {segments}"
+            )
+    return masses.items()
 
 
 class TetherModel:
@@ -52,11 +80,15 @@ class TetherModel:
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
         Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
+    library : path or None
+        Folder with kernels compiled ahead of time (`runtime.kernel_library`); None compiles them just in time.
 
     Raises
     ------
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
+    OSError
+        If the folder `library` has no kernels of this variant for this platform.
     """
 
     variant = None
@@ -69,30 +101,26 @@ class TetherModel:
         *,
         point_masses=None,
         shape_points=None,
+        library=None,
         _free_ends=(False, False),
     ):
         tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
-        self._points = sum(each.segments for each in tethers) + 1 if shape_points is None else shape_points
-        if self.variant in VARIANTS_WITHOUT_NODES and (len(tethers) > 1 or point_masses):
+        points = sum(each.segments for each in tethers) + 1 if shape_points is None else shape_points
+        if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{type(self).__name__} is one uniform line: it takes one Tether and no point_masses")
-        self._tolerance = solver.relative_tolerance or DEFAULT_TOLERANCE
-        self._solver = solver
         tethers = tuple(effective(each, self.variant) for each in tethers)
-        self.segments = sum(each.segments for each in tethers)
-        masses = dict(point_masses or {})
-        for node, mass in masses.items():
-            if node not in range(self.segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
-                raise ValueError(
-                    f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from "
-                    f"0 to {self.segments}"
-                )
-        self._parameters = np.array(pack(tethers, environment, solver, self._tolerance, masses.items(), _free_ends))
-        self._inputs = np.zeros(at.INPUTS)
-        self._state = np.zeros(at.state_size(self.segments))
-        self._before = self._state.copy()
-        self._outputs = np.zeros(at.outputs_size(self._points))
-        self._work = np.zeros(at.work_size(self.segments))
-        self._kernels = kernels(self.variant)
+        masses = _checked(point_masses, sum(each.segments for each in tethers))
+        self._kernels = kernel_library.load(library, self.variant) if library else compiled.kernels(self.variant)
+        self._points = points
+        self._instance = Instance(self._kernels, points)
+        self._instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
+        self.segments = self._instance.segments
+        values = np.frombuffer(self._instance.values)  # views of the arrays of the instance
+        self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
+        names = ("parameters", "state", "before", "work")
+        self._parameters, self._state, self._before, self._work = (
+            np.frombuffer(getattr(self._instance, name)) for name in names
+        )
 
     def initialize(
         self,
@@ -110,10 +138,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
-        result = self._kernels.initialize(
-            self.segments, _address(self._parameters), _address(self._inputs), _address(self._state), _address(self._work)
-        )
-        return self._outputs_or_refusal(result, 0.0)
+        return self._outputs_unless(self._instance.start())
 
     def step(
         self,
@@ -134,15 +159,55 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
         )
-        result = self._kernels.advance(
-            self.segments,
-            _address(self._parameters),
-            _address(self._inputs),
-            step,
-            _address(self._state),
-            _address(self._work),
+        return self._outputs_unless(self._instance.advance(step))
+
+    def fly(self, inputs, step, every=1, peaks=True):
+        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+
+        Parameters
+        ----------
+        inputs : (steps, INPUTS) array
+            Inputs at the start of each step (SI units), in the columns of `layout.py`.
+        step : float
+            Communication step [s].
+        every : int
+            A row is kept after every so many steps; 0 for none.
+        peaks : bool
+            Whether outputs are computed after each step, to find the largest |kite_force| since the row before. Without it
+            they are computed where a row is kept only, and `peak` is that of the row.
+
+        Returns
+        -------
+        Flown
+
+        Raises
+        ------
+        ValueError
+            If `inputs` has another shape or `every` is negative.
+        StepRefused
+            If a step cannot be done; the message says which, and the tether keeps the state of before that step.
+        """
+        inputs = np.ascontiguousarray(inputs, dtype=float)
+        if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
+            raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
+        if every < 0:
+            raise ValueError(f"every is {every!r}; it must be at least 0")
+        count = len(inputs) // every if every else 0
+        rows = compiled.Rows(
+            np.zeros((count, len(self._outputs))), np.zeros(count), np.zeros((count, 3 * (self.segments + 1)))
         )
-        return self._outputs_or_refusal(result, step)
+        memory = compiled.Memory(self._parameters, self._state, self._before, self._outputs, self._work)
+        before = self._kernels.advance, self._kernels.observe, self.segments, self._points, memory
+        after = float(step), int(every), bool(peaks), rows
+        compiled.fly(*before, inputs[:0], *after)  # no step: what is measured contains no compilation
+        began = perf_counter()
+        result, done = compiled.fly(*before, inputs, *after)
+        seconds = perf_counter() - began
+        if len(inputs):
+            self._inputs[:] = inputs[min(done, len(inputs) - 1)]
+        if result != status.OK:
+            raise StepRefused(f"step {done + 1} of {len(inputs)}: {self._instance.sentence(result, step)}")
+        return Flown(rows.outputs, rows.peak, rows.positions.reshape(count, self.segments + 1, 3), seconds)
 
     def get_state(self):
         """Copy of the whole state, one flat array; see `layout.py`."""
@@ -154,11 +219,10 @@ class TetherModel:
         if state.shape != self._state.shape:
             raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
         self._state[:] = state
-        self._before[:] = state
 
     def outputs(self):
         """`Outputs` that belong to the present state."""
-        self._observe()
+        self._instance.observe()
         return self._collected()
 
     def energy(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
@@ -167,7 +231,7 @@ class TetherModel:
         `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
         powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        if self.variant in VARIANTS_WITHOUT_NODES:
+        if self.variant in WITHOUT_NODES:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy of its own motion")
         state, inputs = self._state, self._inputs
         return energy.account(
@@ -219,39 +283,11 @@ class TetherModel:
         inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
         inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = load
 
-    def _observe(self):
-        return self._kernels.observe(
-            self.segments,
-            _address(self._parameters),
-            _address(self._state),
-            self._points,
-            _address(self._outputs),
-            _address(self._work),
-        )
-
-    def _outputs_or_refusal(self, result, step):
-        """`Outputs` after a call of the kernels that returned `result`, or StepRefused and the state of before."""
-        if result == status.OK:
-            result = self._observe()
-        if result == status.OK:
-            self._before[:] = self._state
-            return self._collected()
-        length = self._state[at.LENGTH]  # a refused initialization has set it too
-        self._state[:] = self._before
-        place = status.index(result)
-        raise StepRefused(
-            status.sentence(
-                result,
-                name=INPUT_NAMES.get(place, "kite_load"),
-                value=self._inputs[place],
-                step=step,
-                reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
-                length=length,
-                relative_tolerance=self._tolerance,
-                fixed_step=self._solver.fixed_step,
-                budget=at.WORK_BUDGET // self.segments,
-            )
-        )
+    def _outputs_unless(self, problem):
+        """`Outputs` after a start or a step; StepRefused if there was a problem."""
+        if problem:
+            raise StepRefused(problem)
+        return self._collected()
 
 
 class TetherDynamic(TetherModel):
