@@ -13,6 +13,7 @@ from tetherfmu.study.advice.forecast import fast_advice
 from tetherfmu.study.advice.numbers import numbers
 from tetherfmu.study.advice.thresholds import thresholds, write
 from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
+from tetherfmu.study.benchmark import command as benchmark
 from tetherfmu.study.measuring.costs import TABLE, measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import Store
@@ -40,6 +41,7 @@ def parse(arguments):
     doc.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
     doc.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
     doc.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
+    benchmark.add_arguments(commands.add_parser("benchmark", help="what the tethers cost, in races with other solvers too"))
     commands.add_parser("costs", help="measure the unit costs anew (costs.csv of this package)")
     stability.add_arguments(commands.add_parser("stability", help="where the tethers hold and where they refuse"))
     commands.add_parser("thresholds", help="measure the thresholds anew (thresholds.csv of this package)")
@@ -49,7 +51,7 @@ def parse(arguments):
 @contextmanager
 def fmus(folder):
     """A folder with all FMUs; those that are missing are built, without a folder into one that is removed."""
-    from tetherfmu.study.benchmark.__main__ import fmus_in
+    from tetherfmu.study.measuring.through_fmpy import fmus_in
 
     with tempfile.TemporaryDirectory() as temporary:
         fmus_in(folder or temporary)
@@ -116,6 +118,7 @@ def page_command(options):
 
 
 COMMANDS = {
+    "benchmark": benchmark.run,
     "stability": stability.run,
     "page": page_command,
     "tradeoff": tradeoff_command,
