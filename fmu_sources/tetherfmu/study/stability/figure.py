@@ -15,22 +15,23 @@ FEWEST = 3  # points that a cell needs to have a colour
 
 
 class Axis(NamedTuple):
-    """An axis: label, function of the results, edges of the cells, scale."""
+    """An axis: label, function of the results, bounds, function that divides them into cells."""
 
     label: str
     values: object
-    edges: np.ndarray
-    scale: str
+    low: float
+    high: float
+    spacing: object = np.geomspace
 
+    @property
+    def edges(self):
+        """Edges of the cells."""
+        return self.spacing(self.low, self.high, CELLS + 1)
 
-def logarithmic(label, values, low, high):
-    """A logarithmic axis between two bounds."""
-    return Axis(label, values, np.geomspace(low, high, CELLS + 1), "log")
-
-
-def linear(label, values, low, high):
-    """A linear axis between two bounds."""
-    return Axis(label, values, np.linspace(low, high, CELLS + 1), "linear")
+    @property
+    def scale(self):
+        """Name of the scale."""
+        return "log" if self.spacing is np.geomspace else "linear"
 
 
 def frequency(results):
@@ -38,14 +39,14 @@ def frequency(results):
     return np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments)
 
 
-LENGTH = logarithmic("length [m]", lambda r: r.length, 1.0, 1e4)
-SEGMENT = logarithmic("segment [m]", lambda r: r.length / r.segments, 0.01, 1000.0)
-STIFFNESS = logarithmic("EA [N]", lambda r: r.axial_stiffness, 1e3, 1e9)
-STEP = logarithmic("communication step [s]", lambda r: r.step, 1e-4, 1.0)
-FIXED_STEP = logarithmic("fixed step [s]", lambda r: r.fixed_step, 1e-5, 1.0)
-FREQUENCY = logarithmic("axial frequency [Hz]", frequency, 1.0, 1e6)
-SLACK = linear("slack [%]", lambda r: 100.0 * r.slack, -1.0, 90.0)
-WIND = linear("wind [m/s]", lambda r: r.wind, 0.0, 60.0)
+LENGTH = Axis("length [m]", lambda r: r.length, 1.0, 1e4)
+SEGMENT = Axis("segment [m]", lambda r: r.length / r.segments, 0.01, 1000.0)
+STIFFNESS = Axis("EA [N]", lambda r: r.axial_stiffness, 1e3, 1e9)
+STEP = Axis("communication step [s]", lambda r: r.step, 1e-4, 1.0)
+FIXED_STEP = Axis("fixed step [s]", lambda r: r.fixed_step, 1e-5, 1.0)
+FREQUENCY = Axis("axial frequency [Hz]", frequency, 1.0, 1e6)
+SLACK = Axis("slack [%]", lambda r: 100.0 * r.slack, -1.0, 90.0, np.linspace)
+WIND = Axis("wind [m/s]", lambda r: r.wind, 0.0, 60.0, np.linspace)
 PAIRS = ((LENGTH, STIFFNESS), (STEP, STIFFNESS), (SEGMENT, STEP), (SLACK, WIND))
 FIXED_PAIRS = ((LENGTH, STIFFNESS), (FREQUENCY, FIXED_STEP), (SEGMENT, FIXED_STEP), (SLACK, WIND))
 
