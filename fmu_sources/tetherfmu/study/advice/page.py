@@ -101,7 +101,7 @@ def page(results, verdicts, work_precision):
 
 
 WORK_PRECISION = """\
-Our tether against CasADi + CVODES on two flights, 20 segments, drawn by `python -m tetherfmu.study.benchmark --flights`;
+Our tether against CasADi + CVODES on two flights, 20 segments, drawn by `python -m tetherfmu.study benchmark --flights`;
 [Benchmarks](benchmarks.md) says what is timed.
 
 ![Time against error of our tether and of CVODES](figures/work_precision_flights.png)"""
