@@ -1,4 +1,4 @@
-"""A scene through FMPy: the FMU gives the force that the Python face gives, bit for bit, and its cost is measured."""
+"""A scene through FMPy: the FMU gives the force that the Python API gives, bit for bit, and its cost is measured."""
 
 import pytest
 
@@ -9,8 +9,8 @@ from tetherfmu.study.scenes.files import load
 
 
 @pytest.mark.parametrize("config", [Config("catenary", 0, 0.0, 0.02), Config("dynamic", 6, 1e-3, 0.02)])
-def test_fmu_flies_the_scene_as_the_python_face_does(fmu_folder, tmp_path, config):
+def test_fmu_flies_the_scene_as_the_python_api_does(fmu_folder, tmp_path, config):
     scene = load(written(tmp_path))
     cost, force = flown(fmu_folder, scene, config)
-    assert force == run(scene, config).kite_force[-1].tolist()
+    assert force == run(scene, config).flown.kite_force[-1].tolist()
     assert 0.0 < cost < 1.0

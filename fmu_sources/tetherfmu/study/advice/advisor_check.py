@@ -48,7 +48,7 @@ def verdict(scene, reference):
     """`Verdict` on the advice for a scene."""
     advice, fast = advise(scene), fast_advice(scene)
     config, fast_config = advice.point.config, fast.forecast.config
-    point, fast_point = (measure(scene, each, reference.run) for each in (config, fast_config))
+    point, fast_point = (measure(scene, each, reference.run.flown) for each in (config, fast_config))
     return Verdict(
         scene.name,
         scene.wanted.allowed_error,
