@@ -7,6 +7,7 @@ import traceback
 from tetherfmu.export.ahead_of_time import TARGETS, libraries
 from tetherfmu.export.archive import DEFAULT_PLATFORMS, SLAVES, build, contents, kernels_folder
 from tetherfmu.runtime.layout import MAX_SEGMENTS
+from tetherfmu.runtime.variants import class_name, variant_of
 
 MAX_SHAPE_POINTS = 1001
 
@@ -34,9 +35,10 @@ def parse(arguments):
     for platform in options.platforms:
         if platform not in TARGETS:
             parser.error(f"no platform is called {platform}; choose from {', '.join(TARGETS)}")
-    for name in options.names:
-        if name not in SLAVES:
-            parser.error(f"no FMU is called {name}; choose from {', '.join(SLAVES)}")
+    try:
+        options.names = [class_name(variant_of(name)) for name in options.names]
+    except ValueError as error:
+        parser.error(str(error))
     if not 1 <= options.segments <= MAX_SEGMENTS:
         parser.error(f"--segments is {options.segments}; it must be from 1 to {MAX_SEGMENTS}")
     if options.shape_points not in (0, *range(2, MAX_SHAPE_POINTS + 1)):

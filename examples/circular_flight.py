@@ -29,13 +29,10 @@ from flight_figures import plot_first_shape, plot_forces, plot_shapes
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
+from tetherfmu.runtime.variants import class_name, variant_of
+
 ROOT = Path(__file__).resolve().parent.parent
-TETHERS = {
-    "dynamic": "TetherDynamic",
-    "quasi-steady": "TetherQuasiSteady",
-    "catenary": "TetherCatenary",
-    "straight": "TetherStraight",
-}
+TETHERS = {variant: class_name(variant) for variant in ("dynamic", "quasi_steady", "catenary", "straight")}
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
@@ -152,11 +149,20 @@ def positive(text):
     return number
 
 
+def tether(text):
+    """A variant of the tether by any of its names, or "all"."""
+    try:
+        return text if text == "all" else variant_of(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{error}, or all") from None
+
+
 def parse(arguments):
     """Command line options."""
     parser = argparse.ArgumentParser(description="Fly a kite on a circle and plot its tether.")
     option = parser.add_argument
-    option("--tether", choices=[*TETHERS, "all"], default="dynamic", help="model of the tether (default: dynamic)")
+    allowed = ", ".join(TETHERS)
+    option("--tether", type=tether, default="dynamic", metavar="NAME", help=f"{allowed}, or all (default: dynamic)")
     option("--fmu", type=Path, metavar="FILE", help="a tether FMU of your own instead")
     option("--length", type=positive, default=525.0, metavar="L", help="of the tether, unstretched [m] (default: 525)")
     option("--rate", type=positive, default=0.05, metavar="G", help="of the turn [rad/s] (default: 0.05)")

@@ -38,7 +38,7 @@ def survey(files=None, slacks=SLACKS, winds=WINDS):
 def plot(forces, slacks=SLACKS, winds=WINDS):
     """Force at both ends over the wind, a colour for each slack and a line style for each tether."""
     figure, panels = plt.subplots(1, 2, figsize=(10.0, 5.5), sharey=True, layout="constrained")
-    styles = {"dynamic": "-", "quasi-steady": "o", "catenary": "--", "straight": ":"}
+    styles = {"dynamic": "-", "quasi_steady": "o", "catenary": "--", "straight": ":"}
     for end, (axes, title) in enumerate(zip(panels, ("ground station", "kite"), strict=True)):
         for number, slack in enumerate(slacks):
             for name, values in forces.items():

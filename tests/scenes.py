@@ -24,7 +24,7 @@ def circle(time, rate=CIRCLE_RATE):
 
 
 def fly_circle(tether, step, duration, wind=(0.1, 0.0, 0.0), rate=CIRCLE_RATE):
-    """Fly a Python face along the circle; returns the times [s] and the list of outputs after each step."""
+    """Fly a `TetherModel` along the circle; returns the times [s] and the list of outputs after each step."""
     position, velocity = circle(0.0, rate)
     tether.initialize(kite_position=position, kite_velocity=velocity, wind_velocity=wind)
     outputs = []

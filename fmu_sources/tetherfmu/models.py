@@ -9,16 +9,10 @@ import numpy as np
 from tetherfmu import compiled
 from tetherfmu.runtime import kernel_library, status
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import (
-    DEFAULT_TOLERANCE,
-    VARIANTS_WITHOUT_NODES,
-    Environment,
-    Solver,
-    Tether,
-    effective,
-    pack,
-)
-from tetherfmu.runtime.variables import INPUT_NAMES, KITE_AT_START
+from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variables import KITE_AT_START
+from tetherfmu.runtime.variants import WITHOUT_NODES, effective
 
 from . import energy
 
@@ -63,8 +57,15 @@ class StepRefused(ValueError):
     """A step or an initialization that cannot be done; the tether keeps the state of before."""
 
 
-def _address(array):
-    return array.ctypes.data
+def _checked(point_masses, segments):
+    """Pairs (node, mass) of a dict of point masses; ValueError if a node or a mass [kg] does not exist."""
+    masses = dict(point_masses or {})
+    for node, mass in masses.items():
+        if node not in range(segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
+            raise ValueError(
+                f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from 0 to {segments}"
+            )
+    return masses.items()
 
 
 class TetherModel:
@@ -104,27 +105,22 @@ class TetherModel:
         _free_ends=(False, False),
     ):
         tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
-        self._points = sum(each.segments for each in tethers) + 1 if shape_points is None else shape_points
-        if self.variant in VARIANTS_WITHOUT_NODES and (len(tethers) > 1 or point_masses):
+        points = sum(each.segments for each in tethers) + 1 if shape_points is None else shape_points
+        if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{type(self).__name__} is one uniform line: it takes one Tether and no point_masses")
-        self._tolerance = solver.relative_tolerance or DEFAULT_TOLERANCE
-        self._solver = solver
         tethers = tuple(effective(each, self.variant) for each in tethers)
-        self.segments = sum(each.segments for each in tethers)
-        masses = dict(point_masses or {})
-        for node, mass in masses.items():
-            if node not in range(self.segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
-                raise ValueError(
-                    f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from "
-                    f"0 to {self.segments}"
-                )
-        self._parameters = np.array(pack(tethers, environment, solver, self._tolerance, masses.items(), _free_ends))
-        self._inputs = np.zeros(at.INPUTS)
-        self._state = np.zeros(at.state_size(self.segments))
-        self._before = self._state.copy()
-        self._outputs = np.zeros(at.outputs_size(self._points))
-        self._work = np.zeros(at.work_size(self.segments))
+        masses = _checked(point_masses, sum(each.segments for each in tethers))
         self._kernels = kernel_library.load(library, self.variant) if library else compiled.kernels(self.variant)
+        self._points = points
+        self._instance = Instance(self._kernels, points)
+        self._instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
+        self.segments = self._instance.segments
+        values = np.frombuffer(self._instance.values)  # views of the arrays of the instance
+        self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
+        names = ("parameters", "state", "before", "work")
+        self._parameters, self._state, self._before, self._work = (
+            np.frombuffer(getattr(self._instance, name)) for name in names
+        )
 
     def initialize(
         self,
@@ -142,10 +138,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
-        result = self._kernels.initialize(
-            self.segments, _address(self._parameters), _address(self._inputs), _address(self._state), _address(self._work)
-        )
-        return self._outputs_or_refusal(result, 0.0)
+        return self._outputs_unless(self._instance.start())
 
     def step(
         self,
@@ -166,15 +159,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
         )
-        result = self._kernels.advance(
-            self.segments,
-            _address(self._parameters),
-            _address(self._inputs),
-            step,
-            _address(self._state),
-            _address(self._work),
-        )
-        return self._outputs_or_refusal(result, step)
+        return self._outputs_unless(self._instance.advance(step))
 
     def fly(self, inputs, step, every=1, peaks=True):
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
@@ -218,11 +203,10 @@ class TetherModel:
         began = perf_counter()
         result, done = compiled.fly(*before, inputs, *after)
         seconds = perf_counter() - began
-        self._before[:] = self._state
         if len(inputs):
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
         if result != status.OK:
-            raise StepRefused(f"step {done + 1} of {len(inputs)}: {self._sentence(result, step)}")
+            raise StepRefused(f"step {done + 1} of {len(inputs)}: {self._instance.sentence(result, step)}")
         return Flown(rows.outputs, rows.peak, rows.positions.reshape(count, self.segments + 1, 3), seconds)
 
     def get_state(self):
@@ -235,11 +219,10 @@ class TetherModel:
         if state.shape != self._state.shape:
             raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
         self._state[:] = state
-        self._before[:] = state
 
     def outputs(self):
         """`Outputs` that belong to the present state."""
-        self._observe()
+        self._instance.observe()
         return self._collected()
 
     def energy(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
@@ -248,7 +231,7 @@ class TetherModel:
         `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
         powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        if self.variant in VARIANTS_WITHOUT_NODES:
+        if self.variant in WITHOUT_NODES:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy of its own motion")
         state, inputs = self._state, self._inputs
         return energy.account(
@@ -300,41 +283,11 @@ class TetherModel:
         inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
         inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = load
 
-    def _observe(self):
-        return self._kernels.observe(
-            self.segments,
-            _address(self._parameters),
-            _address(self._state),
-            self._points,
-            _address(self._outputs),
-            _address(self._work),
-        )
-
-    def _outputs_or_refusal(self, result, step):
-        """`Outputs` after a call of the kernels that returned `result`, or StepRefused and the state of before."""
-        if result == status.OK:
-            result = self._observe()
-        if result == status.OK:
-            self._before[:] = self._state
-            return self._collected()
-        sentence = self._sentence(result, step)
-        self._state[:] = self._before
-        raise StepRefused(sentence)
-
-    def _sentence(self, result, step):
-        """What a status of the kernels says about a step [s] of this tether, with the inputs and the length it has now."""
-        place = status.index(result)
-        return status.sentence(
-            result,
-            name=INPUT_NAMES.get(place, "kite_load"),
-            value=self._inputs[place],
-            step=step,
-            reel_out_speed=self._inputs[at.REEL_OUT_SPEED],
-            length=self._state[at.LENGTH],
-            relative_tolerance=self._tolerance,
-            fixed_step=self._solver.fixed_step,
-            budget=at.WORK_BUDGET // self.segments,
-        )
+    def _outputs_unless(self, problem):
+        """`Outputs` after a start or a step; StepRefused if there was a problem."""
+        if problem:
+            raise StepRefused(problem)
+        return self._collected()
 
 
 class TetherDynamic(TetherModel):

@@ -58,12 +58,12 @@ import numpy as np
 from forces_over_wind_and_slack import main, survey
 main(["--out", {str(tmp_path)!r}])
 forces = survey(slacks=(-0.01, 0.02), winds=(0.0, 10.0, 20.0))
-assert np.array_equal(forces["dynamic"], forces["quasi-steady"])
+assert np.array_equal(forces["dynamic"], forces["quasi_steady"])
 assert np.allclose(forces["catenary"][0], forces["dynamic"][0], rtol=0.01)
 assert np.allclose(forces["straight"][0], forces["dynamic"][0], rtol=0.1)
 assert all((np.diff(each[:, 1:, 1], axis=1) > 0.0).all() for each in forces.values())
 """,
     )
     names = [line.split(":")[0] for line in printed.splitlines()]
-    assert names == ["dynamic", "quasi-steady", "catenary", "straight"]
+    assert names == ["dynamic", "quasi_steady", "catenary", "straight"]
     assert_is_drawn(tmp_path / "forces_over_wind_and_slack.png")

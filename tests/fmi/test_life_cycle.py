@@ -1,4 +1,4 @@
-"""One FMU through its life: equals the Python face, state, reset, variable steps, several instances."""
+"""One FMU through its life: equals the Python API, state, reset, variable steps, several instances."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def started(path, **values):
 
 @pytest.mark.parametrize("name", list(SLAVES))
 @in_own_process
-def test_fmu_equals_the_python_face_bit_for_bit(fmu_folder, name):
+def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
     """Kernels compiled ahead of time for a plain processor against kernels compiled just in time for this one.
 
     Equal to the last bit: neither is allowed to reorder or to fuse operations.

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tetherfmu.export.ahead_of_time import VARIANTS
 from tetherfmu.export.archive import SLAVES, build, contents
 from tetherfmu.runtime.kernel_library import file_name, load
+from tetherfmu.runtime.variants import VARIANTS
 
 LARGEST = 2_000_000  # bytes of an FMU
 
@@ -31,7 +31,7 @@ def test_carries_its_kernels_and_no_cache(fmu_folder, name):
         names = archive.namelist()
         scripts = [entry for entry in names if re.fullmatch(r"resources/tether_\w+_[0-9a-f]{12}\.py", entry)]
         assert len(scripts) == 1
-        packages = {entry.split("/")[1] for entry in names if "/fmi.py" in entry}
+        packages = {entry.split("/")[1] for entry in names if "/slave.py" in entry}
         assert [re.fullmatch(r"tetherfmu_[0-9a-f]{12}", package) is not None for package in packages] == [True]
         assert not any("__pycache__" in entry for entry in names)
 

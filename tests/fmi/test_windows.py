@@ -10,11 +10,12 @@ import pytest
 
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu.compiled import kernels
-from tetherfmu.export.ahead_of_time import VARIANTS, libraries
+from tetherfmu.export.ahead_of_time import libraries
 from tetherfmu.export.archive import kernels_folder
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import file_name
-from tetherfmu.runtime.parameters import Environment, Solver, effective, pack
+from tetherfmu.runtime.parameters import Environment, Solver, pack
+from tetherfmu.runtime.variants import VARIANTS, effective
 
 STEPS, STEP, POINTS = 100, 0.02, 5
 # the mathematical libraries differ in the last bit of log1p, asinh, ...; a step of the solver does not amplify that

@@ -16,7 +16,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
-VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")
 SOURCES = Path(__file__).resolve().parents[2]
 VERBS = ("initialize", "advance", "observe")
 MATHEMATICS = {"sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "memset", "memcpy"}

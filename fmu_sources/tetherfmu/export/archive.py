@@ -20,24 +20,20 @@ from pythonfmu.builder import FmuBuilder
 
 from tetherfmu.kernels.sources import PACKAGE, source_digest
 from tetherfmu.runtime.kernel_library import file_name
-from tetherfmu.runtime.slave import KERNELS_FOLDER, OPTIONS_FILE
+from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
+from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from . import osp
 from .ahead_of_time import TARGETS, libraries
 from .documents import OSP_FOLDER, documents
 
-SLAVES = {  # name: (slave script, variant)
-    "TetherStraight": ("tether_straight.py", "straight"),
-    "TetherCatenary": ("tether_catenary.py", "catenary"),
-    "TetherQuasiSteady": ("tether_quasi_steady.py", "quasi_steady"),
-    "TetherDynamic": ("tether_dynamic.py", "dynamic"),
-}
+SLAVES = {class_name(variant): (f"tether_{variant}.py", variant) for variant in VARIANTS}  # name: (slave script, variant)
 DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
-LAUNCHER = """from {package}.slave import hold_globals
-from {package}.{module} import {name}
+LAUNCHER = """from {package}.{module} import {name}
+from {package}.workarounds import hold
 
-hold_globals(globals())
+hold(globals())
 """
 DATE = (2026, 1, 1, 0, 0, 0)
 DATE_TEXT = "2026-01-01T00:00:00Z"

@@ -4,7 +4,7 @@ Standard library only: finished FMUs ship this file.
 """
 
 from array import array
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 
 from . import layout as at
@@ -102,19 +102,6 @@ class Solver:
 
     def __post_init__(self):
         check(self)
-
-
-VARIANTS_WITHOUT_NODES = ("catenary", "straight")
-VARIANTS_WITHOUT_DAMPING = ("quasi_steady", "catenary", "straight")
-
-
-def effective(tether, variant):
-    """The tether as a variant knows it: without damping where there are no waves, one segment where there are no nodes."""
-    if variant in VARIANTS_WITHOUT_DAMPING:
-        tether = replace(tether, axial_damping=0.0)
-    if variant in VARIANTS_WITHOUT_NODES:
-        tether = replace(tether, segments=1)
-    return tether
 
 
 def check_series(tethers):

@@ -11,7 +11,7 @@ from math import degrees, pi
 from . import layout as at
 from .dependencies import depends_on
 from .parameters import Environment, Solver, Tether
-from .quantities import Quantity, quantities
+from .quantities import Quantity, checked, quantities
 
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
 RECORDS = (Tether, Environment, Solver)
@@ -226,9 +226,15 @@ def table_of(variant, options):
     return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
 
 
-def records(values):
-    """Records (Tether, Environment, Solver) from a dict of all parameters; ValueError names what is out of range."""
-    made = []
-    for record in RECORDS:
-        made.append(record(**{name: values[name] for name, _ in quantities(record)}))
-    return tuple(made)
+def records(table, numbers):
+    """Records (Tether, Environment, Solver) from the values of all parameters; ValueError names what is out of range.
+
+    table : of `variables`.  numbers : in the order of `parameter_names`.
+    """
+    values = dict(zip(parameter_names(), numbers, strict=True))
+    for variable in table:
+        if variable.causality == PARAMETER:
+            checked(variable.name, values[variable.name], variable.quantity)
+            if variable.kind != "Real":
+                values[variable.name] = int(values[variable.name])
+    return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in RECORDS)

@@ -19,6 +19,7 @@ from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.flown_fmu import flown
 from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.scenes.files import SceneError, load
+from tetherfmu.study.stability import command as stability
 
 
 class Parser(argparse.ArgumentParser):
@@ -62,6 +63,7 @@ def parse(arguments):
     page.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
     page.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
     page.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
+    stability.add_arguments(command(stability.run, "stability", "find where the tethers hold and where they refuse"))
     return parser.parse_args(arguments)
 
 

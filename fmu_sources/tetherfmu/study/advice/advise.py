@@ -8,9 +8,9 @@ allowed. `--fast` flies nothing but a coarse quasi-steady tether: see `forecast`
 from math import ceil, sqrt
 from typing import NamedTuple
 
+from tetherfmu.runtime.variants import VARIANTS, class_name
 from tetherfmu.study.measuring.converged import Reference, converged
-from tetherfmu.study.measuring.flown_fmu import FMUS
-from tetherfmu.study.measuring.runs import VARIANTS, Config
+from tetherfmu.study.measuring.runs import Config
 
 from .forecast import GROUPS, MARGIN, group_error, least_cost, limit
 from .numbers import numbers
@@ -110,7 +110,7 @@ def explain(scene, advice):
     checked, allowed = isinstance(advice, Advice), scene.wanted.allowed_error
     config = advice.point.config if checked else advice.forecast.config
     found, level = (numbers(scene), allowed) if checked else (advice.numbers, MARGIN * allowed)
-    facts = {"scene": scene, "advice": advice, "checked": checked, "config": config, "fmu": FMUS[config.variant]}
+    facts = {"scene": scene, "advice": advice, "checked": checked, "config": config, "fmu": class_name(config.variant)}
     facts |= {"numbers": found, "meanings": MEANINGS, "reasons": reasons(config, found, level)}
     if checked:
         facts["speed"] = fast_enough(scene, advice.point)

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from tetherfmu.study.measuring.runs import VARIANTS
+from tetherfmu.runtime.variants import VARIANTS
 
 from .rendering import hyphenated
 from .thresholds import LEVELS as THRESHOLD_LEVELS

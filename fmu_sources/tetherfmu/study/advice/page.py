@@ -7,7 +7,6 @@ from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.store import Store
-from tetherfmu.study.measuring.tables import circumstances
 from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
@@ -72,7 +71,6 @@ def page(results, unseen_verdicts, work_precision):
     return rendered(
         "page.md.j2",
         **declared(),
-        circumstances=circumstances(),
         results=results,
         names=NAMES,
         worst=worst,

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from tetherfmu.study.measuring.tables import circumstances, templates_in
 
 
 def percent(value):
@@ -20,16 +20,10 @@ def hyphenated(variant):
     return variant.replace("_", "-")
 
 
-TEMPLATES = Environment(
-    loader=FileSystemLoader(Path(__file__).parent),
-    undefined=StrictUndefined,
-    trim_blocks=True,
-    lstrip_blocks=True,
-    keep_trailing_newline=True,
-)
+TEMPLATES = templates_in(Path(__file__).parent)
 TEMPLATES.filters |= {"percent": percent, "factor": factor, "hyphenated": hyphenated}
 
 
 def rendered(template, **facts):
-    """Text of a template that is filled with facts."""
-    return TEMPLATES.get_template(template).render(facts)
+    """Text of a template that is filled with facts and the circumstances."""
+    return TEMPLATES.get_template(template).render(facts, circumstances=circumstances())

@@ -11,7 +11,8 @@ from markdown import markdown
 from tetherfmu.export.archive import Trim
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
-from tetherfmu.study.measuring.flown_fmu import FMUS, inputs_by_name
+from tetherfmu.runtime.variants import class_name
+from tetherfmu.study.measuring.flown_fmu import inputs_by_name
 from tetherfmu.study.measuring.runs import parameters_of
 from tetherfmu.study.scenes.files import SceneError, load
 
@@ -91,4 +92,4 @@ def advised(path, shape_points):
     page = rendered("scene.html.j2", title=scene.name, body=body)
     starts = [[name, value] for name, value in (inputs.iloc[0].to_dict() | parameters_of(scene, config)).items()]
     trim = Trim(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
-    return Advised(FMUS[config.variant], config.segments or 1, points, trim, text, advice.met)
+    return Advised(class_name(config.variant), config.segments or 1, points, trim, text, advice.met)

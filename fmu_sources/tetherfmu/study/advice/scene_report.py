@@ -6,7 +6,6 @@ import pandas as pd
 from markdown import markdown
 
 from tetherfmu.study.measuring.errors import worst
-from tetherfmu.study.measuring.tables import circumstances
 from tetherfmu.study.scenes.files import OUTPUTS
 
 from .figures import draw
@@ -49,7 +48,6 @@ def page(scene, reference, points, through_fmpy):
         in_space=worst(reference.space, names),
         in_time=worst(reference.time, names),
         own=reference.own_error(names),
-        circumstances=circumstances(),
     )
 
 

@@ -19,9 +19,10 @@ from scipy.optimize import nnls
 from tetherfmu.export.archive import build
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.scenes.random_scenes import random_scenes
 
-from .runs import VARIANTS, Config, run
+from .runs import Config, run
 from .through_fmpy import measured
 
 TABLE = Path(__file__).with_name("costs.csv")

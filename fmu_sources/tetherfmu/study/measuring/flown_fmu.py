@@ -9,12 +9,10 @@ from time import perf_counter
 import pandas as pd
 
 from tetherfmu.runtime.variables import INPUT_NAMES
-from tetherfmu.study.scenes.standard import MODELS
+from tetherfmu.runtime.variants import class_name
 
 from .runs import parameters_of
 from .through_fmpy import references, vectors
-
-FMUS = {variant: model.__name__ for variant, model in MODELS.items()}
 
 
 def inputs_by_name(scene, step):
@@ -58,7 +56,7 @@ def flown(folder, scene, config):
 
     folder : with the FMUs.
     """
-    path = str(Path(folder) / f"{FMUS[config.variant]}.fmu")
+    path = str(Path(folder) / f"{class_name(config.variant)}.fmu")
     task = path, parameters_of(scene, config), inputs_by_name(scene, config.step), config.step
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as own_process:
         seconds, force = own_process.submit(fly, *task).result()

@@ -9,7 +9,6 @@ from tetherfmu.runtime.parameters import Solver
 from tetherfmu.study.scenes.standard import MODELS, QUASI_STEADY_START
 
 SHAPE_POINTS = 21
-VARIANTS = tuple(MODELS)  # from coarse to fine
 
 
 class Config(NamedTuple):

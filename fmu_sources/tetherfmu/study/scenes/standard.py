@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .flights import FigureOfEight
 
@@ -27,7 +28,7 @@ CIRCLE_LENGTH = 525.0
 EIGHT, EIGHT_LENGTH = FigureOfEight(), 499.0
 RELEASE_LENGTH = 70.0
 RELEASE_POINT = (-40.0, 0.0, -47.0)
-MODELS = {model.variant: model for model in (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)}
+MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
 QUASI_STEADY_START = 2
 
 
@@ -116,7 +117,9 @@ def inputs_of(scene, step, count=None):
 def tether_at_start(scene, tolerance=0.0, variant="dynamic"):
     """A tether of a variant from the Python API, initialized for a scene; `tolerance` 0 is the default of the solver."""
     if scene.kite_is_free:
-        model = TetherDynamic(scene.tether, scene.environment, Solver(relative_tolerance=tolerance), free_ends=(False, True))
+        model = models.TetherDynamic(
+            scene.tether, scene.environment, Solver(relative_tolerance=tolerance), free_ends=(False, True)
+        )
         model.initialize(RELEASE_POINT, reel_out_speed=scene.reel_out_speed)
         return model
     solver = Solver(relative_tolerance=tolerance, initial_shape=QUASI_STEADY_START)

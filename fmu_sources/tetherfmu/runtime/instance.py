@@ -1,0 +1,146 @@
+"""One running tether: the entry points of its variant, its flat arrays (`layout.py`), and what it says when it refuses.
+
+The FMI slave and the Python API both run it. Standard library only: finished FMUs ship this file.
+"""
+
+from array import array
+
+from . import layout as at
+from . import status
+from .parameters import DEFAULT_TOLERANCE, pack
+from .variables import INPUT_NAMES
+
+INPUTS_AT, OUTPUTS_AT = 0, at.INPUTS  # places in `Instance.values`
+
+
+def zeros(count):
+    """Array of so many doubles."""
+    return array("d", bytes(8 * count))
+
+
+def address(doubles):
+    """Address of an array, which stays as long as its length."""
+    return doubles.buffer_info()[0]
+
+
+class Instance:
+    """A tether that is set up, started, and advanced step by step; a refused start or step keeps state and outputs.
+
+    Parameters
+    ----------
+    kernels : kernel_library.Kernels
+        Entry points of the variant.
+    points : int
+        Points of the output `shape`.
+    room : int
+        Places for the caller behind inputs and outputs in `values`.
+
+    Attributes
+    ----------
+    values : array
+        Inputs, outputs and `room` places, at the same address for life. The caller sets the inputs.
+    parameters, state, before, work : array
+        As `layout.py` has them; `before` is the state of before the last start or step. Each `set_up` makes new parameters,
+        and one for another number of segments new arrays.
+    segments : int
+        0 before it is set up.
+    """
+
+    def __init__(self, kernels, points, room=0):
+        self.kernels = kernels
+        self.points = points
+        self.segments = 0
+        self.parameters_at = OUTPUTS_AT + at.outputs_size(points)
+        self.values = zeros(self.parameters_at + room)
+        self.state = zeros(0)
+        self._inputs_address = address(self.values)
+        self._outputs_address = self._inputs_address + 8 * OUTPUTS_AT
+
+    def set_up(self, tethers, environment, solver, tolerance=0.0, point_masses=(), free_ends=(False, False)):
+        """Pack the parameters, make the arrays; it is to be started next.
+
+        Parameters
+        ----------
+        tethers : sequence of Tether
+            In series from the ground to the kite, as the variant knows them (`variants.effective`).
+        environment, solver : Environment, Solver
+        tolerance : float
+            The importer's relative tolerance [-], for a solver without one of its own; 0 for none.
+        point_masses, free_ends
+            See `parameters.pack`.
+
+        Raises
+        ------
+        ValueError
+            If the tethers do not fit together or their segments are too short.
+        """
+        tolerance = solver.relative_tolerance or tolerance or DEFAULT_TOLERANCE
+        self.parameters = pack(tethers, environment, solver, tolerance, point_masses, free_ends)
+        self._tolerance = tolerance
+        self._fixed_step = solver.fixed_step
+        segments = sum(tether.segments for tether in tethers)
+        if segments != self.segments:
+            self.segments = segments
+            self.state = zeros(at.state_size(segments))
+            self.before = zeros(at.state_size(segments))
+            self.work = zeros(at.work_size(segments))
+        self._parameters_address = address(self.parameters)
+        self._state_address = address(self.state)
+        self._work_address = address(self.work)
+
+    def start(self):
+        """Find the first shape between the ends that the inputs give. Returns what is wrong, or None."""
+        outputs = self.values[OUTPUTS_AT : self.parameters_at]
+        self.before[:] = self.state
+        result = self.kernels.initialize(
+            self.segments, self._parameters_address, self._inputs_address, self._state_address, self._work_address
+        )
+        if result == status.OK:
+            result = self.observe()
+        if result == status.OK:
+            return None
+        problem = self.sentence(result, 0.0)  # with the length that was tried
+        self.state[:] = self.before
+        self.values[OUTPUTS_AT : self.parameters_at] = outputs
+        return problem
+
+    def advance(self, step):
+        """Do a communication step of `step` [s] with the inputs at its start. Returns what is wrong, or None."""
+        self.before[:] = self.state
+        result = self.kernels.advance(
+            self.segments, self._parameters_address, self._inputs_address, step, self._state_address, self._work_address
+        )
+        if result == status.OK:
+            result = self.observe()
+            if result == status.OK:
+                return None
+        problem = self.sentence(result, step)
+        self.state[:] = self.before
+        self.observe()
+        return problem
+
+    def observe(self):
+        """Compute the outputs that belong to the state; returns the status."""
+        return self.kernels.observe(
+            self.segments,
+            self._parameters_address,
+            self._state_address,
+            self.points,
+            self._outputs_address,
+            self._work_address,
+        )
+
+    def sentence(self, result, step):
+        """What a status says about a step [s] with the inputs and the unstretched length of now."""
+        place = status.index(result)
+        return status.sentence(
+            result,
+            name=INPUT_NAMES.get(place, "kite_load"),  # the only input that is no FMI variable
+            value=self.values[place],
+            step=step,
+            reel_out_speed=self.values[at.REEL_OUT_SPEED],
+            length=self.state[at.LENGTH],
+            relative_tolerance=self._tolerance,
+            fixed_step=self._fixed_step,
+            budget=at.WORK_BUDGET // self.segments,
+        )

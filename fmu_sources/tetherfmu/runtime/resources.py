@@ -1,0 +1,19 @@
+"""What the builder puts into the resources of an FMU beside this package: compiled kernels and build options.
+
+Standard library only: finished FMUs ship this file.
+"""
+
+import json
+from functools import lru_cache
+from pathlib import Path
+
+OPTIONS_FILE = "options.json"
+KERNELS_FOLDER = "kernels"
+DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21, "about": "", "step": 0.02}
+
+
+@lru_cache
+def options_in(resources):
+    """Build options in the resources of an FMU, read once: its folder may vanish while instances live."""
+    file = Path(resources or ".") / OPTIONS_FILE
+    return DEFAULT_OPTIONS | (json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {})

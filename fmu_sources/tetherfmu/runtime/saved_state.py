@@ -1,0 +1,53 @@
+"""A saved state as bytes: header, facts, all FMI values, and the state array once the tether is initialized.
+
+Standard library only: finished FMUs ship this file.
+"""
+
+import struct
+import zlib
+from array import array
+from typing import NamedTuple
+
+from . import layout as at
+
+MAGIC = b"tether02"  # with the version
+HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
+FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
+BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
+
+
+class SavedState(NamedTuple):
+    """All that an instance needs to continue, bit for bit."""
+
+    variant: str
+    phase: int  # one of the four above
+    segments: int
+    tolerance: float  # the importer's, 0 for none
+    time: float  # [s], NaN before the first step
+    values: array  # all FMI values
+    state: array  # empty before STEPPING
+
+
+def to_bytes(saved):
+    """The record as bytes."""
+    body = FACTS.pack(saved.variant.encode(), *saved[1:5]) + saved.values.tobytes() + saved.state.tobytes()
+    return HEADER.pack(MAGIC, len(body), zlib.crc32(body)) + body
+
+
+def from_bytes(blob, variant, count):
+    """The record in bytes of `to_bytes`.
+
+    variant : of the FMU that reads.  count : number of its FMI values.  ValueError says what is wrong with the bytes.
+    """
+    smallest = HEADER.size + FACTS.size
+    if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(MAGIC):
+        raise ValueError("is no state of a tether, or of another version")
+    _, length, checksum = HEADER.unpack_from(blob)
+    if length != len(blob) - HEADER.size or zlib.crc32(blob[HEADER.size :]) != checksum:
+        raise ValueError("is damaged")
+    name, phase, segments, tolerance, time = FACTS.unpack_from(blob, HEADER.size)
+    numbers = count + (at.state_size(segments) if phase >= STEPPING else 0)
+    if name.rstrip(b"\0") != variant.encode() or phase > TERMINATED or len(blob) != smallest + 8 * numbers:
+        raise ValueError("belongs to another tether FMU")
+    doubles = array("d", blob[smallest:])
+    return SavedState(variant, phase, segments, tolerance, time, doubles[:count], doubles[count:])

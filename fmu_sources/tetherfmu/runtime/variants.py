@@ -1,0 +1,34 @@
+"""The variants of the tether, and how people spell them.
+
+Standard library only: finished FMUs ship this file.
+"""
+
+from dataclasses import replace
+
+VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")  # from coarse to fine
+WITHOUT_NODES = ("straight", "catenary")
+WITHOUT_DAMPING = ("straight", "catenary", "quasi_steady")
+
+
+def class_name(variant):
+    """Name of the FMU of a variant, and of its classes: "TetherQuasiSteady" of "quasi_steady"."""
+    return "Tether" + "".join(word.capitalize() for word in variant.split("_"))
+
+
+def variant_of(text):
+    """The variant that a text names, such as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none."""
+    letters = "".join(character for character in text.lower() if character not in "_- ").removeprefix("tether")
+    for variant in VARIANTS:
+        if letters == variant.replace("_", ""):
+            return variant
+    allowed = ", ".join(f"{variant} ({class_name(variant)})" for variant in VARIANTS)
+    raise ValueError(f"no tether is called {text}; choose from {allowed}")
+
+
+def effective(tether, variant):
+    """The tether as a variant knows it: without damping where there are no waves, one segment where there are no nodes."""
+    if variant in WITHOUT_DAMPING:
+        tether = replace(tether, axial_damping=0.0)
+    if variant in WITHOUT_NODES:
+        tether = replace(tether, segments=1)
+    return tether

@@ -1,0 +1,43 @@
+"""What PythonFMU's library leaves undone (docs/fmi.md): references that it gives away, and the end of a process.
+
+Standard library only: finished FMUs ship this file.
+"""
+
+import ctypes
+import os
+import sys
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+
+
+def hold(*objects):
+    """Take a reference of each object for good: PythonFMU's library gives away one that it does not own.
+
+    One of the globals of the launcher script per instance; one of the slave, its class and its log when it refuses to start.
+    """
+    for each in objects:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(each))
+
+
+def leave_search_path(resources):
+    """Take the resources of an FMU off the search path: the library puts them there for each instance and leaves them."""
+    with suppress(ValueError):
+        sys.path.remove(resources)
+
+
+@lru_cache
+def free_interpreter_once(resources):
+    """Let a Linux process end cleanly with PythonFMU's library loaded.
+
+    At the exit the library frees its interpreter state in a static destructor and then again in its unload function. An exit
+    handler registered now runs before both and takes the state away. glibc never unloads the library, because it has unique
+    symbols; `RTLD_NODELETE` says so for others, so that the handler stays valid.
+    """
+    if sys.platform != "linux":
+        return
+    for path in Path(resources).parent.glob("binaries/linux64/*.so"):
+        with suppress(OSError, AttributeError):  # not loaded from there, or a C library of another kind
+            library = ctypes.CDLL(str(path), mode=os.RTLD_NOW | os.RTLD_NOLOAD | os.RTLD_NODELETE)
+            handler = ctypes.cast(library.finalizePythonInterpreter, ctypes.c_void_p)
+            ctypes.CDLL(None).__cxa_atexit(handler, None, None)
