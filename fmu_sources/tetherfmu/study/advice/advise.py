@@ -6,17 +6,19 @@ allowed. `--fast` flies nothing but a coarse quasi-steady tether: see `forecast`
 """
 
 from math import ceil, sqrt
+from pathlib import Path
 from typing import NamedTuple
 
 from tetherfmu.runtime.variants import VARIANTS, class_name
 from tetherfmu.study.measuring.converged import Reference, converged
 from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.tables import page, percent
 
 from .forecast import GROUPS, MARGIN, group_error, least_cost, limit
 from .numbers import numbers
-from .rendering import percent, rendered
 from .tradeoff import SEGMENTS, Measured, ladder, measure, steps
 
+TEMPLATE = Path(__file__).with_name("advice.txt.j2")
 PART_OF_CHECK = 0.125  # of the allowed error: what the finer model may be wrong by
 CHECK_SEGMENTS = 1.8  # of the finer model to begin with: this over the root of the allowed error
 PROBE_SEGMENTS = 11
@@ -116,4 +118,4 @@ def explain(scene, advice):
         facts["speed"] = fast_enough(scene, advice.point)
     else:
         facts["counted"] = [f"{name} {percent(error)}" for name, error in advice.forecast.errors.items() if error > 1e-4]
-    return rendered("advice.txt.j2", **facts).rstrip("\n")
+    return page(TEMPLATE, **facts).rstrip("\n")

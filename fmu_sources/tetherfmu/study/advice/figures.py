@@ -5,7 +5,6 @@ from matplotlib.figure import Figure
 
 from tetherfmu.runtime.variants import VARIANTS
 
-from .rendering import hyphenated
 from .thresholds import LEVELS as THRESHOLD_LEVELS
 from .thresholds import SWEEPS, read
 from .tradeoff import LEVELS, front
@@ -26,7 +25,7 @@ def draw_points(axis, points, size):
     """Cost against error of all points, a color for each variant, and their front as a line; returns the front."""
     for variant in VARIANTS:
         mine = points[(points.variant == variant) & np.isfinite(points.error)]
-        style = {"color": COLORS[variant], "markersize": size, "alpha": 0.6, "label": hyphenated(variant)}
+        style = {"color": COLORS[variant], "markersize": size, "alpha": 0.6, "label": variant.replace("_", "-")}
         axis.loglog(100.0 * mine.error, 1e6 * mine.cost, ".", **style)
     best = front(points)
     axis.step(100.0 * best.error, 1e6 * best.cost, "k-", where="post", linewidth=1.0)
@@ -77,7 +76,7 @@ def draw_sweeps(path):
     shown = points[points.segments.isin(LINES) & points.stretch.isin(STRETCHES) & (points.error < 10.0)]
     for axis, (group, label) in zip(axes, LABELS.items(), strict=True):
         for (variant, segments), curve in shown[shown.group == group].groupby(["variant", "segments"], sort=False):
-            name = hyphenated(variant) + (f", {segments} segments" if segments else "")
+            name = variant.replace("_", "-") + (f", {segments} segments" if segments else "")
             style = {"color": COLORS[variant], "linestyle": LINES[segments], "linewidth": 1.3}
             (handles[name],) = axis.loglog(curve.value, (100.0 * curve.error).clip(lower=1e-3), **style)
         for level in THRESHOLD_LEVELS:

@@ -7,6 +7,7 @@ from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
@@ -15,10 +16,10 @@ from tetherfmu.study.scenes.units import spellings
 from .advisor_check import NAMES, asking, at_all_levels, unseen
 from .figures import draw_scenes, draw_sweeps
 from .forecast import MARGIN
-from .rendering import rendered
 from .thresholds import read
 from .tradeoff import LEVELS, cheapest, study
 
+TEMPLATE = Path(__file__).with_name("page.md.j2")
 UNSEEN = 40
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
 
@@ -61,22 +62,22 @@ def declared():
     return {"thresholds": threshold_rows(), "keys": scene_file_keys(), "flights": flights}
 
 
-def page(results, unseen_verdicts, work_precision):
+def how_much_tether(results, unseen_verdicts, work_precision):
     """The page as Markdown; `results` maps scenes to (reference, table of points, verdicts on the advice by level)."""
     cases = [
         (scene, level, cheapest(points, level), verdict)
         for scene, (_, points, verdicts) in results.items()
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
-    return rendered(
-        "page.md.j2",
+    return page(
+        TEMPLATE,
         **declared(),
         results=results,
         names=NAMES,
         worst=worst,
         cases=cases,
         met=sum(verdict.met for *_, verdict in cases),
-        dearest=max(verdict.cost / best.cost for *_, best, verdict in cases if best is not None),
+        dearest=max(verdict.point.cost / best.cost for *_, best, verdict in cases if best is not None),
         unseen=unseen_verdicts,
         seed=SEED,
         margin=MARGIN,
@@ -99,5 +100,5 @@ def make(scene_files, folder, store_folder, executor, progress):
     figures.mkdir(parents=True, exist_ok=True)
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
-    text = page(results, others, (figures / "work_precision_flights.png").exists())
+    text = how_much_tether(results, others, (figures / "work_precision_flights.png").exists())
     (folder / "how_much_tether.md").write_text(text, encoding="utf-8")

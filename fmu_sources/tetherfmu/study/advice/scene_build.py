@@ -6,18 +6,17 @@ not ask for; the description says so.
 
 from typing import NamedTuple
 
-from markdown import markdown
-
 from tetherfmu.export.archive import Trim
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.measuring.flown_fmu import inputs_by_name
 from tetherfmu.study.measuring.runs import parameters_of
+from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.scenes.files import SceneError, load
 
 from .advise import advise, explain
-from .rendering import percent, rendered
+from .scene_report import html
 
 __all__ = ["SceneError", "advised"]
 VECTORS = {  # outputs of the FMU that an output of a scene is made of
@@ -88,8 +87,7 @@ def advised(path, shape_points):
         f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in "
         f"the scene ({vectors_in_words(no_inputs)}); outputs that it does not ask for ({vectors_in_words(no_outputs)})."
     )
-    body = markdown(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```", extensions=["fenced_code"])
-    page = rendered("scene.html.j2", title=scene.name, body=body)
+    page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     starts = [[name, value] for name, value in (inputs.iloc[0].to_dict() | parameters_of(scene, config)).items()]
     trim = Trim(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
     return Advised(class_name(config.variant), config.segments or 1, points, trim, text, advice.met)

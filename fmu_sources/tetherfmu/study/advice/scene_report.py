@@ -6,12 +6,13 @@ import pandas as pd
 from markdown import markdown
 
 from tetherfmu.study.measuring.errors import worst
+from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS
 
 from .figures import draw
-from .rendering import rendered
 from .tradeoff import LEVELS, cheapest
 
+FOLDER = Path(__file__).parent
 COLUMNS = {  # of points.csv, after the configuration and the errors, and of the table of points
     "calls": "calls",
     "work": "work",
@@ -34,12 +35,17 @@ def write_csv(points, reference, path):
     pd.concat([first, table.assign(**rounded)]).rename(columns=head).to_csv(path, index=False, lineterminator="\r\n")
 
 
-def page(scene, reference, points, through_fmpy):
+def html(title, text):
+    """A page of HTML from Markdown."""
+    return page(FOLDER / "scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
+
+
+def report(scene, reference, points, through_fmpy):
     """The page as Markdown; `through_fmpy` maps configurations to measured time per simulated second."""
     names = scene.wanted.outputs
     levels = sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)
-    return rendered(
-        "scene.md.j2",
+    return page(
+        FOLDER / "scene.md.j2",
         scene=scene,
         cheapest={level: cheapest(points, level) for level in levels},
         through_fmpy=through_fmpy,
@@ -56,8 +62,7 @@ def write(scene, reference, points, through_fmpy, folder):
     folder = Path(folder)
     write_csv(points, reference, folder / "points.csv")
     draw(points, reference.own_error(scene.wanted.outputs), scene, folder / "pareto.png")
-    text = page(scene, reference, points, through_fmpy)
+    text = report(scene, reference, points, through_fmpy)
     (folder / "report.md").write_text(text, encoding="utf-8")
-    html = rendered("scene.html.j2", title=scene.name, body=markdown(text, extensions=["tables"]))
-    (folder / "report.html").write_text(html, encoding="utf-8")
+    (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text

@@ -58,8 +58,18 @@ def markdown(table):
     return table.astype(object).map(cell).to_markdown(index=False, disable_numparse=True)
 
 
+def percent(value):
+    """Text of a share in percent, two digits."""
+    return f"{100.0 * value:.2g} %"
+
+
+def factor(cost):
+    """Text of how many times faster than real time a cost per simulated second is, two digits; a dash if not known."""
+    return f"{float(f'{1.0 / cost:.2g}'):.0f}" if cost else "-"
+
+
 def templates_in(folder):
-    """Jinja environment of the templates in a folder; their filter `table` writes a DataFrame."""
+    """Jinja environment of the templates in a folder; filters: `table` (writes a DataFrame), `percent` and `factor`."""
     environment = Environment(
         loader=FileSystemLoader(folder),
         undefined=StrictUndefined,
@@ -67,7 +77,7 @@ def templates_in(folder):
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["table"] = markdown
+    environment.filters |= {"table": markdown, "percent": percent, "factor": factor}
     return environment
 
 
