@@ -21,6 +21,8 @@ from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.scenes.files import SceneError, load
 from tetherfmu.study.stability import command as stability
 
+GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
+
 
 class Parser(argparse.ArgumentParser):
     """Says what is wrong with the command line in one line."""
@@ -123,18 +125,18 @@ def run_page(options):
 
 def main(arguments=None):
     """Do what the command line says; returns the exit status, 2 for a wrong file, 130 after Ctrl-C."""
-    arguments = sys.argv[1:] if arguments is None else arguments
+    options = parse(arguments)
     try:
-        options = parse(arguments)
         return options.run(options)
     except (SceneError, OSError) as error:
         print(error, file=sys.stderr)
         return 2
     except StepRefused as refusal:
-        print(f"{options.scene}: this scene cannot be flown: {refusal}", file=sys.stderr)
+        print(f"{getattr(options, 'scene', options.command)}: this scene cannot be flown: {refusal}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("stopped; the finished points are kept, the same command goes on", file=sys.stderr)
+        kept = "; the finished points are kept, the same command goes on" if options.command in GOING_ON else ""
+        print(f"stopped{kept}", file=sys.stderr)
         return 130
 
 

@@ -6,6 +6,7 @@ import pandas as pd
 from markdown import markdown
 
 from tetherfmu.study.measuring.errors import worst
+from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS
 
@@ -13,26 +14,24 @@ from .figures import draw
 from .tradeoff import LEVELS, cheapest
 
 FOLDER = Path(__file__).parent
-COLUMNS = {  # of points.csv, after the configuration and the errors, and of the table of points
-    "calls": "calls",
-    "work": "work",
-    "kernel_s_per_s": "seconds",
-    "cost_s_per_s": "cost",
-    "with_fmpy_estimated_s_per_s": "host_cost",
-    "refused": "refused",
+COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
+HEAD = {  # names there that are not those of the table of points
+    "step": "step_s",
+    "seconds": "kernel_s_per_s",
+    "cost": "cost_s_per_s",
+    "host_cost": "with_fmpy_estimated_s_per_s",
 }
 
 
 def write_csv(points, reference, path):
     """All points; errors that are smaller than ten times the reference's own are not known better than that."""
-    table = points[["variant", "segments", "tolerance", "step", *OUTPUTS, *COLUMNS.values()]]
-    rounded = {name: table[name].map("{:.3g}".format) for name in ("seconds", "cost", "host_cost")}
-    rounded |= {name: table[name].map("{:.3g}".format, na_action="ignore") for name in OUTPUTS}
     own = {name: reference.space[name] + reference.time[name] for name in OUTPUTS}
     work = {"calls": reference.run.calls, "work": reference.run.work, "refused": "reference: bounds of its own errors"}
-    first = pd.DataFrame([{**reference.config._asdict(), **own, **work}])
-    head = {"step": "step_s", **{name: title for title, name in COLUMNS.items()}}
-    pd.concat([first, table.assign(**rounded)]).rename(columns=head).to_csv(path, index=False, lineterminator="\r\n")
+    first = pd.DataFrame([{**reference.config._asdict(), **own, **work}], columns=COLUMNS)
+    table = points[COLUMNS].copy()
+    for name in (*OUTPUTS, "seconds", "cost", "host_cost"):
+        table[name] = table[name].map("{:.3g}".format, na_action="ignore")
+    pd.concat([first.astype(object), table]).rename(columns=HEAD).to_csv(path, index=False, lineterminator="\r\n")
 
 
 def html(title, text):
