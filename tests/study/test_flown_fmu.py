@@ -3,8 +3,8 @@
 import pytest
 
 from study.scenes_of_tests import written
-from tetherfmu.study.measuring.flown_fmu import flown
 from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.measuring.through_fmpy import flown
 from tetherfmu.study.scenes.files import load
 
 

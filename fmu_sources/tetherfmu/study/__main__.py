@@ -14,10 +14,11 @@ from tetherfmu.study.advice.advise import advise, explain
 from tetherfmu.study.advice.forecast import fast_advice
 from tetherfmu.study.advice.thresholds import thresholds, write
 from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
+from tetherfmu.study.benchmark import command as benchmark
 from tetherfmu.study.measuring.costs import TABLE, measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.measuring.flown_fmu import flown
 from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import SceneError, load
 from tetherfmu.study.stability import command as stability
 
@@ -66,6 +67,7 @@ def parse(arguments):
     page.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
     page.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
     stability.add_arguments(command(stability.run, "stability", "find where the tethers hold and where they refuse"))
+    benchmark.add_arguments(command(benchmark.run, "benchmark", "measure what the tethers cost, in races too"))
     return parser.parse_args(arguments)
 
 
@@ -79,8 +81,6 @@ def run_advise(options):
 
 def fmpy_times(scene, points, folder):
     """Measured time per simulated second through FMPy of the configurations that the report names; builds missing FMUs."""
-    from tetherfmu.study.benchmark.__main__ import fmus_in
-
     best = [cheapest(points, level) for level in {*LEVELS, scene.wanted.allowed_error}]
     with tempfile.TemporaryDirectory() as temporary:
         fmus_in(folder or temporary)

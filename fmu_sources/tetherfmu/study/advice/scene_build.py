@@ -10,9 +10,9 @@ from tetherfmu.export.archive import Trim
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.measuring.flown_fmu import inputs_by_name
 from tetherfmu.study.measuring.runs import parameters_of
 from tetherfmu.study.measuring.tables import percent
+from tetherfmu.study.measuring.through_fmpy import by_name
 from tetherfmu.study.scenes.files import SceneError, load
 
 from .advise import advise, explain
@@ -48,7 +48,7 @@ def vector_of(name):
 
 
 def still(inputs):
-    """Names of the inputs that are 0 all through a scene; `inputs` as `inputs_by_name` gives them."""
+    """Names of the inputs that are 0 all through a scene; `inputs` as `through_fmpy.by_name` gives them."""
     moved = inputs.any().groupby(vector_of).any()
     return [name for name in inputs if vector_of(name) not in KEPT and not moved[vector_of(name)]]
 
@@ -80,7 +80,7 @@ def advised(path, shape_points):
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
     config, text = advice.point.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
-    inputs = inputs_by_name(scene, config.step)
+    inputs = by_name(scene.inputs(config.step))
     no_inputs, no_outputs = still(inputs), unasked(scene, points)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "

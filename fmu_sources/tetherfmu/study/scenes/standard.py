@@ -114,15 +114,14 @@ def inputs_of(scene, step, count=None):
     return inputs
 
 
-def tether_at_start(scene, tolerance=0.0, variant="dynamic"):
-    """A tether of a variant from the Python API, initialized for a scene; `tolerance` 0 is the default of the solver."""
+def tether_at_start(scene, tolerance=0.0, variant="dynamic", library=None):
+    """A tether of a variant, initialized for a scene; `tolerance` 0 is the solver's default, `library` as in TetherModel."""
     if scene.kite_is_free:
-        model = models.TetherDynamic(
-            scene.tether, scene.environment, Solver(relative_tolerance=tolerance), free_ends=(False, True)
-        )
+        solver = Solver(relative_tolerance=tolerance)
+        model = models.TetherDynamic(scene.tether, scene.environment, solver, free_ends=(False, True), library=library)
         model.initialize(RELEASE_POINT, reel_out_speed=scene.reel_out_speed)
         return model
     solver = Solver(relative_tolerance=tolerance, initial_shape=QUASI_STEADY_START)
-    model = MODELS[variant](scene.tether, scene.environment, solver)
+    model = MODELS[variant](scene.tether, scene.environment, solver, library=library)
     model.initialize(*scene.path(0.0), wind_velocity=scene.wind)
     return model
