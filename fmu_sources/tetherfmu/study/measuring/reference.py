@@ -5,6 +5,7 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.chain.properties import chain_at
 from tetherfmu.runtime.parameters import Solver, pack
 from tetherfmu.study.scenes.standard import tether_at_start
 
@@ -14,8 +15,9 @@ TOLERANCE = 1e-11
 @njit(error_model="numpy")
 def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
     """Node accelerations [m/s2] into `force` (modified); `mass` is modified."""
-    nodes.node_masses(n, length, parameters, mass)
-    nodes.node_forces(n, np.zeros(n), x, v, length, reeling, wind, mass, parameters, force)
+    chain = chain_at(n, parameters, length, reeling, wind)
+    nodes.node_masses(chain, mass)
+    nodes.node_forces(chain, np.zeros(n), x, v, mass, force)
     for i in range(n + 1):
         for j in range(3 * i, 3 * i + 3):
             force[j] /= mass[i]
