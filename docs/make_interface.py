@@ -5,7 +5,7 @@ from pathlib import Path
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.documents import folded, meaning, start
 from tetherfmu.runtime.model_description import number
-from tetherfmu.runtime.slave import DEFAULT_OPTIONS
+from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
 
 PAGE = Path(__file__).with_name("interface.md")

@@ -10,11 +10,11 @@ from .runtime import __version__
 
 if TYPE_CHECKING:
     from .energy import Energy, EnergyAudit
-    from .models import Outputs, StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+    from .models import Flown, Outputs, StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
     from .runtime.parameters import Environment, Solver, Tether
 
 _HOMES = {
-    "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight", "Outputs", "StepRefused"),
+    "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight", "Flown", "Outputs", "StepRefused"),
     "runtime.parameters": ("Tether", "Environment", "Solver"),
     "energy": ("Energy", "EnergyAudit"),
 }
@@ -22,6 +22,7 @@ __all__ = [
     "Energy",
     "EnergyAudit",
     "Environment",
+    "Flown",
     "Outputs",
     "Solver",
     "StepRefused",

@@ -174,7 +174,8 @@ class TetherModel:
             A row is kept after every so many steps; 0 for none.
         peaks : bool
             Whether outputs are computed after each step, to find the largest |kite_force| since the row before. Without it
-            they are computed where a row is kept only, and `peak` is that of the row.
+            they are computed where a row is kept only: `peak` is that of the row, and a step whose outputs would not be
+            finite numbers is refused there only.
 
         Returns
         -------

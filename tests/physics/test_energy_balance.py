@@ -15,6 +15,7 @@ from mechanics import energy as energy_of_chain
 from mechanics import line_density
 from tetherfmu.energy import EnergyAudit
 from tetherfmu.kernels.chain import nodes, segment
+from tetherfmu.kernels.chain.properties import chain_at
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -44,9 +45,9 @@ def accelerations(model, reel_out_speed, free_ends):
     n, state, parameters = model.segments, model.get_state(), model._parameters
     x, v = state[at.STATE_HEADER :].reshape(2, -1)
     mass, force = np.zeros(n + 1), np.zeros(3 * (n + 1))
-    nodes.node_masses(n, state[at.LENGTH], parameters, mass)
-    by_length = np.full(n, segment.BY_LENGTH)
-    nodes.node_forces(n, by_length, x, v, state[at.LENGTH], reel_out_speed, WIND, mass, parameters, force)
+    chain = chain_at(n, parameters, state[at.LENGTH], reel_out_speed, WIND)
+    nodes.node_masses(chain, mass)
+    nodes.node_forces(chain, np.full(n, segment.BY_LENGTH), x, v, mass, force)
     force[-3:] += LOAD
     result = force.reshape(-1, 3) / mass[:, None]
     for end, free in zip((0, -1), free_ends, strict=True):

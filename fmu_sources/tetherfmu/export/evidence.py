@@ -1,7 +1,7 @@
 """The evidence set of an FMU, in the files of FMI's cross-check: what goes in, what must come out, and with which options.
 
 The scene starts from the start values of the FMU: a kite 500 m away flies into a part of a circle and outwards, the wind
-rises, the tether pays out and becomes taut. The reference is the Python face with a tolerance far tighter than the FMU's.
+rises, the tether pays out and becomes taut. The reference is the Python API with a tolerance far tighter than the FMU's.
 """
 
 from math import cos, sin
@@ -33,7 +33,7 @@ def _rise(time, duration):
 
 
 def inputs_at(time):
-    """Inputs of the scene at a time [s], as a dict of the Python face's arguments (SI units)."""
+    """Inputs of the scene at a time [s], as a dict of the Python API's arguments (SI units)."""
     share, _, turn_time = _rise(time, _TURN_RISES)
     angle, rate = _TURN_RATE * turn_time, _TURN_RATE * share
     growth, growth_rate, _ = (_GROWTH * each for each in _rise(time, _GROWS))
@@ -69,7 +69,7 @@ def files(name, segments):
 
 
 def reference(model, segments, scene):
-    """Recorded outputs of the Python face at the start and after each step: list of lists of numbers."""
+    """Recorded outputs of the Python API at the start and after each step: list of lists of numbers."""
     tether = model(Tether(segments=segments), solver=Solver(relative_tolerance=REFERENCE_TOLERANCE))
     rows = [tether.initialize(**scene[0])]
     rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]

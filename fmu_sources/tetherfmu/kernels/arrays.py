@@ -1,21 +1,12 @@
-"""Sizes of the flat arrays, and views of the caller's work array."""
+"""Sizes of the flat arrays, views of a state and of the caller's work array.
 
-from collections import namedtuple
+The work array holds a whole state for trial, then the arrays that all solvers of a chain share (`shared_arrays`), then room
+that each solver divides and names for itself.
+"""
 
 from tetherfmu.runtime import layout as at
 
 from .compilation import kernel, view
-
-Workspace = namedtuple(
-    "Workspace",
-    "trial x_stage v_stage r momentum force force_rate b velocities diagonal lower upper records mass stage_mass branches",
-)
-Workspace.__doc__ = """Scratch arrays of the kernels.
-
-trial : a whole state.  x_stage, v_stage, r, momentum, force, force_rate, b : 3 (n + 1).  velocities : `layout.STAGES` times
-3 (n + 1).  diagonal, lower, upper : 9 (n + 1).  records : of derivatives, see `chain.record_of`.  mass, stage_mass : n + 1.
-branches : n, which stiffness each segment has, see `segment.TAUT`.
-"""
 
 parameters_size = kernel(at.parameters_size)
 state_size = kernel(at.state_size)
@@ -24,30 +15,43 @@ work_size = kernel(at.work_size)
 
 
 @view
-def workspace(n, work):
-    """Cut the work array into the arrays of `Workspace`."""
+def positions_and_velocities(n, state):
+    """Views of the node positions [m] and node velocities [m/s] in a state."""
     nodes = 3 * (n + 1)
-    blocks = 9 * (n + 1)
-    a = at.STATE_HEADER + 2 * nodes
-    b = a + 7 * nodes
-    c = b + at.STAGES * nodes
-    d = c + at.BLOCK_ARRAYS * blocks
-    e = d + at.SEGMENT_RECORD * (n + 1)
-    return Workspace(
-        work[:a],
-        work[a : a + nodes],
-        work[a + nodes : a + 2 * nodes],
-        work[a + 2 * nodes : a + 3 * nodes],
-        work[a + 3 * nodes : a + 4 * nodes],
-        work[a + 4 * nodes : a + 5 * nodes],
-        work[a + 5 * nodes : a + 6 * nodes],
-        work[a + 6 * nodes : b],
-        work[b:c],
-        work[c : c + blocks],
-        work[c + blocks : c + 2 * blocks],
-        work[c + 2 * blocks : d],
-        work[d:e],
-        work[e : e + n + 1],
-        work[e + n + 1 : e + 2 * (n + 1)],
-        work[e + 2 * (n + 1) : e + 3 * n + 2],
+    return (
+        state[at.STATE_HEADER : at.STATE_HEADER + nodes],
+        state[at.STATE_HEADER + nodes : at.STATE_HEADER + 2 * nodes],
     )
+
+
+@view
+def trial_state(n, work):
+    """View of a whole state in the work array."""
+    return work[: at.STATE_HEADER + 6 * (n + 1)]
+
+
+@view
+def shared_arrays(n, work):
+    """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
+
+    blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
+    """
+    first = at.STATE_HEADER + 6 * (n + 1)
+    size = 9 * (n + 1)
+    records = first + 3 * size
+    mass = records + at.SEGMENT_RECORD * (n + 1)
+    blocks = work[first : first + size], work[first + size : first + 2 * size], work[first + 2 * size : records]
+    return blocks, work[records:mass], work[mass : mass + n + 1], work[mass + n + 1 :]
+
+
+@view
+def node_vectors(n, room, k):
+    """View of the array number k of node vectors, 3 (n + 1) numbers each, in a room."""
+    return room[3 * (n + 1) * k : 3 * (n + 1) * (k + 1)]
+
+
+@kernel
+def copy(source, destination):
+    """Copy a flat array into another of the same length (modified)."""
+    for k in range(len(source)):
+        destination[k] = source[k]

@@ -20,7 +20,7 @@ def kernel(function):
 
 
 def view(function):
-    """Compile a kernel that only cuts arrays into views; it is always inlined, so that no reference is ever counted."""
+    """Compile a kernel that returns arrays, as views or in a record; always inlined, so that no reference is counted."""
     return njit(error_model="numpy", forceinline=True)(function)
 
 

@@ -6,11 +6,12 @@ the functions that are compiled ahead of time, so each is written out: one that 
 
 from numba import carray, types
 
-from tetherfmu.kernels.communication.inputs import check_outputs
-from tetherfmu.kernels.variants import dynamic, lines, quasi_steady
 from tetherfmu.runtime.layout import INPUTS
 
 from .arrays import outputs_size, parameters_size, state_size, work_size
+from .communication.outputs import check_outputs
+from .compilation import view
+from .variants import catenary, dynamic, quasi_steady, straight
 
 _DOUBLES = types.CPointer(types.float64)
 _COUNT = types.int64
@@ -29,157 +30,99 @@ def _entry_point(signature):
     return mark
 
 
+@view
+def _chain_arrays(n, parameters, state, work):
+    """The parameters, the state and the work as arrays."""
+    return carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, work_size(n))
+
+
 @_entry_point(_INITIALIZE)
 def dynamic_initialize(n, parameters, inputs, state, work):
     """First state (modified) of a dynamic tether; see `dynamic.initialize`."""
-    return dynamic.initialize(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return dynamic.initialize(n, p, carray(inputs, INPUTS), s, w)
 
 
 @_entry_point(_ADVANCE)
 def dynamic_advance(n, parameters, inputs, step, state, work):
     """One communication step of `step` [s] of a dynamic tether (state modified); see `dynamic.advance`."""
-    return dynamic.advance(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        step,
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return dynamic.advance(n, p, carray(inputs, INPUTS), step, s, w)
 
 
 @_entry_point(_OBSERVE)
 def dynamic_observe(n, parameters, state, shape_points, outputs, work):
     """Outputs (modified) of a dynamic tether; see `dynamic.observe`."""
-    dynamic.observe(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(state, state_size(n)),
-        shape_points,
-        carray(outputs, outputs_size(shape_points)),
-        carray(work, work_size(n)),
-    )
-    return check_outputs(carray(outputs, outputs_size(shape_points)))
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    o = carray(outputs, outputs_size(shape_points))
+    dynamic.observe(n, p, s, shape_points, o, w)
+    return check_outputs(o)
 
 
 @_entry_point(_INITIALIZE)
 def quasi_steady_initialize(n, parameters, inputs, state, work):
     """First state (modified) of a quasi-steady tether; see `quasi_steady.initialize`."""
-    return quasi_steady.initialize(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return quasi_steady.initialize(n, p, carray(inputs, INPUTS), s, w)
 
 
 @_entry_point(_ADVANCE)
 def quasi_steady_advance(n, parameters, inputs, step, state, work):
     """One communication step of `step` [s] of a quasi-steady tether (state modified); see `quasi_steady.advance`."""
-    return quasi_steady.advance(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        step,
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return quasi_steady.advance(n, p, carray(inputs, INPUTS), step, s, w)
 
 
 @_entry_point(_OBSERVE)
 def quasi_steady_observe(n, parameters, state, shape_points, outputs, work):
     """Outputs (modified) of a quasi-steady tether; see `quasi_steady.observe`."""
-    quasi_steady.observe(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(state, state_size(n)),
-        shape_points,
-        carray(outputs, outputs_size(shape_points)),
-        carray(work, work_size(n)),
-    )
-    return check_outputs(carray(outputs, outputs_size(shape_points)))
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    o = carray(outputs, outputs_size(shape_points))
+    quasi_steady.observe(n, p, s, shape_points, o, w)
+    return check_outputs(o)
 
 
 @_entry_point(_INITIALIZE)
 def catenary_initialize(n, parameters, inputs, state, work):
-    """First state (modified) of a catenary; see `lines.initialize_catenary`."""
-    return lines.initialize_catenary(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    """First state (modified) of a catenary; see `catenary.initialize`."""
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return catenary.initialize(n, p, carray(inputs, INPUTS), s, w)
 
 
 @_entry_point(_ADVANCE)
 def catenary_advance(n, parameters, inputs, step, state, work):
-    """One communication step of `step` [s] of a catenary (state modified); see `lines.advance_catenary`."""
-    return lines.advance_catenary(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        step,
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    """One communication step of `step` [s] of a catenary (state modified); see `catenary.advance`."""
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return catenary.advance(n, p, carray(inputs, INPUTS), step, s, w)
 
 
 @_entry_point(_OBSERVE)
 def catenary_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a catenary; see `lines.observe_catenary`."""
-    lines.observe_catenary(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(state, state_size(n)),
-        shape_points,
-        carray(outputs, outputs_size(shape_points)),
-        carray(work, work_size(n)),
-    )
-    return check_outputs(carray(outputs, outputs_size(shape_points)))
+    """Outputs (modified) of a catenary; see `catenary.observe`."""
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    o = carray(outputs, outputs_size(shape_points))
+    catenary.observe(n, p, s, shape_points, o, w)
+    return check_outputs(o)
 
 
 @_entry_point(_INITIALIZE)
 def straight_initialize(n, parameters, inputs, state, work):
-    """First state (modified) of a straight line; see `lines.initialize_straight`."""
-    return lines.initialize_straight(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    """First state (modified) of a straight line; see `straight.initialize`."""
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return straight.initialize(n, p, carray(inputs, INPUTS), s, w)
 
 
 @_entry_point(_ADVANCE)
 def straight_advance(n, parameters, inputs, step, state, work):
-    """One communication step of `step` [s] of a straight line (state modified); see `lines.advance_straight`."""
-    return lines.advance_straight(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(inputs, INPUTS),
-        step,
-        carray(state, state_size(n)),
-        carray(work, work_size(n)),
-    )
+    """One communication step of `step` [s] of a straight line (state modified); see `straight.advance`."""
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    return straight.advance(n, p, carray(inputs, INPUTS), step, s, w)
 
 
 @_entry_point(_OBSERVE)
 def straight_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a straight line; see `lines.observe_straight`."""
-    lines.observe_straight(
-        n,
-        carray(parameters, parameters_size(n)),
-        carray(state, state_size(n)),
-        shape_points,
-        carray(outputs, outputs_size(shape_points)),
-        carray(work, work_size(n)),
-    )
-    return check_outputs(carray(outputs, outputs_size(shape_points)))
+    """Outputs (modified) of a straight line; see `straight.observe`."""
+    p, s, w = _chain_arrays(n, parameters, state, work)
+    o = carray(outputs, outputs_size(shape_points))
+    straight.observe(n, p, s, shape_points, o, w)
+    return check_outputs(o)

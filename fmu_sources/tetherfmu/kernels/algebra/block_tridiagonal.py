@@ -2,10 +2,12 @@
 
     L_i y_(i-1) + D_i y_i + U_i y_(i+1) = b_i,   i = first .. last
 
-Pivots D'_i = D_i - L_i D'_(i-1)^-1 U_(i-1) above the middle row, D'_i = D_i - U_i D'_(i+1)^-1 L_(i+1) below it, both in it.
+Pivots D'_i = D_i - L_i D'_(i-1)^-1 U_(i-1) for i < middle, D'_i = D_i - U_i D'_(i+1)^-1 L_(i+1) for i > middle; the row in
+the middle loses both products.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., section 4.5 (block tridiagonal systems).
 """
 
+from collections import namedtuple
 from math import inf
 
 import numpy as np
@@ -14,6 +16,9 @@ from tetherfmu.kernels.compilation import kernel
 
 from .pairs import first, load_pair, pair, second, store_pair, unzip
 from .vectors import apply, get, get_matrix, get_two, multiply, put, put_matrix, put_two, sub, subtract
+
+Matrix = namedtuple("Matrix", "diagonal lower upper")
+Matrix.__doc__ = """Blocks D, L, U as flat arrays: 9 numbers for each row of blocks, block by block, each row by row."""
 
 
 @kernel
@@ -99,11 +104,12 @@ def minus_product(a, m, b):
 
 
 @kernel
-def factorize_halves(rows, up, down, diagonal, lower, upper):
-    """Factor so many rows from row `up` upwards and from row `down` downwards, both at once (all three arrays modified).
+def factorize_halves(rows, up, down, matrix):
+    """Factor so many rows from row `up` upwards and from row `down` downwards, both at once (matrix modified).
 
     Returns what the blocks of the next two rows lose, as a matrix of pairs, and False if a pivot block is singular.
     """
+    diagonal, lower, upper = matrix
     block = get_blocks(diagonal, up, diagonal, down)
     loss = block
     regular = True
@@ -123,12 +129,13 @@ def factorize_halves(rows, up, down, diagonal, lower, upper):
 
 
 @kernel
-def factorize(first_row, last_row, diagonal, lower, upper):
-    """Factor the matrix in place (all three modified); False if a pivot block is singular.
+def factorize(first_row, last_row, matrix):
+    """Factor a `Matrix` in place (modified); False if a pivot block is singular.
 
     Afterwards `diagonal` holds the inverses of D', `lower` the products L_i D'_(i-1)^-1 up to the middle row, `upper` the
     products U_i D'_(i+1)^-1 from the middle row on; the blocks of mirror rows are woven (`weave`).
     """
+    diagonal, lower, upper = matrix
     middle = (first_row + last_row) // 2
     rows = middle - first_row
     below = last_row - rows  # the middle row itself, or the next one
@@ -136,7 +143,7 @@ def factorize(first_row, last_row, diagonal, lower, upper):
     block_below = get_matrix(diagonal, 9 * below)
     regular = True
     if rows > 0:
-        loss, regular = factorize_halves(rows, first_row, last_row, diagonal, lower, upper)
+        loss, regular = factorize_halves(rows, first_row, last_row, matrix)
         block = subtract(block, first(loss))
         if below == middle:
             block = subtract(block, second(loss))
@@ -155,8 +162,9 @@ def factorize(first_row, last_row, diagonal, lower, upper):
 
 
 @kernel
-def solve(first_row, last_row, diagonal, lower, upper, b):
+def solve(first_row, last_row, matrix, b):
     """Solve with the factors of `factorize`; the right-hand side `b` (modified) becomes the solution."""
+    diagonal, lower, upper = matrix
     middle = (first_row + last_row) // 2
     rows = middle - first_row
     below = last_row - rows

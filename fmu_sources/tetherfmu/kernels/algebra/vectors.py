@@ -28,6 +28,20 @@ def put(array, index, a):
 
 
 @kernel
+def vector_at(array, first):
+    """Three-vector from place `first` of a flat array."""
+    return array[first], array[first + 1], array[first + 2]
+
+
+@kernel
+def put_at(array, first, a):
+    """Write a three-vector to place `first` of a flat array (modified)."""
+    array[first] = a[0]
+    array[first + 1] = a[1]
+    array[first + 2] = a[2]
+
+
+@kernel
 def get_two(array, i, j):
     """Three-vectors number i and j of a flat array, as pairs."""
     p = np.uint64(3 * i)

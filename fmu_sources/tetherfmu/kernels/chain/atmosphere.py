@@ -12,10 +12,8 @@ negative. Theory: docs/theory.md, "Air".
 
 from math import exp, log
 
-from numba.extending import overload
-
-from tetherfmu.kernels.algebra.pairs import first, is_pair, pair, second
-from tetherfmu.kernels.compilation import kernel, view
+from tetherfmu.kernels.algebra.pairs import alike, lanewise
+from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 
 _LOWEST = 1e-3  # the slope of the power law is taken at no less than this part of h: it is infinite at z = 0
@@ -70,7 +68,7 @@ def air_density(height, parameters):
     return density, -density / scale_height
 
 
-@kernel
+@lanewise
 def varying_air(height, parameters):
     """What `air` returns where something varies with the height."""
     factor, wind_slope = wind_factor(height, parameters)
@@ -78,26 +76,9 @@ def varying_air(height, parameters):
     return factor, density, wind_slope, density_slope
 
 
-@view
-def uniform_air(parameters):
-    """Whether the air is the same at all heights, and what `air` returns then."""
-    uniform = parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
-    return uniform, (1.0, parameters[at.AIR_DENSITY], 0.0, 0.0)
-
-
+@kernel
 def air(height, parameters):
     """Wind factor [-] and density [kg/m3] at a height [m] and their slopes [1/m], [kg/m4]; pairs for a pair of heights."""
-    uniform, values = uniform_air(parameters)
-    return values if uniform else varying_air(height, parameters)
-
-
-def _air_at_two(height, parameters):
-    uniform, values = uniform_air(parameters)
-    if uniform:
-        return pair(values, values)
-    return pair(varying_air(first(height), parameters), varying_air(second(height), parameters))
-
-
-@overload(air)
-def _air(height, parameters):
-    return _air_at_two if is_pair(height) else air
+    if parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0:
+        return alike((1.0, parameters[at.AIR_DENSITY], 0.0, 0.0), height)
+    return varying_air(height, parameters)

@@ -12,7 +12,7 @@ only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. 
 
 import numpy as np
 
-from tetherfmu.kernels.algebra.pairs import first, load_pair, number_at, pair, second
+from tetherfmu.kernels.algebra.pairs import first, load_pair, pair, second
 from tetherfmu.kernels.algebra.vectors import (
     add,
     add_matrices,
@@ -23,6 +23,7 @@ from tetherfmu.kernels.algebra.vectors import (
     get_matrix_of_pairs,
     get_two,
     get_vector_of_pairs,
+    norm,
     put,
     put_matrix,
     put_pairs,
@@ -38,36 +39,29 @@ from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
 from . import segment
+from .properties import point_mass, property_of, rest_length
 
 
 @kernel
-def rest_length(s, length, parameters):
-    """Unstretched length [m] of segment s (of two, as a pair) when that of the tether is `length` [m]."""
-    return number_at(parameters, at.PARAMETER_SCALARS, s) * length
-
-
-@kernel
-def node_masses(n, length, parameters, mass):
-    """Masses of all nodes [kg] into `mass` (modified) at the unstretched length of the tether [m]."""
-    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
-    points = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
-    for i in range(n + 1):
-        mass[i] = parameters[points + i]
-    for s in range(n):
-        half = 0.5 * parameters[line + s] * rest_length(s, length, parameters)
+def node_masses(chain, mass):
+    """Masses of all nodes [kg] into `mass` (modified)."""
+    for i in range(chain.n + 1):
+        mass[i] = point_mass(chain, i)
+    for s in range(chain.n):
+        half = 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_length(chain, s)
         mass[s] += half
         mass[s + 1] += half
 
 
 @kernel
-def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, force):
+def node_forces(chain, branches, x, v, mass, force):
     """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
-    Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], unstretched
-    length of the tether [m] and its rate [m/s], wind at the reference height [m/s] as a tuple, node masses [kg].
+    Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
+    [kg].
     """
-    gravity = parameters[at.GRAVITY]
-    growth = reeling / length
+    n = chain.n
+    gravity = chain.parameters[at.GRAVITY]
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     x_p = get_two(x, 0, n)
     v_p = get_two(v, 0, n)
@@ -75,9 +69,8 @@ def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, forc
         mirror = n - 1 - s
         x_q = get_two(x, s + 1, mirror)
         v_q = get_two(v, s + 1, mirror)
-        rest = rest_length((s, mirror), length, parameters)
         branch = pair(branches[s], branches[mirror])
-        pull, drag, _, _ = segment.forces((s, mirror), n, branch, x_p, x_q, v_p, v_q, rest, growth, wind, parameters)
+        pull, drag, _, _ = segment.forces(chain, (s, mirror), branch, x_p, x_q, v_p, v_q)
         total = add(add(from_outside, pull), drag)
         put_two(force, s, n - s, (total[0], total[1], total[2] - gravity * pair(mass[s], mass[n - s])))
         from_outside = sub(drag, pull)
@@ -90,23 +83,18 @@ def node_forces(n, branches, x, v, length, reeling, wind, mass, parameters, forc
 
 
 @kernel
-def end_force(n, kite_end, x, v, length, reeling, wind, mass, parameters):
+def end_force(chain, kite_end, x, v, mass):
     """Force of the tether on what holds its ground end (or its kite end) [N], and the tension there [N].
 
     Force of the end segment plus half of its drag plus weight of its half there; without inertia, and without a point mass
     at the end, which is not of the tether.
     Source: docs/theory.md, "End forces".
     """
-    s = n - 1 if kite_end else 0
-    rest = rest_length(s, length, parameters)
-    pull, drag, tension, _ = segment.forces(
-        s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, reeling / length, wind, parameters
-    )
-    if kite_end:
-        pull = scale(-1.0, pull)
-    total = add(pull, drag)
-    i = n if kite_end else 0
-    weight = (mass[i] - parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i]) * parameters[at.GRAVITY]
+    s = chain.n - 1 if kite_end else 0
+    i = chain.n if kite_end else 0
+    pull, drag, tension, _ = segment.forces(chain, s, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+    total = add(scale(-1.0, pull), drag) if kite_end else add(pull, drag)
+    weight = (mass[i] - point_mass(chain, i)) * chain.parameters[at.GRAVITY]
     return (total[0], total[1], total[2] - weight), tension
 
 
@@ -119,45 +107,47 @@ def record_of(s, n, records):
 
 
 @kernel
-def linearize(n, x, v, length, reeling, wind, parameters, records, force_rate):
+def linearize(chain, x, v, records, force_rate):
     """Derivatives of all segment forces into `records` (modified); rate of the forces from reeling into `force_rate`.
 
     `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
     """
-    growth = reeling / length
-    for s in range((n + 1) // 2):
-        mirror = n - 1 - s
+    for s in range((chain.n + 1) // 2):
+        mirror = chain.n - 1 - s
+        both = (s, mirror)
         x_p = get_two(x, s, mirror)
         x_q = get_two(x, s + 1, mirror + 1)
         v_p = get_two(v, s, mirror)
         v_q = get_two(v, s + 1, mirror + 1)
-        both = (s, mirror)
         r = sub(x_q, x_p)
-        rest = rest_length(both, length, parameters)
-        axial, e, damper, slope = segment.linearize_tension(both, n, r, sub(v_q, v_p), rest, growth, parameters)
+        axial, e, damper, slope = segment.linearize_tension(chain, both, r, sub(v_q, v_p))
         height = 0.5 * (x_p[2] + x_q[2])
-        velocity = scale(0.5, add(v_p, v_q))
-        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
-        p = 2 * at.SEGMENT_RECORD * s
-        put_pairs(records, p + 2 * segment.K, axial)
-        put_pairs(records, p + 2 * segment.G, drag)
-        put_pairs(records, p + 2 * segment.A, drag_by_velocity)
-        put_pairs(records, p + 2 * segment.HEIGHT, (*a, *e, damper, slope))
-    rate_from_reeling(n, reeling, parameters, records, force_rate)
+        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, r, height, scale(0.5, add(v_p, v_q)))
+        put_records(s, axial, drag, drag_by_velocity, (*a, *e, damper, slope), records)
+    rate_from_reeling(chain, records, force_rate)
 
 
 @kernel
-def rate_from_reeling(n, reeling, parameters, records, force_rate):
+def put_records(s, axial, drag, drag_by_velocity, others, records):
+    """Write the derivatives of segment s and of its mirror image, as pairs, to `records` (modified)."""
+    start = 2 * at.SEGMENT_RECORD * s
+    put_pairs(records, start + 2 * segment.K, axial)
+    put_pairs(records, start + 2 * segment.G, drag)
+    put_pairs(records, start + 2 * segment.A, drag_by_velocity)
+    put_pairs(records, start + 2 * segment.HEIGHT, others)
+
+
+@kernel
+def rate_from_reeling(chain, records, force_rate):
     """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities."""
-    line = at.PARAMETER_SCALARS + at.LINE_DENSITY * n
-    for k in range(3 * (n + 1)):
+    for k in range(3 * (chain.n + 1)):
         force_rate[k] = 0.0
-    if reeling == 0.0:
+    if chain.reeling == 0.0:
         return
-    for s in range(n):
-        record = record_of(s, n, records)
-        rest_rate = rest_length(s, reeling, parameters)
-        half_weight = 0.5 * parameters[line + s] * rest_rate * parameters[at.GRAVITY]
+    for s in range(chain.n):
+        record = record_of(s, chain.n, records)
+        rest_rate = property_of(chain, s, at.SHARE) * chain.reeling
+        half_weight = 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_rate * chain.parameters[at.GRAVITY]
         pull = record[segment.SLOPE] * rest_rate
         for i in range(3):
             along_e = pull * record[segment.DIRECTION + i]
@@ -181,11 +171,19 @@ def add_end_motion(n, kite_end, dx, dv, records, force):
 
 
 @kernel
-def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, diagonal, lower, upper):
-    """Blocks of the matrix mass_factor M - damping_factor B - stiffness_factor K (modified: the three block arrays).
+def longest_part(chain, move):
+    """Part [-] of a move [m] of all nodes in which no segment changes by more than its unstretched length."""
+    part = 1.0
+    for s in range(chain.n):
+        rest = rest_length(chain, s)
+        part = min(part, rest / max(norm(sub(get(move, s + 1), get(move, s))), rest))
+    return part
 
-    Block i of `lower` stands left of diagonal block i, block i of `upper` right of it; 9 numbers each, row by row.
-    """
+
+@kernel
+def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, matrix):
+    """Blocks of the `block_tridiagonal.Matrix` mass_factor M - damping_factor B - stiffness_factor K (modified)."""
+    diagonal, lower, upper = matrix
     outward = pair(1.0, -1.0)
     nothing = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     from_outside = pair(nothing, nothing)

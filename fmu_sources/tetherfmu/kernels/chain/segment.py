@@ -22,7 +22,7 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
 
 from math import sqrt
 
-from tetherfmu.kernels.algebra.pairs import choose, number_at
+from tetherfmu.kernels.algebra.pairs import choose
 from tetherfmu.kernels.algebra.vectors import (
     add,
     add_to_diagonal,
@@ -43,8 +43,9 @@ from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 
 from .atmosphere import air
+from .properties import property_of, rest_length
 
-# places in the record of derivatives, see `chain.record_of`
+# places in the record of derivatives, see `nodes.record_of`
 K = 0  # 3x3
 G = 9  # 3x3
 A = 18  # 3x3
@@ -68,106 +69,116 @@ def geometry(r):
 
 
 @kernel
-def property_of(segment, which, n, parameters):
-    """One of the properties `layout.SHARE`, ... of a segment, or of two segments, as a pair."""
-    return number_at(parameters, at.PARAMETER_SCALARS + which * n, segment)
+def stiffness(chain, s, branch, rest):
+    """Stiffness k [N/m] and damping c [N s/m] of a segment of the unstretched length `rest` [m]: taut if branch > 0."""
+    per_length = 1.0 / rest
+    k = per_length * property_of(chain, s, at.STIFFNESS)
+    c = per_length * property_of(chain, s, at.DAMPING)
+    slack_k = chain.parameters[at.SLACK_STIFFNESS_RATIO] * k
+    slack_c = chain.parameters[at.SLACK_DAMPING_RATIO] * c
+    return choose(branch, k, slack_k), choose(branch, c, slack_c)
 
 
 @kernel
-def stiffness(branch, rest_length, segment, n, parameters):
-    """Stiffness k [N/m] and damping c [N s/m] of a segment of this unstretched length [m]: taut if branch > 0."""
-    per_length = 1.0 / rest_length
-    k = per_length * property_of(segment, at.STIFFNESS, n, parameters)
-    c = per_length * property_of(segment, at.DAMPING, n, parameters)
-    return choose(branch, k, parameters[at.SLACK_STIFFNESS_RATIO] * k), choose(
-        branch, c, parameters[at.SLACK_DAMPING_RATIO] * c
-    )
+def seen_growth(chain):
+    """(dl0/dt)/l0 [1/s] as far as the damper sees it: all of it by the strain_rate law, nothing by the stretch_rate law."""
+    return chain.growth if chain.parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
 
 
 @kernel
-def tension(length, length_rate, rest_length, growth, k, c, parameters):
+def seen_rate(chain, length, length_rate):
+    """Rate [m/s] that the damper of a segment of this length [m] and rate of the length [m/s] sees: that of its strain."""
+    return length_rate - seen_growth(chain) * length
+
+
+@kernel
+def tension(chain, length, length_rate, rest, k, c):
     """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
 
-    Lengths [m], rate of the length [m/s], growth (dl0/dt)/l0 [1/s], k [N/m], c [N s/m].
+    Length [m] and its rate [m/s], unstretched length [m], k [N/m], c [N s/m].
     Source: docs/theory.md, "One segment".
     """
-    seen = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
-    return k * (length - rest_length) + c * (length_rate - seen * length)
+    return k * (length - rest) + c * seen_rate(chain, length, length_rate)
 
 
 @kernel
-def apparent_wind(e, height, velocity, wind, parameters):
+def apparent_wind(chain, e, height, velocity):
     """Wind across a segment w [m/s], wind along it W . e [m/s] and air density [kg/m3].
 
-    Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s], wind at the reference height [m/s].
+    Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s].
     """
-    factor, density, _, _ = air(height, parameters)
-    relative = sub(scale(factor, wind), velocity)
+    factor, density, _, _ = air(height, chain.parameters)
+    relative = sub(scale(factor, chain.wind), velocity)
     lengthwise = dot(relative, e)
     return along(relative, -lengthwise, e), lengthwise, density
 
 
 @kernel
-def half_drag(segment, n, length, e, height, velocity, wind, parameters):
+def half_drag(chain, s, length, e, height, velocity):
     """Half of the drag of a segment [N], equation "half drag" of this file.
 
-    Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes, wind at the reference height [m/s].
+    Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes.
     """
-    w, _, density = apparent_wind(e, height, velocity, wind, parameters)
-    drag_width = property_of(segment, at.DRAG_WIDTH, n, parameters)
-    return scale(0.25 * density * drag_width * length * sqrt(dot(w, w) + STILLEST), w)
+    w, _, density = apparent_wind(chain, e, height, velocity)
+    return scale(0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length * sqrt(dot(w, w) + STILLEST), w)
 
 
 @kernel
-def forces(segment, n, branch, x_p, x_q, v_p, v_q, rest_length, growth, wind, parameters):
-    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of one segment, or of two, as pairs.
+def forces(chain, s, branch, x_p, x_q, v_p, v_q):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of segment s, or of two, as pairs.
 
-    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.  growth : (dl0/dt)/l0 [1/s].
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.
     """
     length, e = geometry(sub(x_q, x_p))
-    branch = choose(branch * branch, branch, length - rest_length)
-    k, c = stiffness(branch, rest_length, segment, n, parameters)
-    pull = tension(length, dot(e, sub(v_q, v_p)), rest_length, growth, k, c, parameters)
-    height = 0.5 * (x_p[2] + x_q[2])
-    drag = half_drag(segment, n, length, e, height, scale(0.5, add(v_p, v_q)), wind, parameters)
+    rest = rest_length(chain, s)
+    branch = choose(branch * branch, branch, length - rest)
+    k, c = stiffness(chain, s, branch, rest)
+    pull = tension(chain, length, dot(e, sub(v_q, v_p)), rest, k, c)
+    drag = half_drag(chain, s, length, e, 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q)))
     return scale(pull, e), drag, pull, length
 
 
 @kernel
-def linearize_tension(segment, n, r, u, rest_length, growth, parameters):
-    """Derivatives of the tension vector of one segment, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
+def linearize_tension(chain, s, r, u):
+    """Derivatives of the tension vector of segment s, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
 
-    Vector r [m] between the nodes and its rate u [m/s], unstretched length l0 [m] and growth (dl0/dt)/l0 [1/s]. dT/dl0 is
-    that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
+    Vector r [m] between the nodes and its rate u [m/s]. dT/dl0 is that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
     """
     length, e = geometry(r)
-    k, c = stiffness(length - rest_length, rest_length, segment, n, parameters)
+    rest = rest_length(chain, s)
+    k, c = stiffness(chain, s, length - rest, rest)
     length_rate = dot(e, u)
-    stretch = tension(length, length_rate, rest_length, growth, k, c, parameters) / length
-    strain_rate = growth if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
+    stretch = tension(chain, length, length_rate, rest, k, c) / length
+    seen = seen_growth(chain)
     turning = scale(c / length, along(u, -length_rate, e))
-    g = along(turning, k - c * strain_rate - stretch, e)
-    slope = -(k * length + c * (length_rate - 2.0 * strain_rate * length)) / rest_length
+    g = along(turning, k - c * seen - stretch, e)
+    slope = -(k * length + c * (length_rate - 2.0 * seen * length)) / rest
     return add_to_diagonal(outer(e, g), stretch), e, c, slope
 
 
 @kernel
-def linearize_drag(segment, n, r, height, velocity, wind, parameters):
-    """Derivatives of the half drag of one segment, or of two: G [N/m], A [N s/m] and a [N/m].
+def slope_of_square(e, w, speed):
+    """S = d(|w| w)/dW = |w| (1 - e e) + w w/|w| [m/s]: direction e, wind across w [m/s] and |w| [m/s]."""
+    return add_to_diagonal(subtract(symmetric(1.0 / speed, w), symmetric(speed, e)), speed)
 
-    Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s], wind at the reference height [m/s].
+
+@kernel
+def linearize_drag(chain, s, r, height, velocity):
+    """Derivatives of the half drag of segment s, or of two: G [N/m], A [N s/m] and a [N/m].
+
+    Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s].
     G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
     """
     length, e = geometry(r)
-    w, lengthwise, density = apparent_wind(e, height, velocity, wind, parameters)
-    _, _, wind_slope, density_slope = air(height, parameters)
+    w, lengthwise, density = apparent_wind(chain, e, height, velocity)
+    _, _, wind_slope, density_slope = air(height, chain.parameters)
     speed = sqrt(dot(w, w) + STILLEST)
-    width = 0.25 * property_of(segment, at.DRAG_WIDTH, n, parameters)
-    across = add_to_diagonal(subtract(symmetric(1.0 / speed, w), symmetric(speed, e)), speed)
+    width = 0.25 * property_of(chain, s, at.DRAG_WIDTH)
+    across = slope_of_square(e, w, speed)
     drag_by_velocity = scale_matrix(width * density * length, across)
     turn = skew(scale(width * density * speed, cross(e, w)))
     drag_by_position = subtract(turn, scale_matrix(width * density * lengthwise, across))
-    shear = apply(drag_by_velocity, scale(wind_slope, wind))
+    shear = apply(drag_by_velocity, scale(wind_slope, chain.wind))
     return drag_by_position, drag_by_velocity, along(shear, width * density_slope * length * speed, w)
 
 

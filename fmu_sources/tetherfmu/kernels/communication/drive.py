@@ -2,50 +2,69 @@
 
 from collections import namedtuple
 
-from tetherfmu.kernels.algebra.vectors import get, put, scale
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.algebra.vectors import get, put, scale, vector_at
+from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
 from .driven_end import curve, position_at, velocity_at
-from .inputs import accelerations, vector
+from .inputs import accelerations
 
-Drive = namedtuple("Drive", "ground kite first last length reeling wind load")
-Drive.__doc__ = """What acts on the chain during one communication step.
+Drive = namedtuple("Drive", "n parameters ground kite first last length reeling wind load")
+Drive.__doc__ = """A chain and what acts on it during one communication step.
 
-ground, kite : curves of the driven ends, see `end_motion.curve`.
+n, parameters : number of segments and flat array of the chain, see `layout.py`.
+ground, kite : curves of the driven ends, see `driven_end.curve`.
 first, last : first and last node that moves freely.
 length, reeling : unstretched length at the start [m] and its constant rate [m/s].
 wind : at the reference height [m/s].  load : force on a free kite end [N].
 """
 
 
-@kernel
+@view
 def drive_of_step(n, parameters, inputs, step, state, x, v):
-    """What acts on the chain during a communication step of `step` [s]: a `Drive`."""
+    """`Drive` of a communication step of `step` [s] from a state with the node positions x [m] and velocities v [m/s]."""
     ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
-    ground = vector(inputs, at.GROUND_POSITION)
-    ground_velocity = vector(inputs, at.GROUND_VELOCITY)
-    kite = vector(inputs, at.KITE_POSITION)
-    kite_velocity = vector(inputs, at.KITE_VELOCITY)
+    ground = vector_at(inputs, at.GROUND_POSITION)
+    ground_velocity = vector_at(inputs, at.GROUND_VELOCITY)
+    kite = vector_at(inputs, at.KITE_POSITION)
+    kite_velocity = vector_at(inputs, at.KITE_VELOCITY)
     kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
     return Drive(
+        n,
+        parameters,
         curve(get(x, 0), get(v, 0), ground, ground_velocity, ground_acceleration, step),
         curve(get(x, n), get(v, n), kite, kite_velocity, kite_acceleration, step),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         state[at.LENGTH],
         inputs[at.REEL_OUT_SPEED],
-        vector(inputs, at.WIND_VELOCITY),
-        scale(1.0 if kite_is_free else 0.0, vector(inputs, at.KITE_LOAD)),
+        vector_at(inputs, at.WIND_VELOCITY),
+        scale(1.0 if kite_is_free else 0.0, vector_at(inputs, at.KITE_LOAD)),
     )
 
 
+@view
+def chain_during(drive, time):
+    """The `Chain` at a time [s] of the communication step."""
+    return chain_at(drive.n, drive.parameters, drive.length + drive.reeling * time, drive.reeling, drive.wind)
+
+
 @kernel
-def place_ends(n, drive, time, x, v):
+def place_ends(drive, time, x, v):
     """Put the driven ends into x [m] and v [m/s] (both modified) at a time [s] of the communication step."""
     if drive.first == 1:
         put(x, 0, position_at(drive.ground, time))
         put(v, 0, velocity_at(drive.ground, time))
-    if drive.last == n - 1:
-        put(x, n, position_at(drive.kite, time))
-        put(v, n, velocity_at(drive.kite, time))
+    if drive.last == drive.n - 1:
+        put(x, drive.n, position_at(drive.kite, time))
+        put(v, drive.n, velocity_at(drive.kite, time))
+
+
+@kernel
+def hold_ends(drive, a):
+    """Set the vectors of the driven ends to zero in an array of node vectors (modified)."""
+    if drive.first == 1:
+        put(a, 0, (0.0, 0.0, 0.0))
+    if drive.last == drive.n - 1:
+        put(a, drive.n, (0.0, 0.0, 0.0))

@@ -2,45 +2,14 @@
 
 from math import inf
 
-from tetherfmu.kernels.algebra.vectors import put
-from tetherfmu.kernels.arrays import state_size
-from tetherfmu.kernels.chain import nodes
-from tetherfmu.kernels.compilation import kernel, view
+from tetherfmu.kernels.algebra.vectors import put, put_at, vector_at
+from tetherfmu.kernels.arrays import positions_and_velocities, state_size
+from tetherfmu.kernels.chain.properties import chain_at, rest_length
+from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import (
-    INPUT_NOT_FINITE,
-    OK,
-    OUTPUT_NOT_FINITE,
-    REELED_TOO_SHORT,
-    STATE_NOT_FINITE,
-    STEP_NOT_POSITIVE,
-)
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
 
 from .driven_end import estimated_acceleration, target
-
-
-@kernel
-def vector(array, first):
-    """Three-vector from place `first` of a flat array."""
-    return array[first], array[first + 1], array[first + 2]
-
-
-@kernel
-def set_vector(array, first, a):
-    """Write a three-vector to place `first` of a flat array (modified)."""
-    array[first] = a[0]
-    array[first + 1] = a[1]
-    array[first + 2] = a[2]
-
-
-@view
-def positions_and_velocities(n, state):
-    """Views of the node positions [m] and node velocities [m/s] in a state."""
-    nodes = 3 * (n + 1)
-    return (
-        state[at.STATE_HEADER : at.STATE_HEADER + nodes],
-        state[at.STATE_HEADER + nodes : at.STATE_HEADER + 2 * nodes],
-    )
 
 
 @kernel
@@ -70,13 +39,13 @@ def begin(n, parameters, inputs, state):
     for k in range(state_size(n)):
         state[k] = 0.0
     x, v = positions_and_velocities(n, state)
-    put(x, 0, vector(inputs, at.GROUND_POSITION))
-    put(v, 0, vector(inputs, at.GROUND_VELOCITY))
-    put(x, n, vector(inputs, at.KITE_POSITION))
-    put(v, n, vector(inputs, at.KITE_VELOCITY))
+    put(x, 0, vector_at(inputs, at.GROUND_POSITION))
+    put(v, 0, vector_at(inputs, at.GROUND_VELOCITY))
+    put(x, n, vector_at(inputs, at.KITE_POSITION))
+    put(v, n, vector_at(inputs, at.KITE_VELOCITY))
     state[at.LENGTH] = parameters[at.INITIAL_LENGTH]
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
-    set_vector(state, at.WIND, vector(inputs, at.WIND_VELOCITY))
+    put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
     return OK
 
 
@@ -88,19 +57,11 @@ def check_step(n, parameters, inputs, step, state):
         return status
     if not (step > 0.0 and step <= at.LONGEST_STEP):
         return STEP_NOT_POSITIVE
-    new_length = state[at.LENGTH] + inputs[at.REEL_OUT_SPEED] * step
+    speed = inputs[at.REEL_OUT_SPEED]
+    after = chain_at(n, parameters, state[at.LENGTH] + speed * step, speed, vector_at(inputs, at.WIND_VELOCITY))
     for s in range(n):
-        if nodes.rest_length(s, new_length, parameters) < at.MIN_SEGMENT_LENGTH:
+        if rest_length(after, s) < at.MIN_SEGMENT_LENGTH:
             return REELED_TOO_SHORT
-    return OK
-
-
-@kernel
-def check_outputs(outputs):
-    """OK, or OUTPUT_NOT_FINITE."""
-    for k in range(len(outputs)):
-        if not abs(outputs[k]) < inf:
-            return OUTPUT_NOT_FINITE
     return OK
 
 
@@ -108,10 +69,10 @@ def check_outputs(outputs):
 def accelerations(inputs, step, state):
     """Accelerations [m/s2] of the ground end and of the kite for a step [s], from the last two velocity inputs."""
     ground = estimated_acceleration(
-        vector(inputs, at.GROUND_VELOCITY), vector(state, at.LAST_GROUND_VELOCITY), state[at.LAST_STEP], step
+        vector_at(inputs, at.GROUND_VELOCITY), vector_at(state, at.LAST_GROUND_VELOCITY), state[at.LAST_STEP], step
     )
     kite = estimated_acceleration(
-        vector(inputs, at.KITE_VELOCITY), vector(state, at.LAST_KITE_VELOCITY), state[at.LAST_STEP], step
+        vector_at(inputs, at.KITE_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY), state[at.LAST_STEP], step
     )
     return ground, kite
 
@@ -122,9 +83,11 @@ def move_ends(n, inputs, step, state):
     ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
     x, v = positions_and_velocities(n, state)
     ground, ground_velocity = target(
-        vector(inputs, at.GROUND_POSITION), vector(inputs, at.GROUND_VELOCITY), ground_acceleration, step
+        vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.GROUND_VELOCITY), ground_acceleration, step
     )
-    kite, kite_velocity = target(vector(inputs, at.KITE_POSITION), vector(inputs, at.KITE_VELOCITY), kite_acceleration, step)
+    kite, kite_velocity = target(
+        vector_at(inputs, at.KITE_POSITION), vector_at(inputs, at.KITE_VELOCITY), kite_acceleration, step
+    )
     put(x, 0, ground)
     put(v, 0, ground_velocity)
     put(x, n, kite)
@@ -137,13 +100,6 @@ def remember(inputs, step, state):
     state[at.LENGTH] += inputs[at.REEL_OUT_SPEED] * step
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     state[at.LAST_STEP] = step
-    set_vector(state, at.WIND, vector(inputs, at.WIND_VELOCITY))
-    set_vector(state, at.LAST_KITE_VELOCITY, vector(inputs, at.KITE_VELOCITY))
-    set_vector(state, at.LAST_GROUND_VELOCITY, vector(inputs, at.GROUND_VELOCITY))
-
-
-@kernel
-def copy(source, destination):
-    """Copy a flat array into another of the same length (modified)."""
-    for k in range(len(source)):
-        destination[k] = source[k]
+    put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
+    put_at(state, at.LAST_KITE_VELOCITY, vector_at(inputs, at.KITE_VELOCITY))
+    put_at(state, at.LAST_GROUND_VELOCITY, vector_at(inputs, at.GROUND_VELOCITY))

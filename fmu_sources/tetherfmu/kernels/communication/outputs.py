@@ -2,12 +2,13 @@
 
 from math import atan2, inf, sqrt
 
-from tetherfmu.kernels.algebra.vectors import along, dot, get, norm, sub
-from tetherfmu.kernels.chain import nodes, segment
+from tetherfmu.kernels.algebra.vectors import along, dot, get, norm, put_at, sub
+from tetherfmu.kernels.chain import segment
+from tetherfmu.kernels.chain.nodes import end_force, node_masses
+from tetherfmu.kernels.chain.properties import point_mass, property_of, rest_length
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
-
-from .inputs import positions_and_velocities, set_vector, vector
+from tetherfmu.runtime.status import OK, OUTPUT_NOT_FINITE
 
 SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
 
@@ -40,31 +41,29 @@ def distance_to_chord(point, start, chord):
 
 
 @kernel
-def survey(n, parameters, state, x, v, outputs):
+def survey(chain, x, v, outputs):
     """Outputs that look at every segment (modified): largest tension, slack segments, stiffness, wave time, sag."""
-    wind = vector(state, at.WIND)
-    scalars = at.PARAMETER_SCALARS
-    growth = state[at.REELING] / state[at.LENGTH]
     largest = -inf
     slack = 0
     crossing = 0.0
     compliance = 0.0
     softness = 0.0
     sag = 0.0
-    for s in range(n):
-        rest = nodes.rest_length(s, state[at.LENGTH], parameters)
+    ground = get(x, 0)
+    chord = sub(get(x, chain.n), ground)
+    for s in range(chain.n):
+        rest = rest_length(chain, s)
         _, _, tension, length = segment.forces(
-            s, n, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1), rest, growth, wind, parameters
+            chain, s, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
         )
         largest = max(largest, tension)
         if length < rest:
             slack += 1
-        stiffness = parameters[scalars + at.STIFFNESS * n + s]
-        line_density = parameters[scalars + at.LINE_DENSITY * n + s]
-        crossing += wave_time(line_density, rest, length, tension, stiffness)
+        stiffness = property_of(chain, s, at.STIFFNESS)
+        crossing += wave_time(property_of(chain, s, at.LINE_DENSITY), rest, length, tension, stiffness)
         compliance += rest / stiffness
-        softness += rest / parameters[scalars + at.DAMPING * n + s]
-        sag = max(sag, distance_to_chord(get(x, s), get(x, 0), sub(get(x, n), get(x, 0))))
+        softness += rest / property_of(chain, s, at.DAMPING)
+        sag = max(sag, distance_to_chord(get(x, s), ground, chord))
     outputs[at.MAX_TENSION] = largest
     outputs[at.SLACK_SEGMENTS] = slack
     outputs[at.KITE_STIFFNESS] = 1.0 / compliance
@@ -74,35 +73,44 @@ def survey(n, parameters, state, x, v, outputs):
 
 
 @kernel
-def shape(n, parameters, x, shape_points, outputs):
+def shape(chain, x, shape_points, outputs):
     """Points [m] at equal unstretched length along the tether, ground first, into the outputs (modified)."""
     s = 0
     passed = 0.0
     for k in range(shape_points):
         part = k / max(1, shape_points - 1)
-        while s < n - 1 and part > passed + parameters[at.PARAMETER_SCALARS + s]:
-            passed += parameters[at.PARAMETER_SCALARS + s]
+        while s < chain.n - 1 and part > passed + property_of(chain, s, at.SHARE):
+            passed += property_of(chain, s, at.SHARE)
             s += 1
-        within = (part - passed) / parameters[at.PARAMETER_SCALARS + s]
+        within = (part - passed) / property_of(chain, s, at.SHARE)
         start = get(x, s)
-        set_vector(outputs, at.SHAPE + 3 * k, along(start, within, sub(get(x, s + 1), start)))
+        put_at(outputs, at.SHAPE + 3 * k, along(start, within, sub(get(x, s + 1), start)))
 
 
 @kernel
-def observe_chain(n, parameters, state, shape_points, outputs, mass):
-    """Write all outputs (modified) that belong to the nodes of a state; `mass` (modified) holds n + 1 numbers."""
-    x, v = positions_and_velocities(n, state)
-    length = state[at.LENGTH]
-    wind = vector(state, at.WIND)
-    nodes.node_masses(n, length, parameters, mass)
-    ground_force, ground_tension = nodes.end_force(n, False, x, v, length, state[at.REELING], wind, mass, parameters)
-    kite_force, kite_tension = nodes.end_force(n, True, x, v, length, state[at.REELING], wind, mass, parameters)
-    set_vector(outputs, at.GROUND_FORCE, ground_force)
-    set_vector(outputs, at.KITE_FORCE, kite_force)
+def observe_chain(chain, x, v, shape_points, outputs, mass):
+    """Write all outputs (modified) of a chain with the node positions x [m] and velocities v [m/s].
+
+    `mass` (modified) holds n + 1 numbers.
+    """
+    node_masses(chain, mass)
+    ground_force, ground_tension = end_force(chain, False, x, v, mass)
+    kite_force, kite_tension = end_force(chain, True, x, v, mass)
+    put_at(outputs, at.GROUND_FORCE, ground_force)
+    put_at(outputs, at.KITE_FORCE, kite_force)
     outputs[at.GROUND_TENSION] = ground_tension
     outputs[at.KITE_TENSION] = kite_tension
-    outputs[at.TETHER_LENGTH] = length
+    outputs[at.TETHER_LENGTH] = chain.length
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
-    outputs[at.KITE_END_MASS] = mass[n] - parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + n]
-    survey(n, parameters, state, x, v, outputs)
-    shape(n, parameters, x, shape_points, outputs)
+    outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
+    survey(chain, x, v, outputs)
+    shape(chain, x, shape_points, outputs)
+
+
+@kernel
+def check_outputs(outputs):
+    """OK, or OUTPUT_NOT_FINITE."""
+    for k in range(len(outputs)):
+        if not abs(outputs[k]) < inf:
+            return OUTPUT_NOT_FINITE
+    return OK

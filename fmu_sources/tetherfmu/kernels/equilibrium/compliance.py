@@ -32,7 +32,8 @@ from tetherfmu.kernels.algebra.vectors import (
     subtract,
     symmetric,
 )
-from tetherfmu.kernels.chain import nodes, segment
+from tetherfmu.kernels.chain import segment
+from tetherfmu.kernels.chain.nodes import record_of
 from tetherfmu.kernels.compilation import kernel
 
 ZERO = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -48,7 +49,7 @@ def of_segment(e, distance, stiffness, tension):
 
 @kernel
 def drag_slopes(record):
-    """G + H and H [N/m] of a segment from its record, see `equilibrium.linearize`."""
+    """G + H and H [N/m] of a segment from its record, see `newton.linearize`."""
     a, b, c = get(record[segment.HEIGHT :], 0)
     by_height = (0.0, 0.0, a, 0.0, 0.0, b, 0.0, 0.0, c)
     h = scale_matrix(0.5, subtract(by_height, get_matrix(record, segment.A)))
@@ -62,12 +63,13 @@ def node_slope(mass, spin, resistance):
 
 
 @kernel
-def gather(n, spin, resistance, mass, force, records, response, transfer, offset, share):
-    """From the ground to the kite: M, Z, m and Z y of all segments, see `solve` (the last four arrays modified)."""
+def gather(spin, resistance, w):
+    """From the ground to the kite: M, Z, m and Z y of all segments into their arrays of w, see `solve`."""
+    n = len(w.tension)
     compliance = ZERO
     displaced = (0.0, 0.0, 0.0)
     for s in range(n):
-        record = nodes.record_of(s, n, records)
+        record = record_of(s, n, w.records)
         own = get_matrix(record, segment.K)
         closing = scale(-record[segment.DAMPER], get(record[segment.DIRECTION :], 0))
         slope, h = drag_slopes(record)
@@ -76,44 +78,45 @@ def gather(n, spin, resistance, mass, force, records, response, transfer, offset
         back, _ = inverse(subtract(ONE, multiply(compliance, scale_matrix(2.0, h))))
         m_matrix = multiply(back, multiply(compliance, add_matrices(ONE, felt)))
         m = apply(back, add(displaced, apply(compliance, blown)))
-        put_matrix(response, 9 * s, m_matrix)
-        put(offset, s, m)
+        put_matrix(w.response, 9 * s, m_matrix)
+        put(w.offset, s, m)
         both = add_matrices(m_matrix, own)
         moved = add(m, closing)
         if s == n - 1:  # the kite does not move
             last, _ = inverse(both)
-            put_matrix(transfer, 9 * s, ZERO)
-            put(share, s, scale(-1.0, apply(last, moved)))
+            put_matrix(w.transfer, 9 * s, ZERO)
+            put(w.share, s, scale(-1.0, apply(last, moved)))
             return
-        r = node_slope(mass[s + 1], spin, resistance)
+        r = node_slope(w.mass[s + 1], spin, resistance)
         given = add_matrices(add_matrices(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
         z, _ = inverse(subtract(ONE, given))
-        y = add(add(get(force, s + 1), blown), along(apply(r, moved), 2.0, apply(h, m)))
-        put_matrix(transfer, 9 * s, z)
-        put(share, s, apply(z, y))
+        y = add(add(get(w.force, s + 1), blown), along(apply(r, moved), 2.0, apply(h, m)))
+        put_matrix(w.transfer, 9 * s, z)
+        put(w.share, s, apply(z, y))
         compliance = multiply(both, z)
         displaced = add(apply(compliance, y), moved)
 
 
 @kernel
-def solve(n, spin, resistance, mass, force, records, response, transfer, offset, share, change, pull):
-    """Motions of the nodes [m] into `change` and changes of the tensions [N] into `pull` (both modified).
+def solve(spin, resistance, w):
+    """Motions of the nodes [m] into w.move and changes of the tensions [N] into w.change (both modified).
 
-    Angular velocity [rad/s], resistance of every node against its motion [N/m], node masses [kg], residual forces with the
-    tensions as they are [N]. records : as `equilibrium.linearize` makes them, but with E in the place of K and the gap g in
-    that of the damper.  response, transfer : 9 (n + 1), get M and Z.  offset, share : 3 (n + 1), get m and Z y.
+    Angular velocity [rad/s], resistance of every node against its motion [N/m]. From the node masses w.mass [kg], the
+    residual forces w.force with the tensions as they are [N], and w.records as `newton.linearize` makes them, but with E in
+    the place of K and the gap g in that of the damper. w.response, w.transfer, w.offset, w.share get M, Z, m and Z y.
     """
-    gather(n, spin, resistance, mass, force, records, response, transfer, offset, share)
-    put(change, n, (0.0, 0.0, 0.0))
+    gather(spin, resistance, w)
+    n = len(w.tension)
+    put(w.move, n, (0.0, 0.0, 0.0))
     load = (0.0, 0.0, 0.0)
     for k in range(n):
         s = n - 1 - k
-        record = nodes.record_of(s, n, records)
+        record = record_of(s, n, w.records)
         e = get(record[segment.DIRECTION :], 0)
-        p = add(get(share, s), apply(get_matrix(transfer, 9 * s), load))
-        pull[s] = dot(p, e)
-        dx = add(get(offset, s), apply(get_matrix(response, 9 * s), p))
-        put(change, s, dx)
+        p = add(get(w.share, s), apply(get_matrix(w.transfer, 9 * s), load))
+        w.change[s] = dot(p, e)
+        dx = add(get(w.offset, s), apply(get_matrix(w.response, 9 * s), p))
+        put(w.move, s, dx)
         slope, h = drag_slopes(record)
         dr = along(apply(get_matrix(record, segment.K), p), -record[segment.DAMPER], e)
         load = add(p, along(apply(slope, dr), 2.0, apply(h, dx)))

@@ -15,9 +15,12 @@ Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/theory.md, "Ela
 
 from math import asinh, log, log1p, sinh, sqrt
 
+from tetherfmu.kernels.algebra.vectors import add, along, dot, norm, scale
+from tetherfmu.kernels.chain.segment import SHORTEST
 from tetherfmu.kernels.compilation import kernel
 
 MOST_ITERATIONS = 60
+LEAST = 1e-300  # what is divided by
 ROUNDING = 4e-15  # of the span and the rise in units of the length
 
 
@@ -42,7 +45,7 @@ def gap(h, v, elasticity):
     v2 = v + 0.5
     t1 = sqrt(h * h + v1 * v1)
     t2 = sqrt(h * h + v2 * v2)
-    return elasticity * h + asinh_difference(h, v1, v2), elasticity * v + 2.0 * v / max(t1 + t2, 1e-300)
+    return elasticity * h + asinh_difference(h, v1, v2), elasticity * v + 2.0 * v / max(t1 + t2, LEAST)
 
 
 @kernel
@@ -53,7 +56,7 @@ def energy(h, v, a, b, elasticity):
     t1 = sqrt(h * h + v1 * v1)
     t2 = sqrt(h * h + v2 * v2)
     total = t1 + t2  # v2 t2 - v1 t1 = total/2 + 2 v^2/total
-    length_term = 0.25 * total + v * v / max(total, 1e-300) + 0.5 * h * asinh_difference(h, v1, v2)
+    length_term = 0.25 * total + v * v / max(total, LEAST) + 0.5 * h * asinh_difference(h, v1, v2)
     elastic_term = 0.5 * elasticity * (h * h + v * v + 1.0 / 12.0)
     return length_term + elastic_term - a * h - b * v
 
@@ -145,6 +148,35 @@ def solve(span, rise, load, length, axial_stiffness):
 
 
 @kernel
+def hang(chord, load, length, axial_stiffness):
+    """Tension vector at the ground end [N] of an elastic catenary in space, and the number of iterations (-1: not found).
+
+    Chord from the ground end to the kite [m], load per unstretched length [N/m], not zero, unstretched length [m], EA [N].
+    """
+    size = norm(load)
+    down = scale(1.0 / size, load)
+    rise = -dot(chord, down)
+    across = along(chord, rise, down)
+    span = norm(across)
+    horizontal, vertical, iterations = solve(span, rise, size, length, axial_stiffness)
+    sideways = scale(horizontal / max(span, SHORTEST), across)
+    return along(sideways, 0.5 * size * length - vertical, down), iterations
+
+
+@kernel
+def point_in_space(ground, tension, load, arc, axial_stiffness):
+    """Point [m] at unstretched length `arc` [m] from the ground end [m], from the tension there [N] and the load [N/m]."""
+    size = max(norm(load), LEAST)
+    down = scale(1.0 / size, load)
+    vertical = -dot(tension, down)
+    across = along(tension, vertical, down)
+    horizontal = norm(across)
+    out, up = point(arc, horizontal, vertical, size, axial_stiffness)
+    sideways = scale(out / max(horizontal, LEAST), across)
+    return along(add(ground, sideways), -up, down)
+
+
+@kernel
 def point(arc, horizontal, ground_vertical, load, axial_stiffness):
     """Distance across and against the load [m] of the point at unstretched length `arc` [m] from the ground end.
 
@@ -157,5 +189,5 @@ def point(arc, horizontal, ground_vertical, load, axial_stiffness):
     t1 = sqrt(horizontal * horizontal + v1 * v1)
     t2 = sqrt(horizontal * horizontal + v2 * v2)
     across = arc * horizontal / axial_stiffness + asinh_difference(horizontal, v1, v2) / load
-    against = 0.5 * arc * (v1 + v2) / axial_stiffness + arc * (v1 + v2) / max(t1 + t2, 1e-300)
+    against = 0.5 * arc * (v1 + v2) / axial_stiffness + arc * (v1 + v2) / max(t1 + t2, LEAST)
     return across, against

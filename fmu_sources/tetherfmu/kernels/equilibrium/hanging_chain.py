@@ -16,14 +16,14 @@ is stationary in t_0. It is strictly convex, so Newton's method with a line sear
 from math import inf, sqrt
 
 from tetherfmu.kernels.algebra.vectors import along, dot, get, norm, put, scale, sub
-from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.chain.properties import property_of, rest_length
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 
 MOST_ITERATIONS = 60
 MOST_HALVINGS = 40
 SLACKEST = 1e-3  # eps over the mean node load
-CLOSED = 1e-3  # gap of the chain over its length; Newton's method in `equilibrium.py` does the rest
+CLOSED = 1e-3  # gap of the chain over its length; Newton's method in `newton.py` does the rest
 
 
 @kernel
@@ -36,28 +36,27 @@ def rounding_tension(n, load):
 
 
 @kernel
-def segment_compliance(s, n, t, eps, length, parameters):
+def segment_compliance(chain, s, t, eps):
     """l0 (1/|t| + 1/EA) [m/N]: the vector between the nodes of a segment over its tension vector t [N]; also |t| [N]."""
     size = sqrt(dot(t, t) + eps * eps)
-    rest = nodes.rest_length(s, length, parameters)
-    return rest * (1.0 / size + 1.0 / parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s]), size
+    return rest_length(chain, s) * (1.0 / size + 1.0 / property_of(chain, s, at.STIFFNESS)), size
 
 
 @kernel
-def energy(n, first_tension, eps, chord, length, load, parameters):
+def energy(chain, first_tension, eps, chord, load):
     """Complementary energy [J], its gradient [m] (the gap of the chain) and the upper half of its Hessian [m/N].
 
-    First tension vector [N], chord [m], unstretched length [m], node loads [N] as a flat array.
+    First tension vector [N], chord [m], node loads [N] as a flat array.
     """
     t = first_tension
     total = -dot(t, chord)
     gap = scale(-1.0, chord)
     h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for s in range(n):
+    for s in range(chain.n):
         if s > 0:
             t = sub(t, get(load, s))
-        rest = nodes.rest_length(s, length, parameters)
-        compliance, size = segment_compliance(s, n, t, eps, length, parameters)
+        rest = rest_length(chain, s)
+        compliance, size = segment_compliance(chain, s, t, eps)
         total += rest * size + 0.5 * (compliance - rest / size) * dot(t, t)
         gap = along(gap, compliance, t)
         turning = rest / (size * size * size)
@@ -86,43 +85,43 @@ def solve_symmetric(h, b):
 
 
 @kernel
-def march(n, first_tension, eps, length, load, parameters, x, tension):
+def march(chain, first_tension, eps, load, x, tension):
     """Lay the segments one after the other from the ground end, each along its tension vector.
 
-    First tension vector [N], eps [N], unstretched length [m], node loads [N]. The inner nodes of x [m] and the segment
+    First tension vector [N], eps [N], node loads [N]. The inner nodes of x [m] and the segment
     tensions [N] are modified. Returns where the march ends [m] and the last tension vector [N].
     """
     t = first_tension
     position = get(x, 0)
-    for s in range(n):
+    for s in range(chain.n):
         if s > 0:
             t = sub(t, get(load, s))
             put(x, s, position)
-        compliance, size = segment_compliance(s, n, t, eps, length, parameters)
+        compliance, size = segment_compliance(chain, s, t, eps)
         tension[s] = size
         position = along(position, compliance, t)
     return position, t
 
 
 @kernel
-def hang(n, first_tension, length, load, parameters, x, tension):
+def hang(chain, first_tension, load, x, tension):
     """Shape of the chain under given node loads, from a guess of its first tension vector [N].
 
     The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given.
     """
     ground = get(x, 0)
-    chord = sub(get(x, n), ground)
-    eps = rounding_tension(n, load)
+    chord = sub(get(x, chain.n), ground)
+    eps = rounding_tension(chain.n, load)
     t = first_tension
-    value, gap, hessian = energy(n, t, eps, chord, length, load, parameters)
+    value, gap, hessian = energy(chain, t, eps, chord, load)
     for _ in range(MOST_ITERATIONS):
-        if norm(gap) <= CLOSED * length:
+        if norm(gap) <= CLOSED * chain.length:
             break
         change = solve_symmetric(hessian, scale(-1.0, gap))
         part = 1.0
         for _ in range(MOST_HALVINGS):
             trial = along(t, part, change)
-            then, gap, hessian = energy(n, trial, eps, chord, length, load, parameters)
+            then, gap, hessian = energy(chain, trial, eps, chord, load)
             if then <= value + 1e-13 * abs(value):
                 break
             part *= 0.5
@@ -130,4 +129,4 @@ def hang(n, first_tension, length, load, parameters, x, tension):
             break
         t = trial
         value = then
-    march(n, t, eps, length, load, parameters, x, tension)
+    march(chain, t, eps, load, x, tension)

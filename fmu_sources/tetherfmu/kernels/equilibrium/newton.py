@@ -19,9 +19,10 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
    chain that creeps. c falls while the nodes move little, down to Newton's method.
 """
 
+from collections import namedtuple
 from math import inf, sqrt
 
-from tetherfmu.kernels.algebra.block_tridiagonal import factorize, solve
+from tetherfmu.kernels.algebra import block_tridiagonal
 from tetherfmu.kernels.algebra.pairs import pair
 from tetherfmu.kernels.algebra.vectors import (
     add,
@@ -36,13 +37,14 @@ from tetherfmu.kernels.algebra.vectors import (
     outer,
     put,
     put_matrix,
-    put_pairs,
     scale,
     skew,
     sub,
 )
+from tetherfmu.kernels.arrays import node_vectors, shared_arrays
 from tetherfmu.kernels.chain import nodes, segment
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.chain.properties import property_of, rest_length
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
@@ -51,6 +53,7 @@ from . import compliance, elastic_catenary, hanging_chain
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
 MOST_ITERATIONS = 30
 ROUNDING = 2.3e-16
+LIGHTEST = 1e-12  # mean load over EA below which the first guess is a straight line
 ACCURACY = 1e-12  # residual over the size of the forces
 STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
 FAST_DECREASE = 1e-4  # of the residual in one iteration: the matrix is kept
@@ -60,15 +63,52 @@ LOOSEST = 1e-3  # tension over the load of a node above which a segment counts a
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the resistance changes
 FIRMEST = 100.0  # resistance over that of the first iteration
 
+Body = namedtuple("Body", "chain spin stretching x v")
+Body.__doc__ = """A chain that moves as a body about its ground end.
+
+chain : `Chain`.  spin : angular velocity omega [rad/s].  stretching : rate of stretch s [1/s].
+x, v : positions [m] and velocities [m/s] of all nodes; those of the ends are given, those of the inner nodes modified.
+"""
+
+Balance = namedtuple("Balance", "load force move offset share tension aim change matrix response transfer records mass")
+Balance.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
+
+load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
+tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
+response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
+blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
+"""
+
+
+@view
+def balance(n, work):
+    """Cut the work array into the arrays of `Balance`."""
+    blocks, records, mass, room = shared_arrays(n, work)
+    return Balance(
+        node_vectors(n, room, 0),
+        node_vectors(n, room, 1),
+        node_vectors(n, room, 2),
+        node_vectors(n, room, 3),
+        node_vectors(n, room, 4),
+        room[15 * (n + 1) : 16 * n + 15],
+        room[16 * (n + 1) : 17 * n + 16],
+        room[17 * (n + 1) : 18 * n + 17],
+        block_tridiagonal.Matrix(*blocks),
+        blocks[0],
+        blocks[1],
+        records,
+        mass,
+    )
+
 
 @kernel
-def straighten(n, parameters, x):
+def straighten(chain, x):
     """Put the inner nodes of x (modified) on the straight line between its ends, at equal strain."""
     ground = get(x, 0)
-    chord = sub(get(x, n), ground)
+    chord = sub(get(x, chain.n), ground)
     part = 0.0
-    for i in range(1, n):
-        part += parameters[at.PARAMETER_SCALARS + i - 1]
+    for i in range(1, chain.n):
+        part += property_of(chain, i - 1, at.SHARE)
         put(x, i, along(ground, part, chord))
 
 
@@ -86,170 +126,174 @@ def rigid_motion(n, x, v):
 
 
 @kernel
-def rigid_velocity(n, spin, stretching, x, v):
-    """Velocities [m/s] of the inner nodes into v (modified): v_0 + omega x r + s r at the positions x [m]."""
+def rigid_velocity(body):
+    """Velocities [m/s] of the inner nodes of the body (modified): v_0 + omega x r + s r at their positions."""
+    x, v = body.x, body.v
     ground = get(x, 0)
-    for i in range(1, n):
+    for i in range(1, body.chain.n):
         r = sub(get(x, i), ground)
-        put(v, i, add(get(v, 0), along(cross(spin, r), stretching, r)))
+        put(v, i, add(get(v, 0), along(cross(body.spin, r), body.stretching, r)))
 
 
 @kernel
-def node_loads(n, spin, stretching, wind, length, pulls, tension, parameters, x, v, mass, load):
-    """Drag, weight and inertia f of all nodes [N] into `load` (modified); v gets the velocities of the inner nodes.
+def spring(chain, s, length, is_taut):
+    """Elongation l - l0 [m] and stiffness k [N/m] of a segment of this length [m], as if it were taut if `is_taut`."""
+    rest = rest_length(chain, s)
+    k, _ = segment.stiffness(chain, s, segment.TAUT if is_taut else length - rest, rest)
+    return length - rest, k
+
+
+@kernel
+def body_force(body, mass, x):
+    """Weight and inertia [N] of a node of this mass [kg] at x [m]."""
+    acceleration = cross(body.spin, cross(body.spin, sub(x, get(body.x, 0))))
+    gravity = body.chain.parameters[at.GRAVITY]
+    return scale(-mass, (acceleration[0], acceleration[1], acceleration[2] + gravity))
+
+
+@kernel
+def node_loads(body, pulls, tension, mass, load):
+    """Drag, weight and inertia f of all nodes [N] into `load` (modified); the body gets the velocities of its inner nodes.
 
     pulls : what is added to make `load` the residual: NO_PULL, that of the SPRINGS, or the TENSIONS [N].
     """
-    rigid_velocity(n, spin, stretching, x, v)
-    ground = get(x, 0)
-    gravity = parameters[at.GRAVITY]
-    x_p = ground
-    v_p = get(v, 0)
+    rigid_velocity(body)
+    chain = body.chain
+    x_p = get(body.x, 0)
+    v_p = get(body.v, 0)
     from_below = (0.0, 0.0, 0.0)
-    for s in range(n):
-        x_q = get(x, s + 1)
-        v_q = get(v, s + 1)
-        distance, e = segment.geometry(sub(x_q, x_p))
-        middle = 0.5 * (x_p[2] + x_q[2])
-        drag = segment.half_drag(s, n, distance, e, middle, scale(0.5, add(v_p, v_q)), wind, parameters)
+    for s in range(chain.n):
+        x_q = get(body.x, s + 1)
+        v_q = get(body.v, s + 1)
+        length, e = segment.geometry(sub(x_q, x_p))
+        drag = segment.half_drag(chain, s, length, e, 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q)))
         pull = (0.0, 0.0, 0.0)
         if pulls == SPRINGS:
-            rest = nodes.rest_length(s, length, parameters)
-            stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
-            pull = scale(stiffness * (distance - rest), e)
+            elongation, k = spring(chain, s, length, False)
+            pull = scale(k * elongation, e)
         elif pulls == TENSIONS:
             pull = scale(tension[s], e)
-        acceleration = cross(spin, cross(spin, sub(x_p, ground)))
-        body = scale(-mass[s], (acceleration[0], acceleration[1], acceleration[2] + gravity))
-        put(load, s, add(add(from_below, body), add(drag, pull)))
+        put(load, s, add(add(from_below, body_force(body, mass[s], x_p)), add(drag, pull)))
         from_below = sub(drag, pull)
         x_p = x_q
         v_p = v_q
-    acceleration = cross(spin, cross(spin, sub(x_p, ground)))
-    body = scale(-mass[n], (acceleration[0], acceleration[1], acceleration[2] + gravity))
-    put(load, n, add(from_below, body))
+    put(load, chain.n, add(from_below, body_force(body, mass[chain.n], x_p)))
 
 
 @kernel
-def linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w):
+def linearize(body, w):
     """Records of all segments into w.records (modified), at velocities that follow the positions.
 
-    K = (k - T/l) e e + T/l with the independent tensions T [N]; the drag's A becomes A S; no damper.
+    K = (k - T/l) e e + T/l with the independent tensions T = w.tension [N]; the drag's A becomes A S; no damper.
     """
-    motion = add_to_diagonal(skew(spin), stretching)
-    for s in range((n + 1) // 2):  # a segment in the middle is met twice
-        mirror = n - 1 - s
+    chain, x, v = body.chain, body.x, body.v
+    motion = add_to_diagonal(skew(body.spin), body.stretching)
+    for s in range((chain.n + 1) // 2):  # a segment in the middle is met twice
+        mirror = chain.n - 1 - s
         both = (s, mirror)
         x_p = get_two(x, s, mirror)
         x_q = get_two(x, s + 1, mirror + 1)
         r = sub(x_q, x_p)
-        distance, e = segment.geometry(r)
+        length, e = segment.geometry(r)
         velocity = scale(0.5, add(get_two(v, s, mirror), get_two(v, s + 1, mirror + 1)))
-        height = 0.5 * (x_p[2] + x_q[2])
-        drag, drag_by_velocity, a = segment.linearize_drag(both, n, r, height, velocity, wind, parameters)
-        rest = nodes.rest_length(both, length, parameters)
-        stiffness, _ = segment.stiffness(distance - rest, rest, both, n, parameters)
-        stretch = pair(tension[s], tension[mirror]) / distance
-        start = 2 * at.SEGMENT_RECORD * s
-        put_pairs(w.records, start + 2 * segment.K, add_to_diagonal(outer(scale(stiffness - stretch, e), e), stretch))
-        put_pairs(w.records, start + 2 * segment.G, drag)
-        put_pairs(w.records, start + 2 * segment.A, multiply(drag_by_velocity, motion))
-        put_pairs(w.records, start + 2 * segment.HEIGHT, (*a, *e, 0.0 * stretch))
+        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, r, 0.5 * (x_p[2] + x_q[2]), velocity)
+        rest = rest_length(chain, both)
+        stiffness, _ = segment.stiffness(chain, both, length - rest, rest)
+        stretch = pair(w.tension[s], w.tension[mirror]) / length
+        axial = add_to_diagonal(outer(scale(stiffness - stretch, e), e), stretch)
+        nodes.put_records(s, axial, drag, multiply(drag_by_velocity, motion), (*a, *e, 0.0 * stretch), w.records)
 
 
 @kernel
-def factorize_newton(n, spin, resistance, w):
-    """Matrix of Newton's method from w.records, factorized into the block arrays of w; False if it is singular.
+def factorize(body, resistance, w):
+    """Matrix of Newton's method from w.records, factorized into w.matrix; False if it is singular.
 
     Resistance c [N/m] of every node against its motion.
     """
-    nodes.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.diagonal, w.lower, w.upper)
+    n = body.chain.n
+    spin = body.spin
+    nodes.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.matrix)
     square = dot(spin, spin)
     if square > 0.0 or resistance > 0.0:
         for i in range(1, n):
-            block = w.diagonal[9 * i : 9 * i + 9]
+            block = w.matrix.diagonal[9 * i : 9 * i + 9]
             for j in range(3):
                 for k in range(3):
                     block[3 * j + k] += w.mass[i] * spin[j] * spin[k]
                 block[4 * j] += resistance - w.mass[i] * square
-    return factorize(1, n - 1, w.diagonal, w.lower, w.upper)
+    return block_tridiagonal.factorize(1, n - 1, w.matrix)
 
 
 @kernel
-def step_by_stiffness(n, length, parameters, x, force, aim, w):
-    """Newton step from the factors of `factorize_newton`: motions [m] into w.b, tensions [N] into `aim` (both modified)."""
+def step_by_stiffness(body, w):
+    """Newton step from the factors of `factorize`: motions [m] into w.move, tensions [N] into w.aim (both modified)."""
+    n = body.chain.n
     for k in range(3, 3 * n):
-        w.b[k] = force[k]
-    solve(1, n - 1, w.diagonal, w.lower, w.upper, w.b)
-    put(w.b, 0, (0.0, 0.0, 0.0))
-    put(w.b, n, (0.0, 0.0, 0.0))
+        w.move[k] = w.force[k]
+    block_tridiagonal.solve(1, n - 1, w.matrix, w.move)
+    put(w.move, 0, (0.0, 0.0, 0.0))
+    put(w.move, n, (0.0, 0.0, 0.0))
     for s in range(n):
-        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        rest = nodes.rest_length(s, length, parameters)
-        stiffness, _ = segment.stiffness(distance - rest, rest, s, n, parameters)
-        aim[s] = stiffness * (distance - rest + dot(e, sub(get(w.b, s + 1), get(w.b, s))))
+        length, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
+        elongation, k = spring(body.chain, s, length, False)
+        w.aim[s] = k * (elongation + dot(e, sub(get(w.move, s + 1), get(w.move, s))))
 
 
 @kernel
-def step_by_compliance(n, spin, stretching, length, wind, parameters, x, v, tension, loosest, resistance, aim, w):
-    """Newton step with the compliances of the segments: motions [m] into w.b, tensions [N] into `aim` (both modified).
+def step_by_compliance(body, loosest, resistance, w):
+    """Newton step with the compliances of the segments: motions [m] into w.move, tensions [N] into w.aim (both modified).
 
     A segment counts as taut above the tension `loosest` [N]: where it is stiff, the least error of a position makes it
     shorter than its unstretched length.
     """
-    linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-    change = w.velocities[n : 2 * n]
+    linearize(body, w)
+    n = body.chain.n
     for s in range(n):
         record = nodes.record_of(s, n, w.records)
-        distance, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        rest = nodes.rest_length(s, length, parameters)
-        branch = segment.TAUT if tension[s] > loosest else distance - rest
-        stiffness, _ = segment.stiffness(branch, rest, s, n, parameters)
-        aim[s] = tension[s] if branch > 0.0 else stiffness * (distance - rest)
-        put_matrix(record, segment.K, compliance.of_segment(e, distance, stiffness, tension[s]))
-        record[segment.DAMPER] = distance - rest - aim[s] / stiffness
-    node_loads(n, spin, stretching, wind, length, TENSIONS, aim, parameters, x, v, w.mass, w.force)
-    compliance.solve(
-        n, spin, resistance, w.mass, w.force, w.records, w.diagonal, w.lower, w.momentum, w.force_rate, w.b, change
-    )
+        taut = w.tension[s] > loosest
+        length, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
+        elongation, k = spring(body.chain, s, length, taut)
+        w.aim[s] = w.tension[s] if taut or elongation > 0.0 else k * elongation
+        put_matrix(record, segment.K, compliance.of_segment(e, length, k, w.tension[s]))
+        record[segment.DAMPER] = elongation - w.aim[s] / k
+    node_loads(body, TENSIONS, w.aim, w.mass, w.force)
+    compliance.solve(body.spin, resistance, w)
     for s in range(n):
-        aim[s] += change[s]
+        w.aim[s] += w.change[s]
 
 
 @kernel
-def apply_step(n, length, parameters, x, tension, aim, change):
-    """Move the positions x [m] and the tensions [N] (both modified) by a Newton step, shortened so that no node jumps.
+def apply_step(body, w):
+    """Move the positions of the body [m] and w.tension [N] (both modified) by w.move and towards w.aim.
 
-    aim : tensions [N] at its end.  change : its motions [m]. Returns the largest motion over the length of a segment.
+    Shortened so that no node jumps. Returns the largest motion over the length of a segment.
     """
-    part = 1.0
-    for s in range(n):
-        rest = nodes.rest_length(s, length, parameters)
-        part = min(part, rest / max(norm(sub(get(change, s + 1), get(change, s))), rest))
-    for s in range(n):
-        tension[s] = max(tension[s] + part * (aim[s] - tension[s]), SLOWEST_SLACKENING * tension[s])
+    chain = body.chain
+    part = nodes.longest_part(chain, w.move)
+    for s in range(chain.n):
+        w.tension[s] = max(w.tension[s] + part * (w.aim[s] - w.tension[s]), SLOWEST_SLACKENING * w.tension[s])
     farthest = 0.0
-    for i in range(1, n):
-        step = get(change, i)
+    for i in range(1, chain.n):
+        step = get(w.move, i)
         farthest = max(farthest, dot(step, step))
-        put(x, i, along(get(x, i), part, step))
-    return sqrt(farthest) * n / length
+        put(body.x, i, along(get(body.x, i), part, step))
+    return sqrt(farthest) * chain.n / chain.length
 
 
 @kernel
-def smallest_residual(n, length, parameters, x, tension, mass):
+def smallest_residual(body, w):
     """Norm of the residual [N] that is as good as zero: a part of the forces, or the rounding error of the springs."""
+    chain = body.chain
     reach = 0.0
-    for k in range(3 * (n + 1)):
-        reach = max(reach, abs(x[k]))
+    for k in range(3 * (chain.n + 1)):
+        reach = max(reach, abs(body.x[k]))
     size = 0.0
     rounding = 0.0
-    for s in range(n):
-        size = max(size, tension[s] + mass[s] * parameters[at.GRAVITY])
-        rest = nodes.rest_length(s, length, parameters)
-        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] / rest
-        rounding = max(rounding, stiffness * ROUNDING * (reach + rest))
-    return ACCURACY * size + 4.0 * sqrt(n) * rounding
+    for s in range(chain.n):
+        size = max(size, w.tension[s] + w.mass[s] * chain.parameters[at.GRAVITY])
+        rest = rest_length(chain, s)
+        rounding = max(rounding, property_of(chain, s, at.STIFFNESS) / rest * ROUNDING * (reach + rest))
+    return ACCURACY * size + 4.0 * sqrt(chain.n) * rounding
 
 
 @kernel
@@ -262,22 +306,22 @@ def residual_norm(n, force):
 
 
 @kernel
-def relax(n, spin, stretching, length, wind, parameters, x, v, tension, compliant, firmness, creeps, most, w):
-    """Newton's method from the positions x [m] and tensions [N] (x, v, tension modified), at most `most` iterations.
+def relax(body, compliant, creeps, firmness, w):
+    """Newton's method from the positions of the body [m] and w.tension [N] (both modified).
 
-    compliant : step 3 instead of step 2, whose matrix is kept while the residual falls fast.  firmness : stiffness [N/m]
-    that the loads alone give a node (0 where it is not known), the first resistance if the chain `creeps`.
+    compliant : step 3 instead of step 2, whose matrix is kept while the residual falls fast.  creeps : step 4.  firmness :
+    stiffness [N/m] that the loads alone give a node (0 where it is not known), the first resistance if the chain creeps.
     Returns (True, iterations) or (False, iterations).
     """
+    most = MOST_CREEPING if creeps else MOST_ITERATIONS
     resistance = firmness if creeps else 0.0
-    loosest = LOOSEST * firmness * length / n
-    aim = w.velocities[:n]
+    loosest = LOOSEST * firmness * body.chain.length / body.chain.n
     last = 0.0
     fresh = False
     for iteration in range(most):
-        node_loads(n, spin, stretching, wind, length, SPRINGS, tension, parameters, x, v, w.mass, w.force)
-        residual = residual_norm(n, w.force)
-        goal = smallest_residual(n, length, parameters, x, tension, w.mass)
+        node_loads(body, SPRINGS, w.tension, w.mass, w.force)
+        residual = residual_norm(body.chain.n, w.force)
+        goal = smallest_residual(body, w)
         stalled = fresh and not creeps and residual > 0.5 * last
         if residual <= goal or (stalled and residual <= STALLED * goal):
             return True, iteration
@@ -286,14 +330,14 @@ def relax(n, spin, stretching, length, wind, parameters, x, v, tension, complian
         fresh = compliant or not residual < FAST_DECREASE * last
         last = residual
         if compliant:
-            step_by_compliance(n, spin, stretching, length, wind, parameters, x, v, tension, loosest, resistance, aim, w)
+            step_by_compliance(body, loosest, resistance, w)
         else:
             if fresh:
-                linearize(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-                if not factorize_newton(n, spin, resistance, w):
+                linearize(body, w)
+                if not factorize(body, resistance, w):
                     return False, iteration
-            step_by_stiffness(n, length, parameters, x, w.force, aim, w)
-        motion = apply_step(n, length, parameters, x, tension, aim, w.b)
+            step_by_stiffness(body, w)
+        motion = apply_step(body, w)
         if motion < NEAR:
             resistance *= 0.5
         elif motion > FAR:
@@ -302,93 +346,78 @@ def relax(n, spin, stretching, length, wind, parameters, x, v, tension, complian
 
 
 @kernel
-def first_tension_guess(n, chord, load, length, parameters):
+def first_tension_guess(chain, chord, load):
     """First tension vector [N] of the catenary with the chord [m] under the mean load per unstretched length [N/m]."""
     size = norm(load)
-    compliance = 0.0
-    for s in range(n):
-        compliance += parameters[at.PARAMETER_SCALARS + s] / parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s]
-    if not size * length * compliance > 1e-12:
+    softness = 0.0
+    for s in range(chain.n):
+        softness += property_of(chain, s, at.SHARE) / property_of(chain, s, at.STIFFNESS)
+    if not size * chain.length * softness > LIGHTEST:
         distance, e = segment.geometry(chord)
-        return scale(max(distance / length - 1.0, 1e-9) / compliance, e)
-    down = scale(1.0 / size, load)
-    across = along(chord, -dot(chord, down), down)
-    span = norm(across)
-    horizontal, vertical, iterations = elastic_catenary.solve(span, -dot(chord, down), size, length, 1.0 / compliance)
+        return scale(max(distance / chain.length - 1.0, 1e-9) / softness, e)
+    tension, iterations = elastic_catenary.hang(chord, load, chain.length, 1.0 / softness)
     if iterations < 0:
         return scale(size, chord)
-    sideways = scale(horizontal / max(span, segment.SHORTEST), across)
-    return along(sideways, 0.5 * size * length - vertical, down)
+    return tension
 
 
 @kernel
-def hang_under_mean_load(n, length, parameters, x, tension, load):
-    """Hang the chain under the mean of the loads [N] of its nodes (x, tension, load modified)."""
+def hang_under_mean_load(body, w):
+    """Hang the chain under the mean of the loads w.load [N] of its nodes (positions, w.tension, w.load modified)."""
+    chain, x = body.chain, body.x
     mean = (0.0, 0.0, 0.0)
-    for i in range(n + 1):
-        mean = add(mean, get(load, i))
-    mean = scale(1.0 / length, mean)
-    for i in range(1, n):
-        share = 0.5 * (parameters[at.PARAMETER_SCALARS + i - 1] + parameters[at.PARAMETER_SCALARS + i])
-        put(load, i, scale(share * length, mean))
-    guess = first_tension_guess(n, sub(get(x, n), get(x, 0)), mean, length, parameters)
-    hanging_chain.hang(n, guess, length, load, parameters, x, tension)
+    for i in range(chain.n + 1):
+        mean = add(mean, get(w.load, i))
+    mean = scale(1.0 / chain.length, mean)
+    for i in range(1, chain.n):
+        share = 0.5 * (property_of(chain, i - 1, at.SHARE) + property_of(chain, i, at.SHARE))
+        put(w.load, i, scale(share * chain.length, mean))
+    guess = first_tension_guess(chain, sub(get(x, chain.n), get(x, 0)), mean)
+    hanging_chain.hang(chain, guess, w.load, x, w.tension)
 
 
 @kernel
-def guess(n, spin, stretching, length, wind, parameters, x, v, tension, w):
-    """Step 1: positions [m] of the inner nodes and tensions [N] (x, v, tension modified) to start from.
+def guess(body, w):
+    """Step 1: positions of the inner nodes [m] and w.tension [N] (both modified) to start from.
 
     Returns the stiffness [N/m] that the loads alone give a node: their mean over the length of a segment.
     """
-    load = w.x_stage
-    straighten(n, parameters, x)
-    node_loads(n, spin, stretching, wind, length, NO_PULL, tension, parameters, x, v, w.mass, load)
+    straighten(body.chain, body.x)
+    node_loads(body, NO_PULL, w.tension, w.mass, w.load)
     total = 0.0
-    for i in range(1, n):
-        total += norm(get(load, i))
-    hang_under_mean_load(n, length, parameters, x, tension, load)
-    return total / length
+    for i in range(1, body.chain.n):
+        total += norm(get(w.load, i))
+    hang_under_mean_load(body, w)
+    return total / body.chain.length
 
 
 @kernel
-def tensions(n, length, parameters, x, tension):
+def tensions(chain, x, tension):
     """Tensions of the taut springs [N] into `tension` (modified, n numbers) at the positions x [m]."""
-    for s in range(n):
-        distance, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        strain = distance / nodes.rest_length(s, length, parameters) - 1.0
-        tension[s] = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n + s] * strain
+    for s in range(chain.n):
+        length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        tension[s] = property_of(chain, s, at.STIFFNESS) * (length / rest_length(chain, s) - 1.0)
 
 
 @kernel
-def follow(n, spin, stretching, length, wind, parameters, x, v, tension, w):
-    """Equilibrium from positions x [m] and tensions [N] that are close (x, v, tension modified).
-
-    Arguments as in `find`. Returns (found, iterations).
-    """
-    nodes.node_masses(n, length, parameters, w.mass)
-    return relax(n, spin, stretching, length, wind, parameters, x, v, tension, False, 0.0, False, MOST_ITERATIONS, w)
+def follow(body, w):
+    """Equilibrium from positions [m] and w.tension [N] that are close (both modified): (found, iterations)."""
+    nodes.node_masses(body.chain, w.mass)
+    return relax(body, False, False, 0.0, w)
 
 
 @kernel
-def find(n, spin, stretching, length, wind, parameters, x, v, w):
-    """Equilibrium between the ends that x [m] and v [m/s] hold (inner nodes of both modified).
+def find(body, w):
+    """Equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
-    Angular velocity [rad/s] about the ground end, rate of stretch [1/s], unstretched length [m], wind at the reference
-    height [m/s]. Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
+    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
-    nodes.node_masses(n, length, parameters, w.mass)
-    tension = w.r[:n]
+    nodes.node_masses(body.chain, w.mass)
     found = False
     iterations = 0
     for attempt in range(4):
-        compliant = attempt % 2 == 1
-        creeps = attempt >= 2
-        most = MOST_CREEPING if creeps else MOST_ITERATIONS
-        firmness = guess(n, spin, stretching, length, wind, parameters, x, v, tension, w)
-        found, more = relax(
-            n, spin, stretching, length, wind, parameters, x, v, tension, compliant, firmness, creeps, most, w
-        )
+        firmness = guess(body, w)
+        found, more = relax(body, attempt % 2 == 1, attempt >= 2, firmness, w)
         iterations += more
         if found:
             break

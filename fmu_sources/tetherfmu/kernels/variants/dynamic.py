@@ -5,21 +5,15 @@ state, so a refused step leaves the state of before.
 """
 
 from tetherfmu.kernels.algebra.vectors import get, put
-from tetherfmu.kernels.arrays import workspace
+from tetherfmu.kernels.arrays import copy, positions_and_velocities, shared_arrays, trial_state
+from tetherfmu.kernels.chain.properties import chain_of
 from tetherfmu.kernels.communication.drive import drive_of_step, place_ends
-from tetherfmu.kernels.communication.inputs import (
-    begin,
-    check_state,
-    check_step,
-    copy,
-    positions_and_velocities,
-    remember,
-    vector,
-)
+from tetherfmu.kernels.communication.inputs import begin, check_state, check_step, remember
 from tetherfmu.kernels.communication.outputs import observe_chain
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.kernels.equilibrium import newton
-from tetherfmu.kernels.motion import implicit_euler, rosenbrock
+from tetherfmu.kernels.motion import implicit_euler, step_control
+from tetherfmu.kernels.motion.rosenbrock import stages
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
@@ -34,9 +28,10 @@ def initialize(n, parameters, inputs, state, work):
     if status != OK:
         return status
     x, v = positions_and_velocities(n, state)
+    chain = chain_of(n, parameters, state)
     if parameters[at.INITIAL_SHAPE] == at.STRAIGHT:
-        newton.straighten(n, parameters, x)
-        newton.straighten(n, parameters, v)
+        newton.straighten(chain, x)
+        newton.straighten(chain, v)
         return check_state(n, state)
     ground_velocity = get(v, 0)
     kite_velocity = get(v, n)
@@ -47,9 +42,7 @@ def initialize(n, parameters, inputs, state, work):
     else:
         put(v, 0, spin)
         put(v, n, spin)
-    w = workspace(n, work)
-    wind = vector(state, at.WIND)
-    status, iterations = newton.find(n, spin, stretching, state[at.LENGTH], wind, parameters, x, v, w)
+    status, iterations = newton.find(newton.Body(chain, spin, stretching, x, v), newton.balance(n, work))
     state[at.ITERATIONS] = iterations
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
@@ -62,31 +55,33 @@ def initialize(n, parameters, inputs, state, work):
 def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
-    Returns a status: that of `communication.check_step`, OK, STATE_NOT_FINITE or one of the solver's.
+    Returns a status: that of `inputs.check_step`, OK, STATE_NOT_FINITE or one of the solver's.
     """
     status = check_step(n, parameters, inputs, step, state)
     if status != OK:
         return status
-    w = workspace(n, work)
-    copy(state, w.trial)
-    x, v = positions_and_velocities(n, w.trial)
-    drive = drive_of_step(n, parameters, inputs, step, w.trial, x, v)
+    trial = trial_state(n, work)
+    copy(state, trial)
+    x, v = positions_and_velocities(n, trial)
+    drive = drive_of_step(n, parameters, inputs, step, trial, x, v)
     if drive.first <= drive.last:
         if parameters[at.FIXED_STEP] > 0.0:
-            status = implicit_euler.integrate(n, drive, step, w.trial, x, v, parameters, w)
+            status = implicit_euler.integrate(drive, step, trial, x, v, implicit_euler.descent(n, work))
         else:
-            status = rosenbrock.integrate(n, drive, step, w.trial, x, v, parameters, w)
+            status = step_control.integrate(drive, step, trial, x, v, stages(n, work))
         if status != OK:
             return status
-    place_ends(n, drive, step, x, v)
-    remember(inputs, step, w.trial)
-    status = check_state(n, w.trial)
+    place_ends(drive, step, x, v)
+    remember(inputs, step, trial)
+    status = check_state(n, trial)
     if status == OK:
-        copy(w.trial, state)
+        copy(trial, state)
     return status
 
 
 @kernel
 def observe(n, parameters, state, shape_points, outputs, work):
     """Write all outputs (modified) that belong to a state."""
-    observe_chain(n, parameters, state, shape_points, outputs, workspace(n, work).mass)
+    x, v = positions_and_velocities(n, state)
+    _, _, mass, _ = shared_arrays(n, work)
+    observe_chain(chain_of(n, parameters, state), x, v, shape_points, outputs, mass)

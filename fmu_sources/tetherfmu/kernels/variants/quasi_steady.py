@@ -6,40 +6,37 @@ Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
 """
 
 from tetherfmu.kernels.algebra.vectors import along, get, put, scale, sub
-from tetherfmu.kernels.arrays import workspace
-from tetherfmu.kernels.communication.inputs import (
-    begin,
-    check_state,
-    check_step,
-    copy,
-    move_ends,
-    positions_and_velocities,
-    remember,
-    vector,
-)
+from tetherfmu.kernels.arrays import copy, positions_and_velocities, trial_state
+from tetherfmu.kernels.chain.properties import chain_of
+from tetherfmu.kernels.communication.inputs import begin, check_state, check_step, move_ends, remember
 from tetherfmu.kernels.communication.outputs import observe_chain
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.kernels.equilibrium import newton
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
+
+
+@view
+def body_of(n, parameters, state):
+    """The `newton.Body` that turns about the ground end with the kite of a state."""
+    x, v = positions_and_velocities(n, state)
+    spin, stretching = newton.rigid_motion(n, x, v)
+    return newton.Body(chain_of(n, parameters, state), spin, stretching, x, v)
 
 
 @kernel
 def settle(n, parameters, state, warm, w):
     """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
 
-    warm : whether the inner nodes and the tensions in w.r are close to it.
+    warm : whether the inner nodes and the tensions in w.tension are close to it.
     """
-    x, v = positions_and_velocities(n, state)
-    spin, stretching = newton.rigid_motion(n, x, v)
-    wind = vector(state, at.WIND)
-    length = state[at.LENGTH]
+    body = body_of(n, parameters, state)
     if warm:
-        found, iterations = newton.follow(n, spin, stretching, length, wind, parameters, x, v, w.r, w)
+        found, iterations = newton.follow(body, w)
         state[at.ITERATIONS] += iterations
         if found:
             return OK
-    status, iterations = newton.find(n, spin, stretching, length, wind, parameters, x, v, w)
+    status, iterations = newton.find(body, w)
     state[at.ITERATIONS] += iterations
     return status
 
@@ -49,7 +46,7 @@ def initialize(n, parameters, inputs, state, work):
     """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE, NO_EQUILIBRIUM or STATE_NOT_FINITE."""
     status = begin(n, parameters, inputs, state)
     if status == OK:
-        status = settle(n, parameters, state, False, workspace(n, work))
+        status = settle(n, parameters, state, False, newton.balance(n, work))
     if status == OK:
         status = check_state(n, state)
     return status
@@ -60,37 +57,37 @@ def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
     The next shape is sought where the nodes come to if they move on as in the last step; this motion is what the state
-    keeps as velocities of the inner nodes. Returns a status: that of `communication.check_step`, OK, NO_EQUILIBRIUM or
+    keeps as velocities of the inner nodes. Returns a status: that of `inputs.check_step`, OK, NO_EQUILIBRIUM or
     STATE_NOT_FINITE.
     """
     status = check_step(n, parameters, inputs, step, state)
     if status != OK:
         return status
-    w = workspace(n, work)
-    copy(state, w.trial)
-    x, v = positions_and_velocities(n, w.trial)
-    newton.tensions(n, state[at.LENGTH], parameters, x, w.r)
+    trial = trial_state(n, work)
+    copy(state, trial)
+    x, v = positions_and_velocities(n, trial)
+    w = newton.balance(n, work)
+    newton.tensions(chain_of(n, parameters, state), x, w.tension)
     for i in range(1, n):
         put(x, i, along(get(x, i), step, get(v, i)))
-    move_ends(n, inputs, step, w.trial)
-    remember(inputs, step, w.trial)
-    status = settle(n, parameters, w.trial, True, w)
+    move_ends(n, inputs, step, trial)
+    remember(inputs, step, trial)
+    status = settle(n, parameters, trial, True, w)
     last, _ = positions_and_velocities(n, state)
     for i in range(1, n):
         put(v, i, scale(1.0 / step, sub(get(x, i), get(last, i))))
     if status == OK:
-        status = check_state(n, w.trial)
+        status = check_state(n, trial)
     if status == OK:
-        copy(w.trial, state)
+        copy(trial, state)
     return status
 
 
 @kernel
 def observe(n, parameters, state, shape_points, outputs, work):
     """Write all outputs (modified) that belong to a state."""
-    w = workspace(n, work)
-    copy(state, w.trial)
-    x, v = positions_and_velocities(n, w.trial)
-    spin, stretching = newton.rigid_motion(n, x, v)
-    newton.rigid_velocity(n, spin, stretching, x, v)
-    observe_chain(n, parameters, w.trial, shape_points, outputs, w.mass)
+    trial = trial_state(n, work)
+    copy(state, trial)
+    body = body_of(n, parameters, trial)
+    newton.rigid_velocity(body)
+    observe_chain(body.chain, body.x, body.v, shape_points, outputs, newton.balance(n, work).mass)

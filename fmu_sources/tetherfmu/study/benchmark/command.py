@@ -57,8 +57,8 @@ def host_table(paths, quick):
     """Cost of the FMUs in FMPy, and their start-up time."""
     rows = []
     for name, path in paths.items():
-        costs = [1e6 * each for each in measured("costs", path, 100 if quick else 3000, 1 if quick else 3)]
-        (start,) = measured("start", path, 1, 1 if quick else 10)
+        costs = [1e6 * each for each in measured(path, 100 if quick else 3000, 1 if quick else 3)[1:]]
+        start = measured(path, 1, 1 if quick else 10)[0]
         rows.append((name, *costs, sum(costs), 1e3 * start))
     return pd.DataFrame(rows, columns=("FMU", "set us", "step us", "get us", "together us", "start ms"))
 

@@ -58,15 +58,30 @@ def markdown(table):
     return table.astype(object).map(cell).to_markdown(index=False, disable_numparse=True)
 
 
-def page(template, **facts):
-    """Text of a Jinja template (path), filled with facts; its filter `table` writes a DataFrame."""
-    template = Path(template)
+def percent(value):
+    """Text of a share in percent, two digits."""
+    return f"{100.0 * value:.2g} %"
+
+
+def factor(cost):
+    """Text of how many times faster than real time a cost per simulated second is, two digits; a dash if not known."""
+    return f"{float(f'{1.0 / cost:.2g}'):.0f}" if cost else "-"
+
+
+def templates_in(folder):
+    """Jinja environment of the templates in a folder; filters: `table` (writes a DataFrame), `percent` and `factor`."""
     environment = Environment(
-        loader=FileSystemLoader(template.parent),
+        loader=FileSystemLoader(folder),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["table"] = markdown
-    return environment.get_template(template.name).render(facts, circumstances=circumstances())
+    environment.filters |= {"table": markdown, "percent": percent, "factor": factor}
+    return environment
+
+
+def page(template, **facts):
+    """Text of a Jinja template (path), filled with facts and the circumstances."""
+    template = Path(template)
+    return templates_in(template.parent).get_template(template.name).render(facts, circumstances=circumstances())

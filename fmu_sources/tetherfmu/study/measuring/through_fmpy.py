@@ -1,16 +1,32 @@
-"""Cost of an FMU in a host: FMPy sets, steps, gets. Each measurement runs in a process of its own."""
+"""FMUs in a host: FMPy sets the inputs that change, steps, and gets both end forces; each flight in its own process."""
 
 import atexit
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.variables import INPUT_NAMES
+from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.scenes.standard import CIRCLE_LENGTH, QUASI_STEADY_START, STEP, circle_inputs
+
+from .runs import parameters_of
+
+CIRCLE = {"initial_length": CIRCLE_LENGTH, "initial_shape": QUASI_STEADY_START}  # parameters of the scene "circle"
+
+
+class Hosted(NamedTuple):
+    """A flight in FMPy."""
+
+    start: float  # time from instantiation to the end of the first step [s]
+    costs: np.ndarray  # times of setting, stepping and getting [s], a row for each step
+    kite_force: list  # last force on the kite [N]
 
 
 def fmus_in(folder):
@@ -22,20 +38,16 @@ def fmus_in(folder):
     return paths
 
 
-def references(description):
-    """Value references by name."""
-    return {variable.name: variable.valueReference for variable in description.modelVariables}
+def by_name(inputs):
+    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU."""
+    return pd.DataFrame(inputs[:, list(INPUT_NAMES)], columns=INPUT_NAMES.values())
 
 
-def vectors(table, *names):
-    """Value references of three-vectors."""
-    return [table[f"{name}[{i}]"] for name in names for i in (1, 2, 3)]
-
-
-def loaded(path):
-    """The FMU at a path, ready to be instantiated, and its value references by name."""
+def fly(path, parameters, inputs, step):
+    """`Hosted` of an FMU with these parameters and inputs (`by_name`) at a communication step [s]; in this process."""
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
+    from fmpy.simulation import apply_start_values
 
     description = read_model_description(path)
     name = description.coSimulation.modelIdentifier
@@ -43,57 +55,51 @@ def loaded(path):
     # PythonFMU's library must stay loaded, and must not end the interpreter of this process a second time
     if hasattr(fmu.dll, "finalizePythonInterpreter"):
         atexit.register(fmu.dll.finalizePythonInterpreter)
-    return fmu, references(description)
-
-
-def prepared(fmu, table, inputs):
-    """Instantiate, set the scene "circle" and end the initialization."""
+    places = {variable.name: variable.valueReference for variable in description.modelVariables}
+    moving = inputs.loc[:, inputs.nunique() > 1]
+    sets = [places[name] for name in moving]
+    gets = [places[f"{end}_force[{axis}]"] for end in ("ground", "kite") for axis in (1, 2, 3)]
+    rows, times = moving.to_numpy().tolist(), np.zeros((len(inputs), 4))
+    began = perf_counter()
     fmu.instantiate()
     fmu.setupExperiment(startTime=0.0)
-    fmu.setReal([table["initial_length"]], [CIRCLE_LENGTH])
-    fmu.setInteger([table["initial_shape"]], [QUASI_STEADY_START])
+    apply_start_values(fmu, description, parameters)
     fmu.enterInitializationMode()
-    fmu.setReal(vectors(table, "wind_velocity"), [8.0, 0.0, 0.0])
-    fmu.setReal(vectors(table, "kite_position", "kite_velocity"), inputs)
+    apply_start_values(fmu, description, inputs.iloc[0].to_dict())
     fmu.exitInitializationMode()
-
-
-def costs(fmu, table, inputs):
-    """Median time [s] of setting six inputs, of the step, and of getting six forces."""
-    sets, gets = vectors(table, "kite_position", "kite_velocity"), vectors(table, "ground_force", "kite_force")
-    prepared(fmu, table, inputs[0])
-    times = np.zeros((len(inputs), 4))
-    for k, values in enumerate(inputs):
-        begin = perf_counter()
-        fmu.setReal(sets, values)
+    for k, row in enumerate(rows):
+        before = perf_counter()
+        if row:
+            fmu.setReal(sets, row)
         after_set = perf_counter()
-        fmu.doStep(k * STEP, STEP)
+        fmu.doStep(k * step, step)
         after_step = perf_counter()
-        fmu.getReal(gets)
-        times[k] = begin, after_set, after_step, perf_counter()
-    return np.median(np.diff(times), axis=0).tolist()
-
-
-def start(fmu, table, inputs):
-    """Time [s] from instantiation to the end of the first step."""
-    begin = perf_counter()
-    prepared(fmu, table, inputs[0])
-    fmu.doStep(0.0, STEP)
-    return [perf_counter() - begin]
-
-
-def measure(what, path, steps):
-    """Times [s] of one measurement in this process."""
-    fmu, table = loaded(path)
-    times = {"costs": costs, "start": start}[what](fmu, table, circle_inputs(steps)[:, :6].tolist())
+        forces = fmu.getReal(gets)
+        times[k] = before, after_set, after_step, perf_counter()
     fmu.terminate()
     fmu.fmi2FreeInstance(fmu.component)
-    return times
+    return Hosted(times[0, 2] - began, np.diff(times), forces[3:])
 
 
-def measured(what, path, steps, repeats):
-    """Medians [s] of a measurement over so many new processes: of the "costs" of a step, or of the "start"."""
+def hosted(path, parameters, inputs, step, repeats=1):
+    """`Hosted` of so many flights, each in a new process; see `fly`."""
     one_each = {"max_workers": 1, "mp_context": multiprocessing.get_context("spawn"), "max_tasks_per_child": 1}
     with ProcessPoolExecutor(**one_each) as executor:
-        tasks = [executor.submit(measure, what, str(path), steps) for _ in range(repeats)]
-        return np.median([task.result() for task in tasks], axis=0).tolist()
+        tasks = [executor.submit(fly, str(path), parameters, inputs, step) for _ in range(repeats)]
+        return [task.result() for task in tasks]
+
+
+def measured(path, steps, repeats):
+    """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
+    flights = hosted(path, CIRCLE, by_name(circle_inputs(steps)), STEP, repeats)
+    return np.median([(each.start, *np.median(each.costs, axis=0)) for each in flights], axis=0).tolist()
+
+
+def flown(folder, scene, config):
+    """Time per simulated second [-] through FMPy, and the last force on the kite [N], of a configuration.
+
+    folder : with the FMUs.
+    """
+    path = Path(folder) / f"{class_name(config.variant)}.fmu"
+    (flight,) = hosted(path, parameters_of(scene, config), by_name(scene.inputs(config.step)), config.step)
+    return float(flight.costs.sum()) / (scene.count * scene.every), flight.kite_force

@@ -1,0 +1,123 @@
+"""The catenary tether: weight plus the mean drag along its chord is one uniform load on an elastic line.
+
+Source: docs/theory.md, "Elastic catenary".
+"""
+
+from tetherfmu.kernels.algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
+from tetherfmu.kernels.arrays import copy, trial_state
+from tetherfmu.kernels.chain import segment
+from tetherfmu.kernels.chain.properties import property_of
+from tetherfmu.kernels.communication.inputs import begin, check_step, move_ends, remember
+from tetherfmu.kernels.communication.outputs import distance_to_chord, wave_time, write_direction
+from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.equilibrium.elastic_catenary import LEAST, hang, point_in_space
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
+
+from .chord import chord_load, chord_of, write_common
+
+SAMPLES = 24  # pieces of the catenary in which wave time and sag are found
+LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
+
+
+@kernel
+def uniform_load(line, state):
+    """Weight plus mean drag per unstretched length [N/m]; a slack tether catches the wind with all its length."""
+    mean, _ = chord_load(line.parameters, state)
+    return mean[0], mean[1], mean[2] - property_of(line, 0, at.LINE_DENSITY) * line.parameters[at.GRAVITY]
+
+
+@kernel
+def settle(parameters, state):
+    """Store the tension vector of the ground end in the state (modified); returns OK or NO_EQUILIBRIUM."""
+    line, _, chord, distance = chord_of(parameters, state)
+    stiffness = property_of(line, 0, at.STIFFNESS)
+    load = uniform_load(line, state)
+    if norm(load) * line.length <= LIGHTEST * stiffness:
+        _, e = segment.geometry(chord)
+        pull = scale(stiffness * max(distance / line.length - 1.0, 0.0), e)
+        put_at(state, at.GROUND_TENSION_VECTOR, along(pull, 0.5 * line.length, load))
+        return OK
+    tension, iterations = hang(chord, load, line.length, stiffness)
+    if iterations < 0:
+        return NO_EQUILIBRIUM
+    state[at.ITERATIONS] += iterations
+    put_at(state, at.GROUND_TENSION_VECTOR, tension)
+    return OK
+
+
+@kernel
+def initialize(n, parameters, inputs, state, work):
+    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE or NO_EQUILIBRIUM. n is 1."""
+    status = begin(n, parameters, inputs, state)
+    if status == OK:
+        status = settle(parameters, state)
+    return status
+
+
+@kernel
+def advance(n, parameters, inputs, step, state, work):
+    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
+
+    Returns a status: that of `inputs.check_step`, OK or NO_EQUILIBRIUM. n is 1.
+    """
+    status = check_step(n, parameters, inputs, step, state)
+    if status != OK:
+        return status
+    trial = trial_state(n, work)
+    copy(state, trial)
+    move_ends(n, inputs, step, trial)
+    remember(inputs, step, trial)
+    status = settle(parameters, trial)
+    if status == OK:
+        copy(trial, state)
+    return status
+
+
+@kernel
+def survey(line, ground, chord, tension, load, outputs):
+    """Wave time and sag into the outputs (modified).
+
+    Ground end [m], chord [m], tension vector of the ground end [N], load per unstretched length [N/m].
+    """
+    length = line.length
+    stiffness = property_of(line, 0, at.STIFFNESS)
+    piece = length / SAMPLES
+    crossing = 0.0
+    sag = 0.0
+    for k in range(SAMPLES):
+        middle = (k + 0.5) * piece
+        pull = norm(along(tension, -middle, load))
+        stretched = piece * (1.0 + pull / stiffness)
+        crossing += wave_time(property_of(line, 0, at.LINE_DENSITY), piece, stretched, pull, stiffness)
+        sag = max(sag, distance_to_chord(point_in_space(ground, tension, load, middle, stiffness), ground, chord))
+    # the tether is farthest from its chord where it is parallel to it: (t - s q) x c = 0, or, hanging from ends one above
+    # the other, in its fold: (t - s q) . q = 0
+    turning = cross(load, chord)
+    parallel = dot(cross(tension, chord), turning) / max(dot(turning, turning), LEAST)
+    fold = dot(tension, load) / max(dot(load, load), LEAST)
+    for arc in (parallel, fold):
+        point = point_in_space(ground, tension, load, min(length, max(0.0, arc)), stiffness)
+        sag = max(sag, distance_to_chord(point, ground, chord))
+    outputs[at.WAVE_TIME] = crossing
+    outputs[at.SAG] = sag
+
+
+@kernel
+def observe(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified). n is 1."""
+    line, ground, chord, distance = chord_of(parameters, state)
+    load = uniform_load(line, state)
+    tension = vector_at(state, at.GROUND_TENSION_VECTOR)
+    kite_force = along(scale(-1.0, tension), line.length, load)
+    write_common(line, distance, tension, kite_force, outputs)
+    outputs[at.GROUND_TENSION] = norm(tension)
+    outputs[at.KITE_TENSION] = norm(kite_force)
+    outputs[at.MAX_TENSION] = max(norm(tension), norm(kite_force))
+    outputs[at.KITE_END_MASS] = 0.0
+    write_direction(tension, outputs)
+    survey(line, ground, chord, tension, load, outputs)
+    for k in range(shape_points):
+        arc = line.length * k / max(1, shape_points - 1)
+        point = point_in_space(ground, tension, load, arc, property_of(line, 0, at.STIFFNESS))
+        put_at(outputs, at.SHAPE + 3 * k, point)

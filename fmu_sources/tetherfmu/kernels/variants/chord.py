@@ -1,0 +1,59 @@
+"""What the tethers without nodes share: they know the drag only along their chord.
+
+Load of the air per length of the chord, with W the wind at the height of the point less its velocity, and e the chord:
+
+    f(xi) = 1/2 rho cd d |w| w,   w = W - (W . e) e,   velocity (1 - xi) v_ground + xi v_kite,   xi = 0 .. 1
+
+Source: docs/theory.md, "Straight line" and "Elastic catenary".
+"""
+
+import numpy as np
+
+from tetherfmu.kernels.algebra.vectors import along, get, put_at, sub
+from tetherfmu.kernels.arrays import positions_and_velocities
+from tetherfmu.kernels.chain import segment
+from tetherfmu.kernels.chain.properties import chain_of, property_of
+from tetherfmu.kernels.compilation import kernel, view
+from tetherfmu.runtime import layout as at
+
+# Gauss-Legendre points and weights on 0 .. 1: exact to degree 9, so for the turning tether without wind
+POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332))
+WEIGHTS = np.array((0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095))
+
+
+@view
+def chord_of(parameters, state):
+    """The one segment of a line, as `Chain`; its ground end [m], its chord [m] and the length of the chord [m]."""
+    x, _ = positions_and_velocities(1, state)
+    ground = get(x, 0)
+    chord = sub(get(x, 1), ground)
+    distance, _ = segment.geometry(chord)
+    return chain_of(1, parameters, state), ground, chord, distance
+
+
+@kernel
+def chord_load(parameters, state):
+    """Mean of f [N/m] along the chord, and its first moment, the mean of xi f [N/m]."""
+    line, ground, chord, _ = chord_of(parameters, state)
+    _, v = positions_and_velocities(1, state)
+    _, e = segment.geometry(chord)
+    mean = (0.0, 0.0, 0.0)
+    moment = (0.0, 0.0, 0.0)
+    for i in range(len(POINTS)):
+        xi = POINTS[i]
+        velocity = along(get(v, 0), xi, sub(get(v, 1), get(v, 0)))
+        half = segment.half_drag(line, 0, 1.0, e, ground[2] + xi * chord[2], velocity)
+        mean = along(mean, 2.0 * WEIGHTS[i], half)
+        moment = along(moment, 2.0 * WEIGHTS[i] * xi, half)
+    return mean, moment
+
+
+@kernel
+def write_common(line, distance, ground_force, kite_force, outputs):
+    """Outputs (modified) that both lines share, from the length of the chord [m] and the end forces [N]."""
+    put_at(outputs, at.GROUND_FORCE, ground_force)
+    put_at(outputs, at.KITE_FORCE, kite_force)
+    outputs[at.TETHER_LENGTH] = line.length
+    outputs[at.SLACK_SEGMENTS] = 1.0 if distance < line.length else 0.0
+    outputs[at.KITE_STIFFNESS] = property_of(line, 0, at.STIFFNESS) / line.length
+    outputs[at.KITE_DAMPING] = property_of(line, 0, at.DAMPING) / line.length

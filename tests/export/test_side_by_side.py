@@ -1,0 +1,82 @@
+"""Several FMUs in one process: the same from two folders, a folder that vanishes, two versions of the package."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from isolation import in_own_process
+from runtime.host import Host
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.kernel_library import this_platform
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def forces(host):
+    host.step(0.02)
+    return host.all_outputs()
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
+    first, second = Host(fmu_folder / f"{fmu}.fmu").start(), Host(fmu_folder / f"{fmu}.fmu").start()
+    assert first.folder != second.folder
+    assert forces(first) == forces(second)
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_the_folder_may_vanish(fmu_folder, fmu):
+    """Running instances go on, also after a reset. (A new one needs the folder: PythonFMU's library reads it.)"""
+    twin = Host(fmu_folder / f"{fmu}.fmu").start()
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    shutil.rmtree(host.folder)
+    expected = forces(twin)
+    assert forces(host) == expected
+    host.fmu.reset()
+    host.time = 0.0
+    host.start()
+    assert forces(host) == expected
+
+
+@in_own_process
+def test_all_variants_in_one_process(fmu_folder):
+    alone = {fmu: forces(Host(fmu_folder / f"{fmu}.fmu").start()) for fmu in SLAVES}
+    hosts = {fmu: Host(fmu_folder / f"{fmu}.fmu").start() for fmu in SLAVES}
+    assert {fmu: forces(host) for fmu, host in hosts.items()} == alone
+    assert len({tuple(outputs) for outputs in alone.values()}) == len(SLAVES)
+
+
+@pytest.fixture(scope="module")
+def other_version(tmp_path_factory):
+    """TetherStraight of a version whose tether weighs twice as much, built from a changed copy of the sources."""
+    folder = tmp_path_factory.mktemp("other_version")
+    shutil.copytree(ROOT / "fmu_sources", folder / "fmu_sources", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "LICENSE", folder)
+    lines = folder / "fmu_sources" / "tetherfmu" / "lines.py"
+    text = lines.read_text(encoding="utf-8")
+    changed = text.replace("-0.5 * line_density * length", "-1.0 * line_density * length")
+    assert changed != text
+    lines.write_text(changed, encoding="utf-8")
+    command = [sys.executable, ROOT / "build_fmus.py", "TetherStraight", "--out", folder, "--platforms", this_platform()]
+    environment = {**os.environ, "PYTHONPATH": str(folder / "fmu_sources")}
+    subprocess.run(command, env=environment, cwd=folder, check=True, timeout=300)
+    return folder / "TetherStraight.fmu"
+
+
+@pytest.mark.parametrize("other_first", [True, False])
+@in_own_process
+def test_two_versions_each_run_their_own_code(fmu_folder, other_version, other_first):
+    paths = [fmu_folder / "TetherStraight.fmu", other_version]
+    hosts = [Host(path) for path in (reversed(paths) if other_first else paths)]
+    for host in hosts:
+        host.start(kite_position=(500.0, 0.0, 0.0))
+    ours, others = reversed(hosts) if other_first else hosts
+    # the tether is slack: half of the weight at each end, nothing else
+    assert others.get("kite_force[3]") == pytest.approx(2.0 * ours.get("kite_force[3]"), rel=1e-12)
+    assert ours.get("kite_force[3]") < -1.0

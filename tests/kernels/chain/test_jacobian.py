@@ -1,0 +1,100 @@
+"""Derivatives of the node forces against central differences, in all regimes of a segment."""
+
+import numpy as np
+import pytest
+
+from kernels.chain_problem import ChainProblem
+from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.runtime import layout as at
+
+STEP = 1e-5
+# central differences: truncation h^2 F''' and rounding eps F/h are both below 1e-6 of the largest entry
+TOLERANCE = 1e-6
+
+
+def chain_of_length(problem, length):
+    return chain_at(problem.n, problem.parameters, length, problem.drive.reeling, problem.wind)
+
+
+def forces(problem, x, v, length):
+    out = np.zeros_like(x)
+    mass = np.zeros(problem.n + 1)
+    chain = chain_of_length(problem, length)
+    nodes.node_masses(chain, mass)
+    nodes.node_forces(chain, np.zeros(problem.n), x, v, mass, out)
+    return out
+
+
+def differences(function, point):
+    columns = []
+    for k in range(len(point)):
+        shift = np.zeros_like(point)
+        shift[k] = STEP
+        columns.append((function(point + shift) - function(point - shift)) / (2.0 * STEP))
+    return np.array(columns).T
+
+
+def dense(problem, factors):
+    """The block tridiagonal matrix of `nodes.assemble` as a full one."""
+    n, w = problem.n, problem.stages
+    nodes.assemble(n, *factors, w.mass, w.records, w.matrix)
+    full = np.zeros((3 * (n + 1), 3 * (n + 1)))
+    for i in range(n + 1):
+        rows = slice(3 * i, 3 * i + 3)
+        full[rows, rows] = w.matrix.diagonal[9 * i : 9 * i + 9].reshape(3, 3)
+        if i > 0:
+            full[rows, 3 * i - 3 : 3 * i] = w.matrix.lower[9 * i : 9 * i + 9].reshape(3, 3)
+        if i < n:
+            full[rows, 3 * i + 3 : 3 * i + 6] = w.matrix.upper[9 * i : 9 * i + 9].reshape(3, 3)
+    return full
+
+
+@pytest.mark.parametrize("damping_law", [1, 2])
+@pytest.mark.parametrize("wind_profile", [1, 2, 3, 4])
+@pytest.mark.parametrize("slack", [False, True])
+def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
+    problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
+    length = 60.0 if slack else problem.length
+    w = problem.stages
+    chain = chain_of_length(problem, length)
+    nodes.node_masses(chain, w.mass)
+    nodes.linearize(chain, problem.x, problem.v, w.records, w.force_rate)
+    by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
+    by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
+    by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
+    for found, expected in (
+        (dense(problem, (0.0, 0.0, -1.0)), by_position),
+        (dense(problem, (0.0, -1.0, 0.0)), by_velocity),
+        (w.force_rate / problem.drive.reeling, by_length),
+    ):
+        np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())
+
+
+def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
+    problem = ChainProblem()
+    n, w = problem.n, problem.stages
+    nodes.node_masses(problem.chain, w.mass)
+    nodes.linearize(problem.chain, problem.x, problem.v, w.records, w.force_rate)
+    stiffness = dense(problem, (0.0, 0.0, -1.0))
+    damping = dense(problem, (0.0, -1.0, 0.0))
+    move = np.random.default_rng(5).normal(size=(2, 3))
+    for kite_end, columns in ((False, slice(0, 3)), (True, slice(3 * n, 3 * n + 3))):
+        change = np.zeros(3 * (n + 1))
+        nodes.add_end_motion(n, kite_end, tuple(move[0]), tuple(move[1]), w.records, change)
+        expected = stiffness[:, columns] @ move[0] + damping[:, columns] @ move[1]
+        np.testing.assert_allclose(change, expected, rtol=1e-12, atol=1e-9)
+    u = np.random.default_rng(6).normal(size=3 * (n + 1))
+    product = np.zeros_like(u)
+    nodes.add_damping_product(n, -2.0, u, w.records, product)
+    np.testing.assert_allclose(product, -2.0 * damping @ u, rtol=1e-12, atol=1e-9)
+
+
+def test_still_air_has_a_derivative():
+    """At rest in still air the drag's derivative is zero, not NaN."""
+    problem = ChainProblem()
+    w = problem.stages
+    still = np.zeros_like(problem.v)
+    calm = chain_at(problem.n, problem.parameters, 38.0, 0.0, (0.0, 0.0, 0.0))
+    nodes.linearize(calm, problem.x, still, w.records, w.force_rate)
+    assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()

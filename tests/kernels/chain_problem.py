@@ -1,0 +1,52 @@
+"""A small chain with everything switched on, for tests that call kernels directly."""
+
+import numpy as np
+
+from tetherfmu.kernels.communication import driven_end
+from tetherfmu.kernels.communication.drive import Drive, chain_during
+from tetherfmu.kernels.motion.implicit_euler import descent
+from tetherfmu.kernels.motion.rosenbrock import stages
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
+
+
+class ChainProblem:
+    """Arrays and the drive of a bent chain of 4 segments in a sheared wind; both ends move, the tether reels.
+
+    It stays taut, so that its forces are smooth and the order of a method can be seen.
+    """
+
+    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2):
+        self.n = n = 4
+        tether = Tether(
+            segments=n,
+            initial_length=38.0,
+            diameter=0.02,
+            axial_stiffness=2e3,
+            axial_damping=60.0,
+            damping_law=damping_law,
+        )
+        environment = Environment(wind_profile=wind_profile, air_density_scale_height=500.0)
+        self.parameters = np.array(pack((tether,), environment, Solver(), 1e-6))
+        self.wind = (8.0, 2.0, 1.0)
+        self.length = 38.0
+        nodes = np.linspace([0.0, 0.0, 1.0], [22.0, 3.0, 36.0], n + 1)
+        nodes[1:-1] += [[0.3, -0.5, -0.9], [0.8, 0.2, -1.0], [-0.2, 0.4, -0.7]]
+        self.x = nodes.ravel()
+        self.v = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
+        self.memory = np.zeros(at.work_size(n))
+        self.stages, self.descent = stages(n, self.memory), descent(n, self.memory)
+        still = (0.0, 0.0, 0.0)
+        self.drive = Drive(
+            n,
+            self.parameters,
+            driven_end.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
+            driven_end.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
+            1,
+            n - 1,
+            self.length,
+            reeling,
+            self.wind,
+            still,
+        )
+        self.chain = chain_during(self.drive, 0.0)

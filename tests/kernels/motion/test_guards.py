@@ -1,0 +1,173 @@
+"""Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
+
+Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
+over n internal steps (adaptive) or iterations (fixed step), plus those of one fixed step.
+"""
+
+import numpy as np
+import pytest
+
+from tetherfmu import models
+from tetherfmu.kernels.motion import implicit_euler
+from tetherfmu.models import StepRefused, TetherDynamic
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
+
+FACES = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
+SOLVERS = [Solver(), Solver(fixed_step=0.01)]
+KITE = (3.0, 0.0, 4.0)
+
+
+def started(solver, segments=4, length=5.2, **options):
+    model = TetherDynamic(Tether(segments=segments, initial_length=length), solver=solver, **options)
+    model.initialize(kite_position=KITE)
+    return model
+
+
+def nodes(model, state):
+    """Views of positions and velocities in a state, (n + 1, 3) each."""
+    return state[at.STATE_HEADER :].reshape(2, model.segments + 1, 3)
+
+
+@pytest.mark.parametrize("face", FACES)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_reeling_in_stops_at_a_centimetre_per_segment(face, solver):
+    """`layout.MIN_SEGMENT_LENGTH`: without it the stiffness EA/l0 grows beyond all bounds, then changes its sign."""
+    segments = 1 if face in FACES[2:] else 4
+    model = face(Tether(segments=4, initial_length=5.0), solver=solver)
+    model.initialize(kite_position=KITE)
+    model.step(0.01, kite_position=KITE)
+    before = model.get_state()
+    shortest = at.MIN_SEGMENT_LENGTH * segments
+    for rest in (0.999 * shortest, 0.0, -1.0):
+        with pytest.raises(StepRefused, match=r"segments shorter than 0\.01 m .*stop reeling in earlier"):
+            model.step(1.0, kite_position=KITE, reel_out_speed=rest - 5.0)
+        np.testing.assert_array_equal(model.get_state(), before)
+    model.step(1e-9, kite_position=KITE, reel_out_speed=-1.0)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_nodes_in_one_place(solver):
+    """`segment.SHORTEST`: without it the direction of a segment of length 0 is 0/0."""
+    model = started(solver)
+    state = model.get_state()
+    positions, _ = nodes(model, state)
+    positions[2] = positions[1]
+    model.set_state(state)
+    out = model.step(0.01, kite_position=KITE)
+    assert np.isfinite(model.get_state()).all()
+    assert np.isfinite(out.max_tension)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("value", [np.nan, 1e200, 1e300])
+def test_a_state_out_of_the_range_of_numbers(solver, value):
+    """`communication.check_state`, and `error < inf` of the adaptive solver: refused, and the state kept bit for bit."""
+    model = started(solver)
+    state = model.get_state()
+    nodes(model, state)[1, 2] = value
+    model.set_state(state)
+    with pytest.raises(StepRefused, match=r"leaves the range of numbers|cannot reach the relative_tolerance"):
+        model.step(0.01, kite_position=KITE)
+    np.testing.assert_array_equal(model.get_state(), state)
+
+
+def test_a_singular_matrix_makes_the_step_shorter():
+    """M/d - d K is exactly 0 across a compressed line at h = 0.5 s, d = h/4: m/d = 8, 2 d r k (l0 - l)/l = 8."""
+    tether = Tether(
+        segments=2,
+        initial_length=2.0,
+        axial_stiffness=64.0,
+        axial_damping=0.0,
+        drag_coefficient=0.0,
+        slack_stiffness_ratio=0.5,
+    )
+    model = TetherDynamic(tether, Environment(gravity=0.0), Solver(relative_tolerance=0.1, initial_shape=3))
+    model._parameters[at.PARAMETER_SCALARS + at.LINE_DENSITY * 2 : at.PARAMETER_SCALARS + at.DRAG_WIDTH * 2] = 1.0
+    kite = (1.0, 0.0, 0.0)
+    model.initialize(kite_position=kite)
+    model.step(0.5, kite_position=kite)
+    assert model.counters["rejections"] >= 1
+    np.testing.assert_allclose(model.positions, [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), kite], atol=1e-12)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_one_segment_between_driven_ends(solver):
+    """`drive.first <= drive.last` in `dynamic.advance`: no node is free, and T = EA (d/L - 1) holds at once."""
+    model = started(solver, segments=1, length=4.9)
+    out = model.step(0.01, kite_position=KITE)
+    np.testing.assert_allclose(out.max_tension, 614600.0 * (5.0 / 4.9 - 1.0), rtol=1e-12)
+    assert model.counters["steps"] == 0
+
+
+def tried(model):
+    """Internal steps that the last call took or rejected, also one that was refused: the kernel counts in its copy."""
+    return model._work[at.STEPS] + model._work[at.REJECTIONS] - model._state[at.STEPS] - model._state[at.REJECTIONS]
+
+
+def test_the_adaptive_solver_stops_at_its_budget():
+    """An undamped straight line of 300 slack segments buckles: within a second of it the solver has spent its budget."""
+    tether = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
+    model = TetherDynamic(tether, solver=Solver(relative_tolerance=1e-6, initial_shape=3))
+    inputs = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
+    model.initialize(**inputs)
+    before = model.get_state()
+    with pytest.raises(
+        StepRefused, match=r"shorter communication step, a larger relative_tolerance, fewer segments, more axial"
+    ):
+        model.step(1.0, **inputs)
+    assert tried(model) == at.WORK_BUDGET // 300
+    np.testing.assert_array_equal(model.get_state(), before)
+
+
+def largest_on_a_short_circle(tolerance):
+    """Largest node speed [m/s] and tension [N] of a slack tether of 1.7 m with stiff dampers, kite at 20 m/s, in 0.12 s."""
+    tether = Tether(segments=22, initial_length=1.68, axial_stiffness=1.2e5, axial_damping=2100.0)
+    model = TetherDynamic(tether, Environment(gravity=0.0), Solver(relative_tolerance=tolerance))
+    step, radius, speed = 0.004, 0.65, 20.0
+    fastest = strongest = 0.0
+    for k in range(30):
+        angle = speed / radius * step * max(0, k - 1)
+        inputs = {
+            "kite_position": (radius * np.cos(angle), radius * np.sin(angle), 1.46),
+            "kite_velocity": (-speed * np.sin(angle), speed * np.cos(angle), 0.0),
+            "reel_out_speed": -1.6,
+        }
+        out = model.step(step, **inputs) if k else model.initialize(**inputs)
+        fastest = max(fastest, np.linalg.norm(model.velocities, axis=1).max())
+        strongest = max(strongest, out.max_tension)
+    return fastest, strongest
+
+
+def test_loose_tolerances_do_not_feed_on_the_speed_of_stiff_dampers():
+    """`step_control.damper_error`: without it the loosest tolerance gives 40 MN and 80 km/s instead of 11 kN and 74 m/s."""
+    np.testing.assert_allclose(largest_on_a_short_circle(1e-2), largest_on_a_short_circle(1e-6), rtol=0.02)
+
+
+def test_the_fixed_step_solver_stops_at_its_budget():
+    """More internal steps than the budget are refused before the first; hard ones when their iterations have spent it."""
+    tether = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
+    inputs = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
+    for fixed_step, steps in ((1e-4, 0), (1.0 / 3000.0, None)):
+        model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=3))
+        model.initialize(**inputs)
+        before = model.get_state()
+        with pytest.raises(StepRefused, match=r"longer fixed_step or a shorter communication step"):
+            model.step(1.0, **inputs)
+        np.testing.assert_array_equal(model.get_state(), before)
+        if steps is not None:
+            assert tried(model) == steps
+
+
+def test_a_fixed_step_takes_a_bounded_number_of_iterations():
+    """`implicit_euler.WORST_WORK`, also where the iteration does not come to rest: a slack line in a hurricane."""
+    tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
+    model = TetherDynamic(tether, solver=Solver(fixed_step=0.1, initial_shape=3))
+    inputs = {"kite_position": (6.0, 0.0, 8.0), "wind_velocity": (60.0, 10.0, 0.0)}
+    model.initialize(**inputs)
+    most = 0
+    for _ in range(50):
+        before = model.counters["iterations"]
+        model.step(0.1, **inputs)
+        most = max(most, model.counters["iterations"] - before)
+    assert most == implicit_euler.WORST_WORK

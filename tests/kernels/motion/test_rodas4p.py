@@ -1,0 +1,123 @@
+"""Rodas4P: its coefficients satisfy the order conditions, and the chain converges with order 4.
+
+In the usual form k_i = h f(y0 + sum alpha_ij k_j) + h J sum gamma_ij k_j the transformed coefficients are
+Gamma = (diag(1/gamma) - C)^-1, alpha = A Gamma, b = m Gamma, beta = alpha + Gamma. Conditions: Hairer and Wanner, Solving
+Ordinary Differential Equations II, section IV.7, table 7.1.
+"""
+
+import json
+
+import numpy as np
+import pytest
+
+from kernels.chain_problem import ChainProblem
+from scenes import REFERENCE
+from tetherfmu.kernels.motion import implicit_euler, rodas4p, rosenbrock
+
+ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
+
+
+def square(rows):
+    return np.column_stack([rows, np.zeros(6)])
+
+
+def test_coefficients_are_those_of_the_reference():
+    reference = json.loads((REFERENCE / "rodas4p.json").read_text())
+    np.testing.assert_array_equal(square(rodas4p.A), reference["a"])
+    np.testing.assert_array_equal(square(rodas4p.C), reference["C"])
+    np.testing.assert_array_equal(rodas4p.ALPHA, reference["alpha"])
+    np.testing.assert_array_equal(rodas4p.GAMMA_I, reference["gamma_i"])
+    assert reference["gamma"] == rodas4p.GAMMA
+    # the step adds U_6 to the argument of the last stage, whose row of A is m without its last entry
+    np.testing.assert_array_equal([*rodas4p.A[5], 1.0], reference["m"])
+
+
+def usual_form():
+    gamma = np.linalg.inv(np.eye(6) / rodas4p.GAMMA - square(rodas4p.C))
+    alpha = square(rodas4p.A) @ gamma
+    weights = np.append(rodas4p.A[5], 1.0) @ gamma
+    embedded = np.append(rodas4p.A[5], 0.0) @ gamma
+    return alpha, gamma, weights, embedded
+
+
+def test_positions_follow_from_velocities():
+    """P = alpha (A + 1) and R/gamma = Gamma (A + 1)/gamma below their diagonals, see `rodas4p`."""
+    alpha, gamma, _, _ = usual_form()
+    a = square(rodas4p.A) + np.eye(6)
+    for stage in range(1, 6):
+        found = rodas4p.R_BY_GAMMA[stage - 1]
+        np.testing.assert_allclose(found, (gamma @ a)[stage, :stage] / rodas4p.GAMMA, atol=ROUNDING)
+    for stage in range(1, 5):
+        np.testing.assert_allclose(rodas4p.P[stage - 1], (alpha @ a)[stage, :stage], atol=ROUNDING)
+    # the last stage: x_5 = x_4 + d (V_4 + r_4)
+    np.testing.assert_allclose((alpha @ a)[5] - (alpha @ a)[4], (gamma @ a)[4], atol=ROUNDING)
+
+
+def test_row_sums():
+    alpha, gamma, _, _ = usual_form()
+    np.testing.assert_allclose(alpha.sum(axis=1), rodas4p.ALPHA, atol=ROUNDING)
+    np.testing.assert_allclose(gamma.sum(axis=1), rodas4p.GAMMA_I, atol=ROUNDING)
+
+
+def conditions(alpha, gamma, b):
+    """Left minus right sides of the conditions of order 1, 2, 3, 3, 4, 4, 4, 4."""
+    beta = alpha + gamma
+    a, c = alpha.sum(axis=1), beta.sum(axis=1)
+    return np.array(
+        [
+            b.sum() - 1,
+            b @ c - 1 / 2,
+            b @ a**2 - 1 / 3,
+            b @ beta @ c - 1 / 6,
+            b @ a**3 - 1 / 4,
+            b @ (a * (alpha @ c)) - 1 / 8,
+            b @ beta @ a**2 - 1 / 12,
+            b @ beta @ beta @ c - 1 / 24,
+        ]
+    )
+
+
+def test_order_4_and_embedded_order_3():
+    alpha, gamma, weights, embedded = usual_form()
+    np.testing.assert_allclose(conditions(alpha, gamma, weights), 0.0, atol=ROUNDING)
+    np.testing.assert_allclose(conditions(alpha, gamma, embedded)[:4], 0.0, atol=ROUNDING)
+
+
+def test_l_stable():
+    """R(infinity) = 1 - b beta^-1 1 = 0."""
+    alpha, gamma, weights, _ = usual_form()
+    assert abs(1.0 - weights @ np.linalg.solve(alpha + gamma, np.ones(6))) < 1e-10
+
+
+def march(steps, reeling):
+    """Positions of a swinging chain with moving ends and a sheared wind after 0.4 s in equal steps."""
+    problem = ChainProblem(reeling=reeling)
+    h = 0.4 / steps
+    x, v = problem.x.copy(), problem.v.copy()
+    for k in range(steps):
+        assert rosenbrock.step(problem.drive, k * h, h, x, v, problem.stages)
+        x[:], v[:] = problem.stages.x, problem.stages.v
+    return np.concatenate([x, v])
+
+
+@pytest.mark.parametrize("reeling", [0.0, 1.5])
+def test_observed_order(reeling):
+    """The slope of log error over log step is 4, with moving ends and a growing tether (explicit time derivative)."""
+    exact = march(512, reeling)
+    steps = np.array([16, 32, 64])
+    errors = [np.abs(march(count, reeling) - exact).max() for count in steps]
+    slope = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert slope == pytest.approx(4.0, abs=0.2)
+
+
+def test_implicit_euler_has_order_1():
+    exact = march(512, 1.5)[: 3 * 5]
+    errors = []
+    for steps in (200, 400):
+        problem = ChainProblem(reeling=1.5)
+        h = 0.4 / steps
+        for k in range(steps):
+            iterations = implicit_euler.careful_step(problem.drive, k * h, h, problem.x, problem.v, problem.descent)
+            assert 1 <= iterations <= implicit_euler.WORST_WORK
+        errors.append(np.abs(problem.x - exact).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

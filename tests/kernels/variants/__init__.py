@@ -1,0 +1,1 @@
+"""Tests of the four variants; a package, because they share `balance`."""

@@ -1,0 +1,156 @@
+"""The elastic catenary under its weight: published numbers, limits in closed form, another solution, and the chain's limit.
+
+With the tension (H, V - w L/2) at the ground end, (H, V + w L/2) at the kite, span a and rise b:
+
+    a = H L/EA + H/w (asinh((V + w L/2)/H) - asinh((V - w L/2)/H)),   b = V L/EA + (T_kite - T_ground)/w
+
+Source: H. M. Irvine, Cable Structures (1981), section 1.3. The chain with its half end weights tends to it as 1/n^2.
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from kernels.variants.balance import line_density
+from tetherfmu.models import TetherCatenary, TetherQuasiSteady
+from tetherfmu.runtime.parameters import Tether
+
+KITE, LENGTH = (100.0, 100.0, 800.0), 853.0240324867758
+GROUND_FORCE = np.array([2.7950759559722207, -1.5790958788949883])  # horizontal, vertical
+KITE_FORCE = np.array([-2.7950759559722207, -74.55491405628115])
+
+
+def hang(kite, length, model=TetherCatenary, **tether):
+    return model(Tether(initial_length=length, **tether)).initialize(kite_position=kite)
+
+
+def in_plane(force, kite):
+    """Horizontal component towards the kite, and vertical component."""
+    return np.array([np.dot(force[:2], kite[:2]) / np.hypot(*kite[:2]), force[2]])
+
+
+def spans(h, v, w, length, stiffness):
+    """Span and rise of the equations above."""
+    v1, v2 = v - 0.5 * w * length, v + 0.5 * w * length
+    span = h * length / stiffness + h / w * (np.arcsinh(v2 / h) - np.arcsinh(v1 / h))
+    return span, v * length / stiffness + (np.hypot(h, v2) - np.hypot(h, v1)) / w
+
+
+def by_bisection(span, rise, w, length, stiffness):
+    """(H, V) by Brent's method twice: the rise grows with V, and on the curve of the right rise the span grows with H."""
+    reach = w * length + stiffness * (abs(rise) + span) / length
+
+    def v_of(log_h):
+        def excess(v):
+            return spans(np.exp(log_h), v, w, length, stiffness)[1] - rise
+
+        return brentq(excess, -reach, reach, xtol=1e-300, rtol=1e-15, maxiter=1000)
+
+    limits = np.log(1e-9 * w * length), np.log(reach)
+    log_h = brentq(lambda q: spans(np.exp(q), v_of(q), w, length, stiffness)[0] - span, *limits, xtol=1e-15, rtol=1e-15)
+    return np.exp(log_h), v_of(log_h)
+
+
+def test_published_numbers():
+    outputs = hang(KITE, LENGTH)
+    assert np.allclose(in_plane(outputs.ground_force, KITE), GROUND_FORCE, rtol=1e-9, atol=0.0)
+    assert np.allclose(in_plane(outputs.kite_force, KITE), KITE_FORCE, rtol=1e-9, atol=0.0)
+    assert np.isclose(outputs.ground_tension, 3.2102949076988487, rtol=1e-9)
+    assert np.isclose(outputs.kite_tension, 74.60728958713835, rtol=1e-9)
+    assert np.isclose(outputs.ground_elevation, np.arctan2(*GROUND_FORCE[::-1]), rtol=1e-9)
+    assert np.isclose(outputs.ground_azimuth, np.pi / 4.0, rtol=1e-9)
+
+
+def test_published_thick_tether():
+    outputs = hang(
+        (100.0, 100.0, 300.0),
+        431.66247903554,
+        diameter=29.71973504179974e-3,
+        density=970.0,
+        axial_stiffness=8.047069220746364e7,
+    )
+    # Published with 6 and 7 digits for gravity 9.8066; forces grow in proportion to it, but for their stretch, 3e-5
+    assert np.isclose(outputs.ground_tension * 9.8066 / 9.81, 461.229, rtol=1e-4)
+    assert np.isclose(outputs.kite_tension * 9.8066 / 9.81, 2440.856, rtol=1e-4)
+
+
+def random_cases(count):
+    random = np.random.default_rng(3)
+    for _ in range(count):
+        distance, elevation, azimuth = (
+            random.uniform(10.0, 800.0),
+            random.uniform(-1.55, 1.55),
+            random.uniform(-np.pi, np.pi),
+        )
+        out = np.cos(elevation)
+        kite = distance * np.array([out * np.cos(azimuth), out * np.sin(azimuth), np.sin(elevation)])
+        yield pytest.param(kite, distance * (1.0 + random.uniform(-0.01, 0.5)))
+
+
+NAMED = {
+    "slack": (KITE, LENGTH),
+    "taut": ((300.0, 0.0, 400.0), 495.0),
+    "just as long as the chord": ((300.0, 0.0, 400.0), 500.0),
+    "horizontal": ((200.0, -100.0, 0.0), 230.0),
+    "horizontal and taut": ((200.0, -100.0, 0.0), 223.0),
+    "below the ground station": ((20.0, 50.0, -300.0), 320.0),
+    "below and taut": ((20.0, 50.0, -300.0), 304.0),
+    "very slack": ((3.0, 0.0, 1.0), 400.0),
+}
+
+
+@pytest.mark.parametrize(
+    ("kite", "length"), [*(pytest.param(*case, id=name) for name, case in NAMED.items()), *random_cases(60)]
+)
+def test_is_the_solution_of_the_equations(kite, length):
+    tether = Tether(initial_length=length)
+    w = line_density(tether) * 9.81
+    h, v = by_bisection(np.hypot(*kite[:2]), kite[2], w, length, tether.axial_stiffness)
+    outputs = hang(kite, length)
+    half = 0.5 * w * length
+    expected = np.array([[h, v - half], [-h, -v - half]])
+    found = np.array([in_plane(outputs.ground_force, kite), in_plane(outputs.kite_force, kite)])
+    # of the larger end force; where L is the chord, 1e-16 of rounding in it are 1e-11 of the tension
+    assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+    assert np.allclose(outputs.shape[-1], kite, atol=1e-9 * length)
+
+
+@pytest.mark.parametrize("rise", [-100.0, -40.0, 40.0, 100.0])
+@pytest.mark.parametrize("length", [99.0, 101.0, 150.0])
+def test_vertical(rise, length):
+    """Taut: a bar, T = EA (|b|/L - 1) at mid-length. Slack: a fold without width, V = b/(L/EA + 2/w)."""
+    tether = Tether(initial_length=length)
+    w, stiffness = line_density(tether) * 9.81, tether.axial_stiffness
+    v = rise / (length / stiffness + 2.0 / w)
+    if abs(v) > 0.5 * w * length:
+        v = np.sign(rise) * stiffness * (abs(rise) / length - 1.0)
+    outputs = hang((0.0, 0.0, rise), length)
+    half = 0.5 * w * length
+    # the horizontal force of a fold is a rounding error; the bar's tension has that of its stretch
+    assert np.allclose(outputs.ground_force, [0.0, 0.0, v - half], rtol=1e-9, atol=1e-9 * half)
+    assert np.allclose(outputs.kite_force, [0.0, 0.0, -v - half], rtol=1e-9, atol=1e-9 * half)
+    # the fold hangs (L - |b|)/2 below the lower end, but for its stretch of 1e-5
+    assert np.isclose(outputs.sag, max(0.0, 0.5 * (length - abs(rise))), rtol=0, atol=1e-5 * length)
+
+
+def chain_errors(n):
+    """Errors of the ground force and of the kite force of the chain over the larger one, that on the kite."""
+    outputs = hang(KITE, LENGTH, TetherQuasiSteady, segments=n)
+    pairs = ((outputs.ground_force, GROUND_FORCE), (outputs.kite_force, KITE_FORCE))
+    return np.array([np.linalg.norm(in_plane(force, KITE) - exact) / np.linalg.norm(KITE_FORCE) for force, exact in pairs])
+
+
+def test_chain_converges_with_second_order():
+    errors = np.array([chain_errors(n) for n in (22, 44, 88, 176)])
+    orders = np.log2(errors[:-1] / errors[1:])
+    assert np.allclose(orders[0], 2.0, atol=0.2)  # the ground end is so slack that the next term still counts
+    assert np.allclose(orders[1:], 2.0, atol=0.05)
+    assert (errors[0] < 0.002).all()  # the bar for n = 22
+
+
+def test_published_chain():
+    """22 segments; published without the weight of the end nodes."""
+    outputs = hang(KITE, LENGTH, TetherQuasiSteady, segments=22)
+    half_weight = np.array([0.0, 0.0, 0.08925189330624916 * LENGTH / 44.0])
+    assert np.allclose(outputs.ground_force + half_weight, [1.92751, 1.92751, 0.042482], atol=1e-5)
+    assert np.allclose(outputs.kite_force + half_weight, [-1.92751, -1.92751, -72.71586], atol=1e-5)

@@ -1,0 +1,170 @@
+"""`fly` is a loop of `step`, bit for bit: rows, peaks, node positions, and the state of before where a step is refused."""
+
+import numpy as np
+import pytest
+
+from kernels.variants.balance import VARIANTS
+from scenes import CIRCLE_TETHER, circle
+from tetherfmu import models
+from tetherfmu.export.ahead_of_time import libraries
+from tetherfmu.export.archive import kernels_folder
+from tetherfmu.models import StepRefused, TetherDynamic
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.parameters import Environment
+
+STEP, STEPS = 0.02, 23
+PLACES = {
+    "kite_position": slice(0, 3),
+    "kite_velocity": slice(3, 6),
+    "ground_position": slice(6, 9),
+    "ground_velocity": slice(9, 12),
+    "reel_out_speed": 12,
+    "wind_velocity": slice(13, 16),
+    "kite_load": slice(16, 19),
+}
+every_variant = pytest.mark.parametrize("variant", VARIANTS)
+
+
+def circle_inputs():
+    """Inputs of the circle that never repeat: reel-out, gusts and a moving ground end as well."""
+    inputs = np.zeros((STEPS, at.INPUTS))
+    for k, row in enumerate(inputs):
+        row[PLACES["kite_position"]], row[PLACES["kite_velocity"]] = circle(k * STEP)
+        row[PLACES["ground_position"]] = row[PLACES["ground_velocity"]] * k * STEP
+        row[PLACES["ground_velocity"]] = (0.1, 0.0, 0.0)
+        row[PLACES["reel_out_speed"]] = 0.5 * np.sin(k)
+        row[PLACES["wind_velocity"]] = (8.0 + np.sin(3.0 * k), 1.0, 0.0)
+    return inputs
+
+
+def started(variant="TetherDynamic", **options):
+    model = getattr(models, variant)(CIRCLE_TETHER, **options)
+    model.initialize(*circle(0.0), wind_velocity=(8.0, 1.0, 0.0))
+    return model
+
+
+def stepped(model, inputs):
+    """Outputs and node positions after each step of a loop."""
+    rows = [(model.step(STEP, **{name: row[place] for name, place in PLACES.items()}), model.positions) for row in inputs]
+    return tuple(zip(*rows, strict=True))
+
+
+def magnitude(force):
+    return np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+
+
+@every_variant
+def test_equals_a_loop_of_steps(variant):
+    model, twin = started(variant), started(variant)
+    outputs, positions = stepped(twin, circle_inputs())
+    flown = model.fly(circle_inputs(), STEP)
+    for name in ("kite_force", "ground_force", "shape"):
+        assert np.array_equal(getattr(flown, name), [getattr(row, name) for row in outputs])
+    scalars = [[getattr(row, name) for name in models.Outputs._fields[2:-1]] for row in outputs]
+    assert np.array_equal(flown.outputs[:, at.GROUND_TENSION : at.SHAPE], scalars)
+    assert np.array_equal(flown.positions, positions)
+    assert np.array_equal(flown.peak, [magnitude(row.kite_force) for row in outputs])
+    assert np.array_equal(model.get_state(), twin.get_state())
+    assert flown.seconds > 0.0
+
+
+@every_variant
+@pytest.mark.parametrize("every", [1, 4, 5, STEPS, STEPS + 1, 0])
+@pytest.mark.parametrize("peaks", [True, False])
+def test_rows_and_peaks(variant, every, peaks):
+    """A row after every so many steps; the peak is the largest force since the row before, or that of the row."""
+    outputs, positions = stepped(started(variant), circle_inputs())
+    model = started(variant)
+    flown = model.fly(circle_inputs(), STEP, every=every, peaks=peaks)
+    kept = range(every - 1, STEPS, every) if every else []
+    assert len(flown.outputs) == len(flown.peak) == len(flown.positions) == len(kept)
+    forces = [magnitude(row.kite_force) for row in outputs]
+    for row, k in enumerate(kept):
+        assert np.array_equal(flown.kite_force[row], outputs[k].kite_force)
+        assert np.array_equal(flown.positions[row], positions[k])
+        assert flown.peak[row] == (max(forces[k + 1 - every : k + 1]) if peaks else forces[k])
+    assert np.array_equal(model.outputs().shape, outputs[-1].shape)
+
+
+@every_variant
+@pytest.mark.parametrize("every", [1, 4, 0])
+@pytest.mark.parametrize("peaks", [True, False])
+def test_a_refused_step_keeps_the_state_of_before(variant, every, peaks):
+    inputs = circle_inputs()
+    inputs[9, at.WIND_VELOCITY + 1] = np.nan
+    model, twin = started(variant), started(variant)
+    twin.fly(inputs[:9], STEP)
+    with pytest.raises(StepRefused, match=r"^step 10 of 23: the input wind_velocity\[2\] is nan; it must be a finite"):
+        model.fly(inputs, STEP, every=every, peaks=peaks)
+    assert np.array_equal(model.get_state(), twin.get_state())
+    rest = circle_inputs()[9:]
+    assert np.array_equal(model.fly(rest, STEP).outputs, twin.fly(rest, STEP).outputs)
+
+
+def test_a_step_is_refused_for_its_outputs_where_they_are_computed():
+    """Under ground in thin air the density exp(-z/H), so the drag, exceeds all numbers: the straight line finds it."""
+    inputs = circle_inputs()
+    inputs[9, at.KITE_POSITION + 2] = -4000.0
+    options = {"environment": Environment(air_density_scale_height=1.0)}
+    for every, peaks in ((1, False), (5, False), (0, True), (4, True)):
+        model, twin = started("TetherStraight", **options), started("TetherStraight", **options)
+        twin.fly(inputs[:9], STEP)
+        with pytest.raises(StepRefused, match=r"^step 10 of 23: an output would not be a finite number"):
+            model.fly(inputs, STEP, every, peaks)
+        assert np.array_equal(model.get_state(), twin.get_state())
+    started("TetherStraight", **options).fly(inputs, STEP, every=4, peaks=False)
+
+
+def test_a_refusal_says_what_step_says():
+    """The same sentence as that of `step`, with the speed and the length of that step."""
+    inputs = circle_inputs()
+    inputs[5, at.REEL_OUT_SPEED] = -1e5
+    model, twin = started(), started()
+    with pytest.raises(StepRefused) as alone:
+        stepped(twin, inputs)
+    with pytest.raises(StepRefused) as together:
+        model.fly(inputs, STEP)
+    assert str(together.value) == f"step 6 of {STEPS}: {alone.value}"
+    assert "-100000.0 m/s over a step of 0.02 s" in str(alone.value)
+
+
+def test_step_continues_after_a_flight():
+    """A refused step after a flight goes back to the end of the flight."""
+    inputs = circle_inputs()
+    model = started()
+    model.fly(inputs, STEP)
+    state = model.get_state()
+    with pytest.raises(StepRefused):
+        model.step(-1.0)
+    assert np.array_equal(model.get_state(), state)
+
+
+@pytest.mark.parametrize("shape", [(at.INPUTS,), (3, at.INPUTS - 1), (3, at.INPUTS, 1)])
+def test_wrong_inputs(shape):
+    with pytest.raises(ValueError, match="inputs has the shape"):
+        started().fly(np.zeros(shape), STEP)
+    with pytest.raises(ValueError, match="every is -1; it must be at least 0"):
+        started().fly(circle_inputs(), STEP, every=-1)
+
+
+def test_no_step():
+    """No inputs, no rows, the state of before."""
+    model = started()
+    state = model.get_state()
+    flown = model.fly(np.zeros((0, at.INPUTS)), STEP)
+    assert len(flown.outputs) == len(flown.peak) == len(flown.positions) == len(flown.shape) == 0
+    assert np.array_equal(model.get_state(), state)
+
+
+@every_variant
+def test_kernels_of_a_library(variant):
+    """Kernels compiled ahead of time give the bits of those compiled just in time."""
+    libraries(kernels_folder(), [this_platform()], [getattr(models, variant).variant])
+    flown, ahead = started(variant), started(variant, library=kernels_folder())
+    assert np.array_equal(ahead.fly(circle_inputs(), STEP).outputs, flown.fly(circle_inputs(), STEP).outputs)
+
+
+def test_a_folder_without_kernels_is_named(tmp_path):
+    with pytest.raises(OSError, match="no kernels for"):
+        TetherDynamic(library=tmp_path)

@@ -1,0 +1,243 @@
+"""Random sessions of legal and illegal calls against a model of the FMI state machine.
+
+The model knows which calls must be refused; after a refusal the tether must be as before, after a restored state as it was
+when the state was taken, and no output is ever infinite.
+"""
+
+import math
+from copy import deepcopy
+
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2Discard, fmi2Fatal, fmi2OK
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
+
+from isolation import in_own_process
+from runtime.host import Host
+from tetherfmu.export.archive import SLAVES
+
+BEFORE, INITIALIZING, STEPPING, TERMINATED, FATAL = "before", "initializing", "stepping", "terminated", "fatal"
+GOOD_INPUTS = {
+    "kite_position[1]": (299.0, 300.5),
+    "kite_velocity[3]": (-3.0, 0.0, 3.0),
+    "wind_velocity[1]": (-20.0, 0.0, 8.0),
+    "reel_out_speed": (-1.0, 0.0, 2.0),
+}
+BAD_INPUTS = (math.nan, math.inf, -1e300)
+GOOD_PARAMETERS = {"segments": (1, 4, 20), "initial_length": (480.0, 505.0, 530.0), "diameter": (0.002, 0.004)}
+BAD_PARAMETERS = {"segments": (0, -7, 301), "initial_length": (-1.0, math.nan), "diameter": (0.0, math.inf)}
+GOOD_STEPS = (1e-3, 0.02, 0.1)
+BAD_STEPS = (0.0, -0.02, math.nan, math.inf)
+UNKNOWN = (9999, 2**31, 2**32 - 1)
+
+
+def values_of(table):
+    return st.sampled_from([(name, value) for name, values in table.items() for value in values])
+
+
+def session(folder, others):
+    """State machine for the FMU in a folder; `others` holds serialized states of other FMUs."""
+
+    class Session(RuleBasedStateMachine):
+        states = Bundle("states")
+
+        def __init__(self):
+            super().__init__()
+            self.host = Host(folder)
+            self.phase = BEFORE
+            self.wrong = {}
+            self.refusal = False
+
+        def teardown(self):
+            self.host.free()
+
+        def call(self, function, *arguments):
+            self.host.messages.clear()
+            try:
+                function(*arguments)
+            except FMICallException as error:
+                assert self.host.messages, "refused without a word"
+                return error.status
+            return fmi2OK
+
+        def refused_later(self):
+            """A call that returns no status of its own: told at once, refused by the next step."""
+            assert self.host.messages
+            self.refusal = True
+
+        def parameters_are_fixed(self):
+            return self.phase in (STEPPING, TERMINATED)
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule()
+        def enter(self):
+            status = self.call(self.host.fmu.enterInitializationMode)
+            assert status == fmi2OK
+            if self.phase == BEFORE:
+                self.phase = INITIALIZING
+            else:
+                self.refused_later()
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule()
+        def leave(self):
+            status = self.call(self.host.fmu.exitInitializationMode)
+            if self.phase != INITIALIZING:
+                assert status == fmi2OK
+                self.refused_later()
+            elif self.wrong or self.refusal:
+                assert status == fmi2Fatal
+                self.phase = FATAL
+            else:
+                assert status == fmi2OK
+                self.phase = STEPPING
+
+        @precondition(lambda self: self.phase == BEFORE and not self.wrong and not self.refusal)
+        @rule()
+        def start(self):
+            self.enter()
+            self.leave()
+            assert self.phase == STEPPING
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(step=st.sampled_from(GOOD_STEPS + BAD_STEPS), time=st.sampled_from((0.0, 1.0, -5.0, 1e9, math.nan)))
+        def step(self, step, time):
+            before = self.host.all_outputs()
+            status = self.call(self.host.fmu.doStep, time, step)
+            must_fail = self.phase != STEPPING or self.refusal or self.wrong or step in BAD_STEPS or math.isnan(step)
+            if must_fail or math.isnan(time):
+                assert status == fmi2Discard
+                self.refusal = False
+            if status == fmi2Discard:
+                assert self.host.all_outputs() == before
+            else:
+                assert status == fmi2OK
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(item=values_of(GOOD_INPUTS))
+        def set_good_input(self, item):
+            self.host.set(**dict([item]))
+            self.wrong.pop(item[0], None)
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(name=st.sampled_from(sorted(GOOD_INPUTS)), value=st.sampled_from(BAD_INPUTS))
+        def set_bad_input(self, name, value):
+            self.host.set(**{name: value})
+            self.wrong[name] = value
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(item=values_of(GOOD_PARAMETERS))
+        def set_good_parameter(self, item):
+            self.call(lambda: self.host.set(**dict([item])))
+            if self.parameters_are_fixed():
+                self.refused_later()
+            else:
+                self.wrong.pop(item[0], None)
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(item=values_of(BAD_PARAMETERS))
+        def set_bad_parameter(self, item):
+            self.call(lambda: self.host.set(**dict([item])))
+            if self.parameters_are_fixed():
+                self.refused_later()
+            else:
+                self.wrong[item[0]] = item[1]
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(reference=st.sampled_from(UNKNOWN), kind=st.sampled_from(("Real", "Integer", "Boolean", "String")))
+        def get_unknown(self, reference, kind):
+            assert self.call(getattr(self.host.fmu, f"get{kind}"), [reference]) == fmi2OK
+            self.refused_later()
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(reference=st.sampled_from(UNKNOWN), kind=st.sampled_from(("Real", "Integer", "Boolean", "String")))
+        def set_unknown(self, reference, kind):
+            value = "x" if kind == "String" else 1
+            assert self.call(getattr(self.host.fmu, f"set{kind}"), [reference], [value]) == fmi2OK
+            self.refused_later()
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(target=states)
+        def save(self):
+            state = self.host.fmu.getFMUState()
+            blob = self.host.fmu.serializeFMUstate(state)
+            self.host.fmu.freeFMUState(state)
+            return deepcopy((blob, self.phase, self.wrong, self.host.all_outputs()))
+
+        def restore_blob(self, blob):
+            state = self.host.fmu.deSerializeFMUstate(blob)
+            status = self.call(self.host.fmu.setFMUState, state)
+            self.host.fmu.freeFMUState(state)
+            assert status == fmi2OK
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(saved=states)
+        def restore(self, saved):
+            self.restore_blob(saved[0])
+            _, self.phase, self.wrong, outputs = deepcopy(saved)
+            self.refusal = False
+            if self.phase != INITIALIZING:  # there outputs are calculated anew when they are read
+                assert self.host.all_outputs() == outputs
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(saved=states, place=st.floats(0.0, 1.0), truncate=st.booleans())
+        def restore_damaged(self, saved, place, truncate):
+            k = min(int(place * len(saved[0])), len(saved[0]) - 1)
+            damaged = saved[0][:k] if truncate else saved[0][:k] + bytes([saved[0][k] ^ 0x55]) + saved[0][k + 1 :]
+            self.restore_foreign(damaged)
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule(blob=st.sampled_from(others) | st.binary(max_size=200))
+        def restore_foreign(self, blob):
+            before = self.host.all_outputs()
+            self.restore_blob(blob)
+            self.refused_later()
+            assert self.host.all_outputs() == before
+
+        @rule()
+        def reset(self):
+            if self.phase == FATAL:  # no call but free is allowed
+                self.host.free()
+                self.host = Host(folder)
+            else:
+                assert self.call(self.host.fmu.reset) == fmi2OK
+            self.phase, self.wrong, self.refusal = BEFORE, {}, False
+
+        @precondition(lambda self: self.phase != FATAL)
+        @rule()
+        def terminate(self):
+            assert self.call(self.host.fmu.terminate) == fmi2OK
+            if self.phase == STEPPING:
+                self.phase = TERMINATED
+            else:
+                self.refused_later()
+
+        @invariant()
+        def outputs_are_finite(self):
+            if self.phase != FATAL:
+                assert all(math.isfinite(value) for value in self.host.all_outputs())
+
+    return Session
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_random_sessions(fmu_folder, fmu):
+    folder = Host(fmu_folder / f"{fmu}.fmu").folder
+    others = []
+    for other in SLAVES:
+        if other != fmu:
+            host = Host(fmu_folder / f"{other}.fmu").start()
+            others.append(host.fmu.serializeFMUstate(host.fmu.getFMUState()))
+    checks = (HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large)
+    options = settings(
+        max_examples=200,
+        stateful_step_count=30,
+        deadline=None,
+        derandomize=True,
+        database=None,
+        suppress_health_check=checks,
+    )
+    run_state_machine_as_test(session(folder, others), settings=options)

@@ -1,0 +1,138 @@
+"""Bad input is refused with a message that names the variable, the value and what is allowed; then a good step works."""
+
+import math
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from isolation import in_own_process
+from runtime.host import Host
+from tetherfmu.export.archive import SLAVES
+
+VECTORS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
+INPUTS = [f"{name}[{i}]" for name in VECTORS for i in (1, 2, 3)] + ["reel_out_speed"]
+
+
+def refused(host, action):
+    """Run an action that must be refused; returns what was said."""
+    host.messages.clear()
+    with pytest.raises(FMICallException):
+        action()
+    return " ".join(host.messages)
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_inputs_that_are_not_finite(fmu_folder, fmu):
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    twin = Host(fmu_folder / f"{fmu}.fmu").start()
+    for name in INPUTS:
+        for value in (math.nan, math.inf, -math.inf):
+            good = host.get(name)
+            said = refused(host, lambda name=name, value=value: host.step(0.02, **{name: value}))
+            assert name in said
+            assert str(value) in said
+            assert "finite" in said
+            host.set(**{name: good})
+    host.step(0.02)
+    twin.step(0.02)
+    assert host.all_outputs() == twin.all_outputs()
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_steps_that_are_not_positive(fmu_folder, fmu):
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    twin = Host(fmu_folder / f"{fmu}.fmu").start()
+    for step in (0.0, -0.02, math.nan, math.inf):
+        said = refused(host, lambda step=step: host.fmu.doStep(0.0, step))
+        assert "greater than 0" in said
+        assert str(step) in said
+    host.step(0.02)
+    twin.step(0.02)
+    assert host.all_outputs() == twin.all_outputs()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
+        ("segments", 0, "at least 1"),
+        ("segments", 301, "at most 300"),
+        ("diameter", -0.004, "at least 1e-06 m"),
+        ("diameter", math.nan, "at most 10 m"),
+        ("initial_length", 0.0, "at least 0.01 m"),
+        ("initial_length", 0.1, "0.01 m for each"),
+        ("density", 0.0, "at least 0.001 kg/m3"),
+        ("axial_stiffness", math.inf, "at most 1e+12 N"),
+        ("axial_damping", -1.0, "at least 0 N.s"),
+        ("wind_profile", 5, "4 (explog)"),
+        ("damping_law", 0, "1 (strain_rate)"),
+        ("relative_tolerance", 1.0, "at most 0.1"),
+        ("gravity", -9.81, "at least 0 m/s2"),
+        ("kite_position[2]", math.nan, "finite"),
+        ("fixed_step", -0.01, "at least 0 s"),
+    ],
+)
+@in_own_process
+def test_parameters_out_of_range(fmu_folder, name, value, allowed):
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    said = refused(host, lambda: host.start(**{name: value}))
+    assert name in said
+    assert allowed in said
+    assert str(value) in said
+    Host(fmu_folder / "TetherDynamic.fmu", "next").start().step(0.02)
+
+
+@in_own_process
+def test_roughness_above_the_reference_height(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    said = refused(host, lambda: host.start(wind_profile=3, surface_roughness=10.0))
+    assert "surface_roughness is 10.0; it must be less than wind_reference_height" in said
+
+
+@in_own_process
+def test_parameters_are_fixed_after_the_start(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    host.set(diameter=0.01)
+    said = refused(host, lambda: host.step(0.02))
+    assert "diameter cannot be set to 0.01 now" in said
+    assert host.get("diameter") == 0.004
+    host.step(0.02)
+
+
+@in_own_process
+def test_reeling_in_to_nothing(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    said = refused(host, lambda: host.step(1.0, reel_out_speed=-505.0))
+    assert "reel_out_speed -505.0" in said
+    assert host.get("tether_length") == 505.0
+    host.step(0.02, reel_out_speed=0.0)
+
+
+@in_own_process
+def test_damaged_state_is_refused(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    blob = bytearray(host.fmu.serializeFMUstate(host.fmu.getFMUState()))
+    blob[100] ^= 1
+    host.fmu.setFMUState(host.fmu.deSerializeFMUstate(bytes(blob)))
+    said = refused(host, lambda: host.step(0.02))
+    assert "is damaged" in said
+    host.step(0.02)
+
+
+@in_own_process
+def test_state_of_another_tether_is_refused(fmu_folder):
+    host = Host(fmu_folder / "TetherQuasiSteady.fmu").start()
+    other = Host(fmu_folder / "TetherDynamic.fmu").start()
+    blob = other.fmu.serializeFMUstate(other.fmu.getFMUState())
+    host.fmu.setFMUState(host.fmu.deSerializeFMUstate(blob))
+    said = refused(host, lambda: host.step(0.02))
+    assert "belongs to another tether FMU" in said
+    host.step(0.02)
+
+
+@in_own_process
+def test_more_fixed_steps_than_the_budget(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start(fixed_step=1e-300)
+    said = refused(host, lambda: host.step(0.02))
+    assert "fixed_step 1e-300 s" in said

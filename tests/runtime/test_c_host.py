@@ -1,0 +1,33 @@
+"""A host written in C, with the library of Python preloaded, gets the numbers of FMPy to the last bit in all it does."""
+
+import pytest
+
+from isolation import own_process
+from runtime import clients
+from tetherfmu.export.archive import SLAVES
+
+FLIGHTS = {  # plan: what the flights are that it prints
+    "alone": ["alone"],
+    "interleaved": ["first", "second"],
+    "threads": ["each in a thread of its own"] * 4,
+    "relay": ["every step in a new thread"],
+    "states": ["alone", "state set back", "state set in another instance", "reset"],
+}
+
+
+@pytest.mark.parametrize("plan", list(FLIGHTS))
+@pytest.mark.parametrize("name", list(SLAVES))
+def test_c_host(c_host_program, fmu_folder, tmp_path, name, plan):
+    path = fmu_folder / f"{name}.fmu"
+    expected = own_process(clients.fmpy, path=path)
+    results = clients.c_host(c_host_program, path, tmp_path, plan)
+    assert [clients.different(result, expected) for result in results] == [[] for _ in FLIGHTS[plan]]
+
+
+def test_container_in_a_c_host(c_host_program, fmu_folder, tmp_path):
+    """A container of two tethers: their libraries are loaded by one that knows nothing of Python."""
+    paths = [fmu_folder / "TetherStraight.fmu", fmu_folder / "TetherDynamic.fmu"]
+    built = clients.build_container(paths, tmp_path)
+    expected = own_process(clients.fmpy, path=built)
+    (result,) = clients.c_host(c_host_program, built, tmp_path, "alone", "unload")
+    assert clients.different(result, expected) == []

@@ -1,0 +1,68 @@
+"""Every client gets the numbers of FMPy, to the last bit: all outputs, Real and Integer, at the start and after each step.
+
+FMPy, told to step by 0.02 s, is the measure. A client that rounds the size of its steps is compared with FMPy that does the
+same steps.
+"""
+
+import pytest
+
+from isolation import own_process
+from runtime import clients
+from runtime.clients import different
+from tetherfmu.export.archive import SLAVES
+
+# a rounded step is wrong by 2e-13 of it; what the solvers make of that was found, with a margin of three
+ROUNDED = {"TetherStraight": 3e-14, "TetherCatenary": 3e-14, "TetherQuasiSteady": 2e-11, "TetherDynamic": 1e-10}
+every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+
+
+@every_fmu
+def test_simulate_fmu_of_fmpy(fmu_folder, name):
+    """It takes the size of a step from the difference of times."""
+    path = fmu_folder / f"{name}.fmu"
+    expected = own_process(clients.fmpy, path=path, steps=clients.DIFFERENCES)
+    assert different(own_process(clients.fmpy_simulate, path=path), expected) == []
+
+
+@every_fmu
+@pytest.mark.parametrize("steps", [clients.DIFFERENCES, clients.NANOSECONDS], ids=["differences", "nanoseconds"])
+def test_rounded_steps(fmu_folder, name, steps):
+    """How much the rounding of a client changes."""
+    path = fmu_folder / f"{name}.fmu"
+    found, expected = own_process(clients.fmpy, path=path, steps=steps), own_process(clients.fmpy, path=path)
+    assert clients.difference(found, expected) < ROUNDED[name]
+
+
+@every_fmu
+def test_fmpy_in_several_threads(fmu_folder, name):
+    path = fmu_folder / f"{name}.fmu"
+    expected = own_process(clients.fmpy, path=path)
+    results = own_process(clients.fmpy_in_threads, path=path, count=4)
+    assert [different(result, expected) for result in results] == [[]] * 4
+
+
+@every_fmu
+def test_libcosim(fmu_folder, name):
+    """It takes the size of a step from the difference of times in whole nanoseconds."""
+    pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this platform or this Python")
+    path = fmu_folder / f"{name}.fmu"
+    expected = own_process(clients.fmpy, path=path, steps=clients.NANOSECONDS)
+    assert different(own_process(clients.libcosim, path=path), expected) == []
+
+
+@every_fmu
+def test_container_of_one_tether(fmu_folder, tmp_path, name):
+    path = fmu_folder / f"{name}.fmu"
+    expected = own_process(clients.fmpy, path=path)
+    assert different(own_process(clients.container, paths=[path], folder=tmp_path), expected) == []
+
+
+@pytest.mark.parametrize("mt", [False, True], ids=["one thread", "a thread for each"])
+def test_container_of_all_tethers(fmu_folder, tmp_path, mt):
+    """All of them side by side in one process, with common inputs and parameters."""
+    paths = [fmu_folder / f"{name}.fmu" for name in SLAVES]
+    found = own_process(clients.container, paths=paths, folder=tmp_path, mt=mt)
+    for path in paths:
+        expected = own_process(clients.fmpy, path=path)
+        result = {name: found[f"{path.stem}.{name}"] for name in expected}
+        assert different(result, expected) == []

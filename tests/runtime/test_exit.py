@@ -1,0 +1,32 @@
+"""A process ends cleanly with PythonFMU's library loaded, in Python and in C, however it leaves.
+
+Every host runs with `poison.c` preloaded: what is freed twice crashes each time, not by chance.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from runtime import clients
+from tetherfmu.export.archive import SLAVES
+
+every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+
+
+@every_fmu
+@pytest.mark.parametrize("end", ["handler", "nothing", "free", "unload"])
+def test_python_host(poison, fmu_folder, name, end):
+    command = [sys.executable, Path(__file__).parent / "leave.py", fmu_folder / f"{name}.fmu", end]
+    done = subprocess.run(
+        command, env={**os.environ, "LD_PRELOAD": str(poison)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@every_fmu
+@pytest.mark.parametrize("end", ["finalize", "stay", "unload", "abandon"])
+def test_c_host(poison, c_host_program, fmu_folder, tmp_path, name, end):
+    assert len(clients.c_host(c_host_program, fmu_folder / f"{name}.fmu", tmp_path, "alone", end, [poison])) == 1

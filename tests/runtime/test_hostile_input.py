@@ -1,0 +1,112 @@
+"""Hostile numbers on every input, parameter and step: refused in words or computed, in bounded time, always finite.
+
+A watchdog ends the process if one call takes longer than 2 s.
+"""
+
+import faulthandler
+import math
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from isolation import in_own_process
+from runtime.host import Host
+from tetherfmu.export.archive import SLAVES
+
+LONGEST_CALL = 2.0  # seconds
+HUGE = (1e300, 1e160, 1e30, 1e12, 1e9, 1e6, 1e3)
+TINY = (5e-324, 1e-300, 1e-160, 1e-12)
+HOSTILE = [math.nan, math.inf, *(sign * value for value in (*HUGE, *TINY) for sign in (1.0, -1.0)), 0.0]
+STEPS = (0.0, -0.0, -0.02, math.nan, math.inf, -math.inf, 5e-324, 1e-300, 1e-12, 1e-6, 1.0, 1e6, 1e300)
+ALLOWED = ("must be", "check ", "needs more", "cannot reach", "stop reeling", "use a")
+
+
+def in_time(action):
+    """Run one call; the process ends with a traceback if it takes longer than allowed."""
+    faulthandler.dump_traceback_later(LONGEST_CALL, exit=True)
+    try:
+        return action()
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+def outcome(host, action):
+    """ "done", or what was said when it was refused."""
+    host.messages.clear()
+    try:
+        in_time(action)
+    except FMICallException:
+        said = " ".join(host.messages)
+        assert any(words in said for words in ALLOWED), said
+        return said
+    return "done"
+
+
+def assert_finite(host):
+    assert all(math.isfinite(value) for value in host.all_outputs())
+
+
+def names_of(host, causality):
+    return [v.name for v in host.description.modelVariables if v.causality == causality]
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_every_input(fmu_folder, fmu):
+    """From the same state each time; a refused step keeps it, a step that was done can be followed by a good one."""
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    host.step(0.02)
+    state = host.fmu.getFMUState()
+    before = host.all_outputs()
+    for name in names_of(host, "input"):
+        for value in HOSTILE:
+            host.fmu.setFMUState(state)
+            said = outcome(host, lambda name=name, value=value: host.step(0.02, **{name: value}))
+            assert_finite(host)
+            if said != "done":
+                assert host.all_outputs() == before, (name, value)
+            if not abs(value) <= 1e9:
+                assert name in said, (name, value, said)
+                assert str(value) in said
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_every_length_of_step(fmu_folder, fmu):
+    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    host.step(0.02)
+    state = host.fmu.getFMUState()
+    before = host.all_outputs()
+    for speed in (0.0, 40.0):
+        for step in STEPS:
+            host.fmu.setFMUState(state)
+            host.set(**{"kite_velocity[1]": speed})
+            said = outcome(host, lambda step=step: host.fmu.doStep(0.02, step))
+            assert_finite(host)
+            if said != "done":
+                assert host.all_outputs() == before, step
+                assert f"{step} s" in said
+            if not 0.0 < step <= 1e6:
+                assert "must be greater than 0" in said
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_every_parameter(fmu_folder, fmu):
+    """A hostile parameter is refused at the end of initialization, or the tether starts and steps."""
+    first = Host(fmu_folder / f"{fmu}.fmu")
+    for name in names_of(first, "parameter"):
+        for value in HOSTILE:
+            host = Host(first.folder)
+            if host.kind[name] != "Real":
+                if not abs(value) < 2**31:
+                    continue  # does not fit into an Integer: no importer can pass it
+                value = int(value)
+            said = outcome(host, lambda host=host, name=name, value=value: host.start(**{name: value}))
+            if said != "done":
+                assert name in said or "equilibrium" in said, (name, value, said)
+                continue
+            assert_finite(host)
+            outcome(host, lambda host=host: host.step(0.02, kite_velocity=(1.0, 0.0, 0.0)))
+            assert_finite(host)
+            host.free()

@@ -1,0 +1,171 @@
+"""A saved state continues bit for bit: anywhere, in any order, in another process, after a reset, after a refused step."""
+
+import math
+import multiprocessing
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from isolation import in_own_process
+from runtime.host import Host
+from scenes import circle
+from tetherfmu.export.archive import SLAVES
+
+STEP = 0.02
+
+
+def started(path):
+    position, velocity = circle(0.0)
+    return Host(path).start(
+        initial_length=525.0, kite_position=position, kite_velocity=velocity, wind_velocity=(5.0, 1.0, 0.0), tolerance=1e-5
+    )
+
+
+def fly(host, begin, end):
+    """Outputs after each step on the circle."""
+    rows = []
+    for k in range(begin, end):
+        position, velocity = circle(k * STEP)
+        host.time = k * STEP
+        host.step(STEP, kite_position=position, kite_velocity=velocity, reel_out_speed=0.5 * math.sin(k))
+        rows.append(host.all_outputs())
+    return rows
+
+
+def blob_of(host):
+    state = host.fmu.getFMUState()
+    blob = host.fmu.serializeFMUstate(state)
+    host.fmu.freeFMUState(state)
+    return blob
+
+
+def restore(host, blob):
+    state = host.fmu.deSerializeFMUstate(blob)
+    host.fmu.setFMUState(state)
+    host.fmu.freeFMUState(state)
+
+
+def continue_from(path, blob, begin, end):
+    """For another process: a fresh instance that only gets the state."""
+    host = Host(path)
+    restore(host, blob)
+    return fly(host, begin, end)
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_at_every_communication_point_in_any_order(fmu_folder, fmu):
+    host = started(fmu_folder / f"{fmu}.fmu")
+    blobs, rows = [], []
+    for k in range(30):
+        blobs.append(blob_of(host))
+        rows += fly(host, k, k + 1)
+    for k in (29, 3, 17, 0, 11, 28, 0, 5):
+        restore(host, blobs[k])
+        assert blob_of(host) == blobs[k]
+        assert fly(host, k, 30) == rows[k:]
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_in_another_process(fmu_folder, fmu):
+    path = fmu_folder / f"{fmu}.fmu"
+    host = started(path)
+    fly(host, 0, 20)
+    blob = blob_of(host)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        elsewhere = pool.apply(continue_from, (path, blob, 20, 40))
+    assert fly(host, 20, 40) == elsewhere
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_after_reset_and_after_the_end(fmu_folder, fmu):
+    host = started(fmu_folder / f"{fmu}.fmu")
+    fly(host, 0, 10)
+    blob = blob_of(host)
+    rows = fly(host, 10, 20)
+    host.fmu.reset()
+    restore(host, blob)
+    assert fly(host, 10, 20) == rows
+    host.fmu.terminate()
+    restore(host, blob)
+    assert fly(host, 10, 20) == rows
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_a_refused_step_changes_nothing(fmu_folder, fmu):
+    """The state before and after a refusal are the same bytes, but for the input that was refused."""
+    host, twin = started(fmu_folder / f"{fmu}.fmu"), started(fmu_folder / f"{fmu}.fmu")
+    fly(host, 0, 10)
+    good = host.get("kite_position[1]")
+    before = blob_of(host)
+    with pytest.raises(FMICallException):
+        host.step(STEP, **{"kite_position[1]": math.nan})
+    host.set(**{"kite_position[1]": good})
+    assert blob_of(host) == before
+    assert fly(host, 10, 20) == fly(twin, 0, 20)[10:]
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_before_and_during_initialization(fmu_folder, fmu):
+    """A state that was saved before the tether was started goes back to there, with its parameters."""
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    host.set(initial_length=525.0)
+    instantiated = blob_of(host)
+    host.fmu.setupExperiment(startTime=0.0)
+    host.fmu.enterInitializationMode()
+    host.set(initial_length=530.0)
+    initializing = blob_of(host)
+    host.fmu.exitInitializationMode()
+    longer = host.all_outputs()
+    restore(host, instantiated)
+    host.start()
+    assert host.get("tether_length") == 525.0
+    restore(host, initializing)
+    host.fmu.exitInitializationMode()
+    assert host.all_outputs() == longer
+
+
+@in_own_process
+def test_size_of_a_state(fmu_folder):
+    """Header 56 bytes, all values, 20 numbers of the tether and 6 of each node."""
+    host = started(fmu_folder / "TetherDynamic.fmu")
+    values = len({v.valueReference for v in host.description.modelVariables})
+    kite_load = 3  # has a place among the inputs but no variable in this FMU
+    assert len(blob_of(host)) == 56 + 8 * (values + kite_load + 20 + 6 * 21)
+
+
+@pytest.mark.parametrize("kept", [0, 7, 16, 55, 56, 500, -8, -1])
+@in_own_process
+def test_truncated_state(fmu_folder, kept):
+    host = started(fmu_folder / "TetherDynamic.fmu")
+    before = host.all_outputs()
+    host.messages.clear()
+    restore(host, blob_of(host)[:kept])
+    assert "the state of before is kept" in host.messages[-1]
+    assert host.all_outputs() == before
+    with pytest.raises(FMICallException):
+        host.step(STEP)
+    host.step(STEP)
+
+
+@in_own_process
+def test_forged_state(fmu_folder):
+    """A state with a valid checksum but parameters that do not fit its nodes is refused as well."""
+    import struct
+    import zlib
+
+    host = started(fmu_folder / "TetherDynamic.fmu")
+    blob = bytearray(blob_of(host))
+    place = 56 + 8 * host.reference["segments"]
+    for segments, words in ((19.0, "is damaged"), (1e9, "segments is"), (math.nan, "segments is")):
+        blob[place : place + 8] = struct.pack("<d", segments)
+        blob[12:16] = struct.pack("<I", zlib.crc32(blob[16:]))
+        restore(host, bytes(blob))
+        assert words in host.messages[-1]
+        with pytest.raises(FMICallException):
+            host.step(STEP)
+    host.step(STEP)

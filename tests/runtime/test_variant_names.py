@@ -1,0 +1,51 @@
+"""A variant by any of its names: in the code, on the command line, as a class, as an FMU."""
+
+from pathlib import Path
+
+import pytest
+
+from build_fmus import parse
+from tetherfmu import models
+from tetherfmu.export.archive import PACKAGE, SLAVES
+from tetherfmu.runtime.variables import IGNORED, NOTES
+from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
+
+every_variant = pytest.mark.parametrize("variant", VARIANTS)
+
+
+@every_variant
+def test_every_spelling(variant):
+    words = variant.split("_")
+    for text in (variant, "-".join(words), " ".join(words), "".join(words), variant.upper(), class_name(variant)):
+        assert variant_of(text) == variant
+    assert variant_of(f"tether_{variant}") == variant
+
+
+@pytest.mark.parametrize("text", ["", "tether", "dynamics", "quasi", "TetherDynamic.fmu", "all", "dynamic catenary"])
+def test_another_text_is_named(text):
+    with pytest.raises(ValueError, match="no tether is called") as refusal:
+        variant_of(text)
+    assert f"called {text};" in str(refusal.value)
+    assert all(variant in str(refusal.value) and class_name(variant) in str(refusal.value) for variant in VARIANTS)
+
+
+@every_variant
+def test_one_list_for_all(variant):
+    assert getattr(models, class_name(variant)).variant == variant
+    assert SLAVES[class_name(variant)][1] == variant
+    assert (Path(PACKAGE).parent / SLAVES[class_name(variant)][0]).is_file()
+
+
+def test_tables_have_the_same_variants():
+    assert set(IGNORED) == set(NOTES) == set(VARIANTS)
+
+
+def test_builder_takes_every_spelling(capsys):
+    assert parse(["quasi-steady", "dynamic", "TetherStraight"]).names == [
+        "TetherQuasiSteady",
+        "TetherDynamic",
+        "TetherStraight",
+    ]
+    with pytest.raises(SystemExit):
+        parse(["elastic"])
+    assert "no tether is called elastic; choose from straight (TetherStraight)" in capsys.readouterr().err

@@ -1,0 +1,134 @@
+"""Calls in the wrong phase and of unknown variables: told in words at once, the next step refused, then all is as before."""
+
+import math
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from isolation import in_own_process
+from runtime.host import Host
+from tetherfmu.export.archive import SLAVES
+
+
+def step_is_refused(host, words):
+    with pytest.raises(FMICallException):
+        host.fmu.doStep(host.time, 0.02)
+    assert words in host.messages[-1], host.messages
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_getters_before_initialization(fmu_folder, fmu):
+    """Inputs and parameters have their start values, outputs are finite."""
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    assert host.get("kite_position") == [300.0, 0.0, 400.0]
+    assert host.get("initial_length") == 505.0
+    assert host.get("segments") == 20
+    assert all(map(math.isfinite, host.all_outputs()))
+
+
+@pytest.mark.parametrize(("fmu", "kind"), [("TetherDynamic", k) for k in ("Real", "Integer", "Boolean", "String")])
+@in_own_process
+def test_unknown_value_references(fmu_folder, fmu, kind):
+    host, twin = Host(fmu_folder / f"{fmu}.fmu").start(), Host(fmu_folder / f"{fmu}.fmu").start()
+    getattr(host.fmu, f"get{kind}")([4711])
+    assert "4711" in host.messages[-1]
+    step_is_refused(host, "4711")
+    getattr(host.fmu, f"set{kind}")([4712], ["x" if kind == "String" else 1])
+    assert "4712" in host.messages[-1]
+    step_is_refused(host, "4712")
+    host.step(0.02)
+    twin.step(0.02)
+    assert host.all_outputs() == twin.all_outputs()
+
+
+@in_own_process
+def test_outputs_cannot_be_set(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    before = host.get("sag")
+    host.set(sag=1.0)
+    assert host.get("sag") == before
+    step_is_refused(host, "cannot be set")
+
+
+@in_own_process
+def test_integers_are_not_reals(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    host.fmu.getReal([host.reference["segments"]])
+    step_is_refused(host, "no variables of this type")
+
+
+@in_own_process
+def test_phases(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    step_is_refused(host, "a step cannot be done before the initialization")
+    host.fmu.exitInitializationMode()
+    step_is_refused(host, "initialization mode cannot be left before the initialization")
+    host.fmu.enterInitializationMode()
+    step_is_refused(host, "a step cannot be done in initialization mode")
+    host.fmu.exitInitializationMode()
+    host.step(0.02)
+    outputs = host.all_outputs()
+    host.fmu.enterInitializationMode()
+    assert host.all_outputs() == outputs
+    step_is_refused(host, "initialization mode cannot be entered after the initialization")
+    host.step(0.02)
+    host.fmu.terminate()
+    step_is_refused(host, "a step cannot be done after the termination")
+    host.fmu.terminate()
+    step_is_refused(host, "the tether cannot be terminated after the termination")
+    host.fmu.reset()
+    host.start()
+    host.time = 0.0
+    host.step(0.02)
+    assert host.all_outputs() == outputs
+
+
+@in_own_process
+def test_time_that_jumps(fmu_folder):
+    """Nothing depends on time: a step from another point is done, the jump is told once; NaN and infinity are refused."""
+    host, twin = Host(fmu_folder / "TetherDynamic.fmu").start(), Host(fmu_folder / "TetherDynamic.fmu").start()
+    host.messages.clear()
+    for time in (0.0, 5.0, 1.0):
+        host.fmu.doStep(time, 0.02)
+        twin.step(0.02)
+    assert host.all_outputs() == twin.all_outputs()
+    assert ["5.0 s" in message for message in host.messages] == [True]
+    for time in (math.nan, math.inf):
+        host.time = time
+        step_is_refused(host, f"the communication point is {time}")
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_kite_at_the_ground_station_and_kite_teleported(fmu_folder, fmu):
+    """Both ends at one point, from the start and in flight; then 1 km away within a step. Done or refused in words."""
+    for place in ((0.0, 0.0, 0.0), (1300.0, 0.0, 400.0), (300.0, 0.0, -600.0)):
+        host = Host(fmu_folder / f"{fmu}.fmu").start()
+        before = host.all_outputs()
+        try:
+            host.step(0.02, kite_position=place)
+        except FMICallException:
+            assert host.messages
+            assert host.all_outputs() == before
+        host.set(kite_position=(300.0, 0.0, 400.0))
+        host.fmu.doStep(0.02, 0.02)
+        assert all(map(math.isfinite, host.all_outputs()))
+        fresh = Host(host.folder, "fresh").start(kite_position=place)
+        assert all(map(math.isfinite, fresh.all_outputs()))
+
+
+@pytest.mark.parametrize("fmu", list(SLAVES))
+@in_own_process
+def test_reeled_in_to_zero(fmu_folder, fmu):
+    """The tether can be reeled in until its segments have 1 cm, no farther; then it can be paid out again."""
+    host = Host(fmu_folder / f"{fmu}.fmu").start(kite_position=(0.3, 0.0, 0.4), initial_length=0.6, segments=5)
+    for _ in range(100):
+        try:
+            host.step(0.02, reel_out_speed=-0.5)
+        except FMICallException:
+            break
+    assert "stop reeling in earlier" in host.messages[-1]
+    nodes = 1 if fmu in ("TetherStraight", "TetherCatenary") else 5
+    assert host.get("tether_length") == pytest.approx(0.01 * nodes, abs=0.0101)
+    host.step(0.02, reel_out_speed=0.5)

@@ -1,0 +1,150 @@
+"""The trade-off study: finished points survive a kill, any executor gives the same, and the report has its parts."""
+
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from study.scenes_of_tests import written
+from tetherfmu.kernels.sources import PACKAGE
+from tetherfmu.study.__main__ import main
+from tetherfmu.study.advice import tradeoff
+from tetherfmu.study.advice.tradeoff import cheapest, front, key, ladder, study
+from tetherfmu.study.measuring import store
+from tetherfmu.study.measuring.executors import executor_of
+from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.scenes.files import load
+
+FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
+TIMEOUT = 60.0  # seconds
+
+
+def silent(iterable, total):
+    return iterable
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Results of the whole ladder in a short scene, of a run that was killed and one that went on."""
+    folder = tmp_path_factory.mktemp("tradeoff")
+    scene = written(folder)
+    command = [sys.executable, "-m", "tetherfmu.study", "tradeoff", str(scene), "--out", str(folder / "out"), "--no-fmpy"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    points = folder / "out" / "points.jsonl"
+    process = subprocess.Popen([*command, "--processes", "1"], env=environment, start_new_session=True)
+    deadline = time.monotonic() + TIMEOUT
+    while not (points.exists() and points.read_bytes().count(b"\n") >= 3):
+        assert time.monotonic() < deadline, "no point was finished"
+        assert process.poll() is None, "the study ended before it was killed"
+        time.sleep(0.005)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    (folder / "killed.jsonl").write_bytes(points.read_bytes())
+    with open(points, "ab") as file:
+        file.write(b'{"key": "half a li')  # what a kill in the middle of a line leaves
+    assert main(command[3:]) == 0
+    return folder
+
+
+def test_finished_points_survive_a_kill(folder):
+    killed = (folder / "killed.jsonl").read_text(encoding="utf-8").split("\n")[:-1]
+    lines = (folder / "out" / "points.jsonl").read_text(encoding="utf-8").splitlines()
+    scene = load(folder / "short.toml")
+    assert 3 <= len(killed) < len(ladder(scene))
+    assert lines[: len(killed)] == killed
+    keys = [json.loads(line)["key"] for line in lines if "half a li" not in line]
+    assert len(keys) == len(set(keys)) == len(ladder(scene))
+
+
+def test_report_has_its_parts(folder):
+    out = folder / "out"
+    assert "# Scene short" in (out / "report.md").read_text(encoding="utf-8")
+    assert "<table>" in (out / "report.html").read_text(encoding="utf-8")
+    assert (out / "pareto.png").stat().st_size > 10000
+    with open(out / "points.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 1 + len(ladder(load(folder / "short.toml")))
+
+
+def test_finer_is_closer_to_the_reference(folder):
+    """The chain converges with the square of the number of segments: 4 times finer is 16 times closer, 8 asked."""
+    with open(folder / "out" / "points.csv", newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["variant"] == "dynamic" and row["tolerance"] == "0.001"]
+    error = {int(row["segments"]): float(row["kite_force"]) for row in rows}
+    assert error[16] < error[4] / 8.0
+
+
+def test_a_changed_default_anywhere_in_the_package_makes_another_key(tmp_path, monkeypatch):
+    """The key of a finished point covers every source and table: here the default drag of a tether, and a unit cost."""
+    scene = load(written(tmp_path))
+    copy = shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(store, "PACKAGE", copy)
+    monkeypatch.setattr(tradeoff, "package_digest", store.package_digest.__wrapped__)
+    keys = [key(scene, FEW[0])]
+    for name, old, new in (("runtime/parameters.py", "0.958", "0.959"), ("study/measuring/costs.csv", "host,1", "host,2")):
+        text = (copy / name).read_text(encoding="utf-8")
+        assert old in text
+        (copy / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+        keys.append(key(scene, FEW[0]))
+    assert len(set(keys)) == 3
+
+
+def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
+    """All processes of the terminal get the signal, as Ctrl-C sends it; the finished points are kept."""
+    command = [sys.executable, "-m", "tetherfmu.study", "tradeoff", str(written(tmp_path)), "--out", str(tmp_path / "out")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    process = subprocess.Popen(command, env=environment, start_new_session=True, stderr=subprocess.PIPE, text=True)
+    points = tmp_path / "out" / "points.jsonl"
+    deadline = time.monotonic() + TIMEOUT
+    while not (points.exists() and points.read_bytes().count(b"\n") >= 3):
+        assert time.monotonic() < deadline, "no point was finished"
+        time.sleep(0.005)
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=TIMEOUT)[1]
+    assert process.returncode == 130
+    assert said.splitlines() == ["stopped; the finished points are kept, the same command goes on"]
+
+
+@pytest.mark.parametrize("wrong", [["--processes", "0"], ["--procesess", "2"], ["--out", "short.toml/out"]])
+def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong):
+    monkeypatch.chdir(tmp_path)
+    try:
+        status = main(["tradeoff", str(written(tmp_path)), *wrong])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.fixture(scope="module")
+def points(folder):
+    with executor_of(processes=1) as executor:
+        return study(load(folder / "short.toml"), Store(folder / "few"), executor, silent, FEW, 1)[1]
+
+
+def test_cheapest_and_front(points):
+    exact = points.loc[points.kite_force.idxmin()]
+    assert cheapest(points, exact.kite_force).config == exact.config
+    assert cheapest(points, 1e-12) is None
+    best = front(points)
+    assert best.variant.iloc[0] == "straight"
+    assert best.config.iloc[-1] == exact.config
+    assert best.cost.is_monotonic_increasing
+    assert best.kite_force.is_monotonic_decreasing
+
+
+def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        executor_of(cluster.scheduler_address) as executor,
+    ):
+        others = study(load(folder / "short.toml"), Store(tmp_path), executor, silent, FEW, 1)[1]
+    assert others.errors.tolist() == points.errors.tolist()
