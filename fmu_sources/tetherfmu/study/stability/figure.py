@@ -10,28 +10,17 @@ from scipy.stats import binned_statistic_2d
 
 from .flight import LINE_DENSITY
 
-CELLS = 9  # along each axis
+EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
 
 
 class Axis(NamedTuple):
-    """An axis: label, function of the results, bounds, function that divides them into cells."""
+    """An axis: label, function of the results, edges of the cells, scale."""
 
     label: str
     values: object
-    low: float
-    high: float
-    spacing: object = np.geomspace
-
-    @property
-    def edges(self):
-        """Edges of the cells."""
-        return self.spacing(self.low, self.high, CELLS + 1)
-
-    @property
-    def scale(self):
-        """Name of the scale."""
-        return "log" if self.spacing is np.geomspace else "linear"
+    edges: np.ndarray
+    scale: str = "log"
 
 
 def frequency(results):
@@ -39,14 +28,14 @@ def frequency(results):
     return np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments)
 
 
-LENGTH = Axis("length [m]", lambda r: r.length, 1.0, 1e4)
-SEGMENT = Axis("segment [m]", lambda r: r.length / r.segments, 0.01, 1000.0)
-STIFFNESS = Axis("EA [N]", lambda r: r.axial_stiffness, 1e3, 1e9)
-STEP = Axis("communication step [s]", lambda r: r.step, 1e-4, 1.0)
-FIXED_STEP = Axis("fixed step [s]", lambda r: r.fixed_step, 1e-5, 1.0)
-FREQUENCY = Axis("axial frequency [Hz]", frequency, 1.0, 1e6)
-SLACK = Axis("slack [%]", lambda r: 100.0 * r.slack, -1.0, 90.0, np.linspace)
-WIND = Axis("wind [m/s]", lambda r: r.wind, 0.0, 60.0, np.linspace)
+LENGTH = Axis("length [m]", lambda r: r.length, np.geomspace(1.0, 1e4, EDGES))
+SEGMENT = Axis("segment [m]", lambda r: r.length / r.segments, np.geomspace(0.01, 1000.0, EDGES))
+STIFFNESS = Axis("EA [N]", lambda r: r.axial_stiffness, np.geomspace(1e3, 1e9, EDGES))
+STEP = Axis("communication step [s]", lambda r: r.step, np.geomspace(1e-4, 1.0, EDGES))
+FIXED_STEP = Axis("fixed step [s]", lambda r: r.fixed_step, np.geomspace(1e-5, 1.0, EDGES))
+FREQUENCY = Axis("axial frequency [Hz]", frequency, np.geomspace(1.0, 1e6, EDGES))
+SLACK = Axis("slack [%]", lambda r: 100.0 * r.slack, np.linspace(-1.0, 90.0, EDGES), "linear")
+WIND = Axis("wind [m/s]", lambda r: r.wind, np.linspace(0.0, 60.0, EDGES), "linear")
 PAIRS = ((LENGTH, STIFFNESS), (STEP, STIFFNESS), (SEGMENT, STEP), (SLACK, WIND))
 FIXED_PAIRS = ((LENGTH, STIFFNESS), (FREQUENCY, FIXED_STEP), (SEGMENT, FIXED_STEP), (SLACK, WIND))
 
