@@ -1,7 +1,7 @@
 """Verdict on one point of the stability map, from its flight and the flight of its refinement.
 
-The words are explained on the page (`page.md.j2`). A point is stable also where its refinement is refused (error: none). It is
-hanging if a call takes longer than `LONGEST_CALL` of the processor, or all of them too long in a process that is ended for it.
+The words are explained on the page (`page.md.j2`). Also stable: a point whose refinement is refused (error: none).
+Hanging: a call took longer than `LONGEST_CALL` of the processor, or the process of the point was ended for taking too long.
 
 Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
 """
