@@ -14,9 +14,10 @@ from time import perf_counter_ns, thread_time_ns
 
 import numpy as np
 
-from tetherfmu.models import TetherDynamic, _address
+from tetherfmu.compiled import kernels
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu.runtime.instance import Instance, address
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.study.measuring.tables import circumstances
 
 WIND = (8.0, 0.0, 0.0)
@@ -38,25 +39,24 @@ def snaps(time):
 
 def run(path, steps, segments, fixed_step):
     """Times of all steps [us], of the processor and of the clock, and the largest number of iterations in a step."""
-    model = TetherDynamic(
-        Tether(segments=segments, initial_length=525.0), solver=Solver(fixed_step=fixed_step, initial_shape=2)
-    )
-    position, velocity = path(0.0)
-    model.initialize(kite_position=position, kite_velocity=velocity, wind_velocity=WIND)
-    advance, arrays = model._kernels.advance, (model._parameters, model._inputs, model._state, model._work)
-    parameters, inputs, state, work = map(_address, arrays)
-    model._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = WIND
+    solver = Solver(fixed_step=fixed_step, initial_shape=2)
+    instance = Instance(kernels("dynamic"), segments + 1)
+    instance.set_up((Tether(segments=segments, initial_length=525.0),), Environment(), solver)
+    motion, inputs = slice(at.KITE_POSITION, at.KITE_VELOCITY + 3), np.frombuffer(instance.values)
+    inputs[motion] = np.concatenate(path(0.0))
+    inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = WIND
+    assert instance.start() is None
+    arrays = instance.parameters, instance.values, instance.state, instance.work
+    advance, (parameters, values, state, work) = instance.kernels.advance, map(address, arrays)
     times, most, before = np.zeros((steps, 2)), 0, 0.0
     for k in range(steps):
-        position, velocity = path(k * fixed_step)
-        model._inputs[at.KITE_POSITION : at.KITE_POSITION + 3] = position
-        model._inputs[at.KITE_VELOCITY : at.KITE_VELOCITY + 3] = velocity
+        inputs[motion] = np.concatenate(path(k * fixed_step))
         clock, processor = perf_counter_ns(), thread_time_ns()
-        status = advance(segments, parameters, inputs, fixed_step, state, work)
+        status = advance(segments, parameters, values, fixed_step, state, work)
         times[k] = thread_time_ns() - processor, perf_counter_ns() - clock
         assert status == 0, status
-        most = max(most, model._state[at.ITERATIONS] - before)
-        before = model._state[at.ITERATIONS]
+        most = max(most, instance.state[at.ITERATIONS] - before)
+        before = instance.state[at.ITERATIONS]
     return 1e-3 * times, int(most)
 
 

@@ -1,72 +1,93 @@
-"""How much tether does my scene need? `python -m tetherfmu.study tradeoff|advise SCENE`; see `--help`."""
+"""All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`.
+
+advise, tradeoff: how much tether does my scene need?  costs, thresholds, page: measure anew what the advice is made of, and
+the page of the manual.  stability: where the tethers hold and where they refuse.  benchmark: what they cost.
+"""
 
 import argparse
 import sys
 import tempfile
-from contextlib import contextmanager
 from pathlib import Path
 
 from tetherfmu.models import StepRefused
-from tetherfmu.study.advice.advise import advise
-from tetherfmu.study.advice.advise_text import explain, explain_fast
+from tetherfmu.study.advice.advise import advise, explain
 from tetherfmu.study.advice.forecast import fast_advice
-from tetherfmu.study.advice.numbers import numbers
 from tetherfmu.study.advice.thresholds import thresholds, write
 from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
+from tetherfmu.study.benchmark import command as benchmark
 from tetherfmu.study.measuring.costs import TABLE, measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import SceneError, load
-from tetherfmu.study.stability import __main__
+from tetherfmu.study.stability import command as stability
+
+GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with the command line in one line."""
+
+    def error(self, message):
+        """Leave with status 2."""
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def processes(text):
+    """A number of processes from the command line."""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of processes; it must be a whole number above 0")
+    return int(text)
 
 
 def parse(arguments):
     """Command line options."""
-    parser = argparse.ArgumentParser(prog="python -m tetherfmu.study", description="How much tether does a scene need?")
+    parser = Parser(prog="python -m tetherfmu.study", description="Studies of the tethers: advice, costs, limits.")
     commands = parser.add_subparsers(dest="command", required=True)
-    trade = commands.add_parser("tradeoff", help="measure error and cost of every configuration in a scene")
+
+    def command(run, name, about):
+        added = commands.add_parser(name, help=about, description=about)
+        added.set_defaults(run=run)
+        return added
+
+    advice = command(run_advise, "advise", "say which FMU, segments, tolerance and communication step to use")
+    advice.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    advice.add_argument("--fast", action="store_true", help="from the dimensionless numbers alone, not checked")
+    trade = command(run_tradeoff, "tradeoff", "measure error and cost of every configuration in a scene")
     trade.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
-    trade.add_argument(
-        "--out", metavar="DIR", help="folder of the results (default: study/NAME); goes on where it was stopped"
-    )
-    trade.add_argument("--processes", type=int, metavar="N", help="default: one per core")
+    trade.add_argument("--out", metavar="DIR", help="folder of results (default: study/NAME); goes on where it was stopped")
+    trade.add_argument("--processes", type=processes, metavar="N", help="default: one per core")
     trade.add_argument("--dask", metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
     trade.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
     trade.add_argument("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
-    advice = commands.add_parser("advise", help="say which FMU, segments, tolerance and communication step to use")
-    advice.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
-    advice.add_argument("--fast", action="store_true", help="from the dimensionless numbers alone, not checked")
-    doc = commands.add_parser("page", help="measure and write docs/how_much_tether.md and its figures")
-    doc.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
-    doc.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
-    doc.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
-    commands.add_parser("costs", help="measure the unit costs anew (costs.csv of this package)")
-    commands.add_parser("stability", add_help=False, help="where the tethers hold and where they refuse; --help tells more")
-    commands.add_parser("thresholds", help="measure the thresholds anew (thresholds.csv of this package)")
+    command(run_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
+    command(run_thresholds, "thresholds", "measure the thresholds anew (thresholds.csv of this package)")
+    page = command(run_page, "page", "measure and write docs/how_much_tether.md and its figures")
+    page.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
+    page.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
+    page.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
+    stability.add_arguments(command(stability.run, "stability", "find where the tethers hold and where they refuse"))
+    benchmark.add_arguments(command(benchmark.run, "benchmark", "measure what the tethers cost, in races too"))
     return parser.parse_args(arguments)
 
 
-@contextmanager
-def fmus(folder):
-    """A folder with all FMUs; those that are missing are built, without a folder into one that is removed."""
-    from tetherfmu.study.benchmark.__main__ import fmus_in
-
-    with tempfile.TemporaryDirectory() as temporary:
-        fmus_in(folder or temporary)
-        yield folder or temporary
+def run_advise(options):
+    """Print the advice for a scene; returns 0, or 1 if nothing meets what it asks for."""
+    scene = load(options.scene)
+    advice = fast_advice(scene) if options.fast else advise(scene)
+    print(explain(scene, advice))
+    return 0 if advice.met else 1
 
 
 def fmpy_times(scene, points, folder):
-    """Measured time per simulated second through FMPy of the configurations that the report names."""
-    from tetherfmu.study.measuring.flown_fmu import flown
-
-    names = scene.wanted.outputs
-    best = [cheapest(points, level, names) for level in {*LEVELS, scene.wanted.allowed_error}]
-    with fmus(folder) as built:
-        return {point.config: flown(built, scene, point.config)[0] for point in best if point}
+    """Measured time per simulated second through FMPy of the configurations that the report names; builds missing FMUs."""
+    best = [cheapest(points, level) for level in {*LEVELS, scene.wanted.allowed_error}]
+    with tempfile.TemporaryDirectory() as temporary:
+        fmus_in(folder or temporary)
+        return {each.config: flown(folder or temporary, scene, each.config)[0] for each in best if each is not None}
 
 
-def tradeoff_command(options):
+def run_tradeoff(options):
     """Study a scene, write the report; returns 0."""
     from tetherfmu.study.advice.scene_report import write
 
@@ -79,34 +100,21 @@ def tradeoff_command(options):
     return 0
 
 
-def advise_command(options):
-    """Print the advice for a scene; returns 0, or 1 if nothing meets what it asks for."""
-    scene = load(options.scene)
-    if options.fast:
-        advice = fast_advice(scene)
-        print(explain_fast(scene, advice))
-        return 0 if advice.met else 1
-    advice = advise(scene)
-    print(explain(scene, advice, numbers(scene)))
-    return 0 if advice.met else 1
-
-
-def costs_command(options):
+def run_costs(options):
     """Measure the unit costs; returns 0."""
     measure_costs()
     print(TABLE.read_text(encoding="utf-8"), end="")
     return 0
 
 
-def thresholds_command(options):
+def run_thresholds(options):
     """Measure the thresholds; returns 0."""
     with executor_of() as executor:
-        rows, points = thresholds(executor, progress_bar("thresholds"))
-    write(rows, points)
+        write(*thresholds(executor, progress_bar("thresholds")))
     return 0
 
 
-def page_command(options):
+def run_page(options):
     """Write the page of the manual; returns 0."""
     from tetherfmu.study.advice.page import make
 
@@ -115,31 +123,20 @@ def page_command(options):
     return 0
 
 
-COMMANDS = {
-    "page": page_command,
-    "tradeoff": tradeoff_command,
-    "advise": advise_command,
-    "costs": costs_command,
-    "thresholds": thresholds_command,
-}
-
-
 def main(arguments=None):
-    """Do what the command line says; returns the exit status, 2 for a wrong scene file."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    if arguments[:1] == ["stability"]:  # has options of its own
-        return __main__.main(arguments[1:])
+    """Do what the command line says; returns the exit status, 2 for a wrong file, 130 after Ctrl-C."""
     options = parse(arguments)
     try:
-        return COMMANDS[options.command](options)
-    except SceneError as error:
+        return options.run(options)
+    except (SceneError, OSError) as error:
         print(error, file=sys.stderr)
         return 2
     except StepRefused as refusal:
-        print(f"{options.scene}: this scene cannot be flown: {refusal}", file=sys.stderr)
+        print(f"{getattr(options, 'scene', options.command)}: this scene cannot be flown: {refusal}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("stopped; the finished points are kept, the same command goes on", file=sys.stderr)
+        kept = "; the finished points are kept, the same command goes on" if options.command in GOING_ON else ""
+        print(f"stopped{kept}", file=sys.stderr)
         return 130
 
 

@@ -10,7 +10,18 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.forecast import fast_advice, forecast, group_error, thresholds_at
 from tetherfmu.study.advice.numbers import lead_error, line_density, numbers
-from tetherfmu.study.advice.thresholds import LEVELS, crossing, drag_scene, slack_scene, wave_scene, weight_scene
+from tetherfmu.study.advice.thresholds import (
+    LEVELS,
+    SWEEPS,
+    TABLE,
+    crossing,
+    drag_scene,
+    read,
+    slack_scene,
+    wave_scene,
+    weight_scene,
+    write,
+)
 from tetherfmu.study.advice.tradeoff import measure
 from tetherfmu.study.measuring.converged import converged
 from tetherfmu.study.measuring.runs import Config
@@ -58,7 +69,7 @@ def test_error_of_a_held_reel_is_forecast(tmp_path):
     """A winch at 8 m/s, inputs every 20 ms: the length is late by up to 8 cm; a stiff tether feels it."""
     text = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "reel"\nphase_time = "4 s"\nramp_time = "1 s"')
     reel = load(written(tmp_path, text.replace("505 m", "199 m")))
-    reference = converged(reel, 1e-3, ("kite_force",)).run
+    reference = converged(reel, 1e-3, ("kite_force",)).run.flown
     measured = measure(reel, Config("dynamic", 16, 1e-4, 0.02), reference).errors["kite_force"]
     assert lead_error(reel, 0.02, numbers(reel)) == pytest.approx(measured, rel=0.2)
 
@@ -83,6 +94,12 @@ def test_crossing_is_interpolated_on_logarithmic_axes():
     values = np.array([0.01, 0.05, 0.2, 1.0])
     assert crossing(values, values**2, 0.01) == pytest.approx(0.1)
     assert crossing(values, values**2, 2.0) == float("inf")
+
+
+def test_tables_are_stored_as_they_were_read(tmp_path):
+    write(read(), read(SWEEPS), tmp_path / "thresholds.csv", tmp_path / "sweeps.csv")
+    assert (tmp_path / "thresholds.csv").read_bytes() == TABLE.read_bytes()
+    assert (tmp_path / "sweeps.csv").read_bytes() == SWEEPS.read_bytes()
 
 
 def test_forecast_sums_the_groups(scene):

@@ -1,4 +1,4 @@
-"""The FMU of one scene has no more than the scene needs, and gives the force that the Python face gives."""
+"""The FMU of one scene has no more than the scene needs, and gives the force that the Python API gives."""
 
 import zipfile
 
@@ -56,7 +56,7 @@ def test_description_says_what_was_left_out(fmu):
 
 
 @in_own_process
-def test_it_flies_as_the_python_face_does(folder, fmu):
+def test_it_flies_as_the_python_api_does(folder, fmu):
     from runtime.host import Host
 
     scene = load(folder / "short.toml")
@@ -64,7 +64,7 @@ def test_it_flies_as_the_python_face_does(folder, fmu):
     host = Host(fmu).start()
     for row in scene.inputs(config.step):
         host.step(config.step, kite_position=row[0:3], kite_velocity=row[3:6])
-    assert host.get("kite_force") == run(scene, config).kite_force[-1].tolist()
+    assert host.get("kite_force") == run(scene, config).flown.kite_force[-1].tolist()
 
 
 def test_a_wrong_scene_is_told(tmp_path, capsys):

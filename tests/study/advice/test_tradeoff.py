@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,8 +12,11 @@ import time
 import pytest
 
 from study.scenes_of_tests import written
+from tetherfmu.kernels.sources import PACKAGE
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.advice.tradeoff import cheapest, front, ladder, study
+from tetherfmu.study.advice import tradeoff
+from tetherfmu.study.advice.tradeoff import cheapest, front, key, ladder, study
+from tetherfmu.study.measuring import store
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import Store
@@ -77,6 +81,48 @@ def test_finer_is_closer_to_the_reference(folder):
     assert error[16] < error[4] / 8.0
 
 
+def test_a_changed_default_anywhere_in_the_package_makes_another_key(tmp_path, monkeypatch):
+    """The key of a finished point covers every source and table: here the default drag of a tether, and a unit cost."""
+    scene = load(written(tmp_path))
+    copy = shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(store, "PACKAGE", copy)
+    monkeypatch.setattr(tradeoff, "package_digest", store.package_digest.__wrapped__)
+    keys = [key(scene, FEW[0])]
+    for name, old, new in (("runtime/parameters.py", "0.958", "0.959"), ("study/measuring/costs.csv", "host,1", "host,2")):
+        text = (copy / name).read_text(encoding="utf-8")
+        assert old in text
+        (copy / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+        keys.append(key(scene, FEW[0]))
+    assert len(set(keys)) == 3
+
+
+def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
+    """All processes of the terminal get the signal, as Ctrl-C sends it; the finished points are kept."""
+    command = [sys.executable, "-m", "tetherfmu.study", "tradeoff", str(written(tmp_path)), "--out", str(tmp_path / "out")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    process = subprocess.Popen(command, env=environment, start_new_session=True, stderr=subprocess.PIPE, text=True)
+    points = tmp_path / "out" / "points.jsonl"
+    deadline = time.monotonic() + TIMEOUT
+    while not (points.exists() and points.read_bytes().count(b"\n") >= 3):
+        assert time.monotonic() < deadline, "no point was finished"
+        time.sleep(0.005)
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=TIMEOUT)[1]
+    assert process.returncode == 130
+    assert said.splitlines() == ["stopped; the finished points are kept, the same command goes on"]
+
+
+@pytest.mark.parametrize("wrong", [["--processes", "0"], ["--procesess", "2"], ["--out", "short.toml/out"]])
+def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong):
+    monkeypatch.chdir(tmp_path)
+    try:
+        status = main(["tradeoff", str(written(tmp_path)), *wrong])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
 @pytest.fixture(scope="module")
 def points(folder):
     with executor_of(processes=1) as executor:
@@ -84,12 +130,14 @@ def points(folder):
 
 
 def test_cheapest_and_front(points):
-    names = ("kite_force",)
-    exact = min(points, key=lambda point: point.error(names))
-    assert cheapest(points, exact.error(names), names) == exact
-    assert cheapest(points, 1e-12, names) is None
-    assert front(points, names)[0].config.variant == "straight"
-    assert front(points, names)[-1] == exact
+    exact = points.loc[points.kite_force.idxmin()]
+    assert cheapest(points, exact.kite_force).config == exact.config
+    assert cheapest(points, 1e-12) is None
+    best = front(points)
+    assert best.variant.iloc[0] == "straight"
+    assert best.config.iloc[-1] == exact.config
+    assert best.cost.is_monotonic_increasing
+    assert best.kite_force.is_monotonic_decreasing
 
 
 def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
@@ -99,4 +147,4 @@ def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
         executor_of(cluster.scheduler_address) as executor,
     ):
         others = study(load(folder / "short.toml"), Store(tmp_path), executor, silent, FEW, 1)[1]
-    assert [point.errors for point in others] == [point.errors for point in points]
+    assert others.errors.tolist() == points.errors.tolist()

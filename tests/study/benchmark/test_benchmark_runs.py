@@ -5,14 +5,14 @@ from itertools import pairwise
 
 import pytest
 
-from tetherfmu.study.benchmark.__main__ import main
+from tetherfmu.study.__main__ import main
 
 
 @pytest.fixture(scope="module")
 def tables(fmu_folder, tmp_path_factory):
     """Rows of each table of a quick run without peers, as dicts, by the title of the table."""
     folder = tmp_path_factory.mktemp("benchmark")
-    assert main(["--quick", "--no-peers", "--fmus", str(fmu_folder), "--out", str(folder)]) == 0
+    assert main(["benchmark", "--quick", "--no-peers", "--fmus", str(fmu_folder), "--out", str(folder)]) == 0
     assert (folder / "benchmarks.md").read_text(encoding="utf-8").startswith("# Benchmarks\n")
     found, columns = {}, ()
     with open(folder / "benchmarks.csv", newline="", encoding="utf-8") as file:

@@ -1,12 +1,13 @@
-"""Errors of a run: each by its formula, on runs made up for it."""
+"""Errors of a flight: each by its formula, on flights made up for it."""
 
 import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.models import Flown
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.errors import errors, settled
-from tetherfmu.study.measuring.runs import SHAPE_POINTS, Run
+from tetherfmu.study.measuring.runs import SHAPE_POINTS
 from tetherfmu.study.scenes.files import OUTPUTS, load
 
 
@@ -16,12 +17,12 @@ def scene(tmp_path):
 
 
 def made_up(scene, force=(3.0, 0.0, 4.0), length=500.0, wave_time=0.0):
-    """A run with a constant force on the kite [N], tether length [m] and wave time [s]."""
+    """A flight with a constant force on the kite [N], tether length [m] and wave time [s]."""
     outputs = np.zeros((scene.count, at.outputs_size(SHAPE_POINTS)))
     for place in (at.KITE_FORCE, at.GROUND_FORCE):
         outputs[:, place : place + 3] = force
     outputs[:, at.TETHER_LENGTH], outputs[:, at.WAVE_TIME] = length, wave_time
-    return Run(outputs, np.full(scene.count, np.linalg.norm(force)), 0, 0, 0.0)
+    return Flown(outputs, np.full(scene.count, np.linalg.norm(force)), None, 0.0)
 
 
 def test_a_run_against_itself_has_no_error(scene):

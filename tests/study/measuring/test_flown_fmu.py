@@ -1,16 +1,16 @@
-"""A scene through FMPy: the FMU gives the force that the Python face gives, bit for bit, and its cost is measured."""
+"""A scene through FMPy: the FMU gives the force that the Python API gives, bit for bit, and its cost is measured."""
 
 import pytest
 
 from study.scenes_of_tests import written
-from tetherfmu.study.measuring.flown_fmu import flown
 from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.measuring.through_fmpy import flown
 from tetherfmu.study.scenes.files import load
 
 
 @pytest.mark.parametrize("config", [Config("catenary", 0, 0.0, 0.02), Config("dynamic", 6, 1e-3, 0.02)])
-def test_fmu_flies_the_scene_as_the_python_face_does(fmu_folder, tmp_path, config):
+def test_fmu_flies_the_scene_as_the_python_api_does(fmu_folder, tmp_path, config):
     scene = load(written(tmp_path))
     cost, force = flown(fmu_folder, scene, config)
-    assert force == run(scene, config).kite_force[-1].tolist()
+    assert force == run(scene, config).flown.kite_force[-1].tolist()
     assert 0.0 < cost < 1.0

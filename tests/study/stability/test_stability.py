@@ -1,6 +1,7 @@
 """The stability map: its points, its verdicts, and that it survives crashes and a kill; a small map is run for real."""
 
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,16 +11,15 @@ import time
 import numpy as np
 import pytest
 
-from tetherfmu.study.stability import pool
-from tetherfmu.study.stability.__main__ import main
-from tetherfmu.study.stability.flight import Flight, fly
+from tetherfmu.study.__main__ import main
+from tetherfmu.study.stability.flight import MapFlight, fly
 from tetherfmu.study.stability.points import VARIANTS, kite, point
-from tetherfmu.study.stability.pool import judge_all, key, read
+from tetherfmu.study.stability.pool import judge_all, key, read, table
 from tetherfmu.study.stability.report import compared
 from tetherfmu.study.stability.verdict import Verdict, judge
 
 POINTS = [point(1, number) for number in range(400)]
-DEADLY = POINTS[5]
+DEADLY, ENDLESS = POINTS[5], POINTS[3]
 
 
 def judge_or_die(chosen):
@@ -27,6 +27,18 @@ def judge_or_die(chosen):
     if chosen == DEADLY:
         os._exit(3)
     return Verdict("converged", 0.0, calls=1)
+
+
+def judge_or_hang(chosen):
+    """Stands for a point that never ends."""
+    if chosen == ENDLESS:
+        time.sleep(60.0)
+    return Verdict("converged", 0.0, calls=1)
+
+
+def results_of(points, verdict):
+    """Table of results with the same verdict for all points."""
+    return table({**each._asdict(), **verdict._asdict()} for each in points)
 
 
 def test_points_keep_to_their_axes():
@@ -38,7 +50,7 @@ def test_points_keep_to_their_axes():
         assert p.axial_damping == 0.0 or 0.1 <= p.axial_damping <= 1e5
         assert -0.01 <= p.slack <= 0.9
         assert 1e-4 <= p.step <= 1.0
-        assert (p.fixed_step > 0.0) == (p.variant == "dynamic fixed step")
+        assert (p.fixed_step > 0.0) == (p.variant == "dynamic_fixed_step")
         assert max(p.wind / 60.0, p.speed / 150.0, abs(p.reel_out_speed) / 20.0, p.gravity / 25.0) <= 1.0
     assert {p.variant for p in POINTS} == set(VARIANTS)
     assert point(1, 7) == POINTS[7] != point(2, 7)
@@ -61,7 +73,7 @@ def test_the_kite_keeps_the_slack_and_its_speed():
 
 def flight(**changes):
     forces = np.ones((5, 6))
-    return Flight("", forces, 1.0, 10.0, 1.0, 10.0, 0, 100.0, 0.01, True)._replace(**changes)
+    return MapFlight("", forces, 1.0, 10.0, 1.0, 10.0, 100.0, 0.01, True)._replace(**changes)
 
 
 @pytest.mark.parametrize(
@@ -95,13 +107,12 @@ def test_a_tension_beyond_the_bound_is_seen():
 
 def test_a_point_that_kills_its_process_is_found(tmp_path):
     results = judge_all(POINTS[:12], tmp_path / "map.jsonl", 2, judge_or_die)
-    assert [v.verdict for p, v in results if p == DEADLY] == ["crashed"]
-    assert all(v.verdict == "converged" for p, v in results if p != DEADLY)
+    assert (results.verdict == np.where(results.number == DEADLY.number, "crashed", "converged")).all()
 
 
-def test_a_point_that_hangs_is_found():
-    assert pool._judge_alone(time.sleep, 0.0, 1.0) is None
-    assert pool._judge_alone(time.sleep, 30.0, 1.0).verdict == "hanging"
+def test_a_point_that_hangs_is_found(tmp_path):
+    results = judge_all(POINTS[:6], tmp_path / "map.jsonl", 2, judge_or_hang, most_seconds=2.0)
+    assert (results.verdict == np.where(results.number == ENDLESS.number, "hanging", "converged")).all()
 
 
 def test_finished_points_are_not_judged_again(tmp_path):
@@ -109,12 +120,29 @@ def test_finished_points_are_not_judged_again(tmp_path):
     judge_all(POINTS[:4], path, 1, judge_or_die)
     first = path.read_text(encoding="utf-8")
     path.write_text(first + '{"key": "cut o', encoding="utf-8")
-    judged = []
-    results = judge_all(POINTS[:5], path, 1, judge_or_die, lambda found: (judged.append(pair[0]) or pair for pair in found))
-    assert judged == [POINTS[4]]
-    assert [p for p, _ in results] == POINTS[:5]
-    assert path.read_text(encoding="utf-8").startswith(first)
+    results = judge_all(POINTS[:5], path, 1, judge_or_hang)
+    assert list(results[["seed", "number"]].itertuples(index=False, name=None)) == [(1, k) for k in range(5)]
+    assert list(results.itertuples(index=False, name=None)) == [
+        (*p, *Verdict("converged", 0.0, calls=1)) for p in POINTS[:5]
+    ]
+    added = path.read_text(encoding="utf-8").removeprefix(first).splitlines()[1:]
+    assert [json.loads(line)["number"] for line in added] == [4]
     assert len(read(path)) == 5
+
+
+def test_an_interrupt_ends_all_processes(tmp_path):
+    """Ctrl-C in the middle of a map: what is finished is kept, what is at work is ended and not waited for."""
+
+    def interrupted(iterator, total):
+        yield next(iterator)
+        raise KeyboardInterrupt
+
+    started = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        judge_all(POINTS[2:8], tmp_path / "map.jsonl", 2, judge_or_hang, progress=interrupted)
+    assert time.monotonic() - started < 45.0  # the point that hangs takes 60 s
+    assert len(read(tmp_path / "map.jsonl")) >= 1
+    assert not multiprocessing.active_children()
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +152,7 @@ def quick_map(tmp_path_factory):
         fly(next(p for p in POINTS if p.variant == variant and p.segments < 10))  # compiled once, not in each process
     folder = tmp_path_factory.mktemp("map")
     path = folder / "stability_1.jsonl"
-    command = [sys.executable, "-m", "tetherfmu.study.stability", "--quick", "--out", str(folder), "--processes", "2"]
+    command = [sys.executable, "-m", "tetherfmu.study", "stability", "--quick", "--out", str(folder), "--processes", "2"]
     process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while process.poll() is None and not (path.exists() and path.stat().st_size):
         time.sleep(0.02)
@@ -148,15 +176,12 @@ def test_the_quick_map_holds(quick_map):
     folder, _, _ = quick_map
     page = (folder / "stability.md").read_text(encoding="utf-8")
     assert page.startswith("# Stability\n")
-    verdicts = [v.verdict for _, v in read(folder / "stability_1.jsonl").values()]
-    assert sum(v in ("converged", "stable") for v in verdicts) >= 0.8 * len(verdicts)
+    assert read(folder / "stability_1.jsonl").verdict.isin(("converged", "stable")).mean() >= 0.8
 
 
 def test_before_and_now_are_compared_on_the_points_of_both():
-    now = [(p, Verdict("converged", 0.0)) for p in POINTS[:40]]
-    before = [(p, Verdict("wrong")) for p in POINTS[20:60]] + [(POINTS[0]._replace(length=2.0), Verdict("wrong"))]
-    table = compared(now, before)
-    wrong, points = table.columns.index("wrong"), table.columns.index("points")
-    (_, *earlier), (_, *later) = table.rows[-2:]
-    assert (earlier[points - 1], earlier[wrong - 1]) == (20, 20)
-    assert (later[points - 1], later[wrong - 1]) == (20, 0)
+    now = results_of(POINTS[:40], Verdict("converged", 0.0))
+    before = results_of([*POINTS[20:60], POINTS[0]._replace(length=2.0)], Verdict("wrong"))
+    rows = compared(now, before).set_index("variant")
+    assert tuple(rows.loc["all, before", ["points", "wrong"]]) == (20, 20)
+    assert tuple(rows.loc["all, now", ["points", "wrong"]]) == (20, 0)

@@ -5,38 +5,33 @@ from typing import NamedTuple
 
 from tetherfmu.models import StepRefused
 from tetherfmu.study.measuring.converged import converged
-from tetherfmu.study.measuring.runs import Config
 
-from .advise import advise
+from .advise import Advice, advise
 from .forecast import fast_advice
-from .tradeoff import LEVELS, REFERENCE_ERROR, measure
+from .tradeoff import LEVELS, REFERENCE_ERROR, Measured, measure
 
 NAMES = ("kite_force",)
 
 
 class Verdict(NamedTuple):
-    """An advice, and what is true; errors are of `kite_force` [-], infinite if the tether refused a step."""
+    """An advice for the force on the kite, and what is true."""
 
     scene: str
-    allowed: float
-    config: Config
-    expected: float  # by the advisor
-    error: float  # against the finer reference
-    cost: float  # time per simulated second [-]
-    claimed: bool  # whether the advisor says that it is met
-    fast_config: Config  # of `--fast`
-    fast_error: float
-    own_error: float  # of the finer reference
+    allowed: float  # error [-]
+    advice: Advice  # without its finer model
+    point: Measured  # the advised configuration against a finer reference than the advisor's own
+    fast: Measured  # the configuration of the fast advice against the same
+    own_error: float  # of that reference
 
     @property
     def met(self):
-        """Whether the advised configuration meets what was asked."""
-        return self.claimed and self.error <= self.allowed
+        """Whether the advice says so and its configuration meets what was asked."""
+        return self.advice.met and self.point.error(NAMES) <= self.allowed
 
     @property
     def fast_met(self):
-        """The same of the fast advice."""
-        return self.fast_error <= self.allowed
+        """Whether the configuration of the fast advice meets it."""
+        return self.fast.error(NAMES) <= self.allowed
 
 
 def asking(scene, allowed):
@@ -46,21 +41,10 @@ def asking(scene, allowed):
 
 def verdict(scene, reference):
     """`Verdict` on the advice for a scene."""
-    advice, fast = advise(scene), fast_advice(scene)
-    config, fast_config = advice.point.config, fast.forecast.config
-    point, fast_point = (measure(scene, each, reference.run) for each in (config, fast_config))
-    return Verdict(
-        scene.name,
-        scene.wanted.allowed_error,
-        config,
-        advice.expected,
-        point.error(NAMES),
-        point.cost,
-        advice.met,
-        fast_config,
-        fast_point.error(NAMES),
-        reference.own_error(NAMES),
-    )
+    advice = advise(scene)._replace(finer=None)
+    configs = advice.point.config, fast_advice(scene).forecast.config
+    points = (measure(scene, config, reference.run.flown) for config in configs)
+    return Verdict(scene.name, scene.wanted.allowed_error, advice, *points, reference.own_error(NAMES))
 
 
 def unseen(scene):

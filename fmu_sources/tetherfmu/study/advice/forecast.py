@@ -38,14 +38,9 @@ class Forecast(NamedTuple):
 
 @cache
 def curves():
-    """Stretches and thresholds of each (group, variant, segments): arrays (stretches,) and (stretches, levels)."""
-    found = {}
-    for row in read():
-        found.setdefault((row.group, row.variant, row.segments), {}).setdefault(row.stretch, {})[row.level] = row.value
-    return {
-        key: (np.array(sorted(table)), np.array([[table[s][level] for level in LEVELS] for s in sorted(table)]))
-        for key, table in found.items()
-    }
+    """Thresholds of each (group, variant, segments): DataFrames with a row for each stretch and a column for each level."""
+    tables = read().groupby(["group", "variant", "segments"])
+    return {key: table.pivot(index="stretch", columns="level", values="value") for key, table in tables}
 
 
 def thresholds_at(group, variant, segments, stretch):
@@ -55,11 +50,11 @@ def thresholds_at(group, variant, segments, stretch):
         segments = max((n for g, v, n in curves() if (g, v) == (group, variant)), default=0)
     elif variant == "dynamic":  # in equilibrium it is the same chain
         variant = "quasi_steady"
-    stretches, values = curves()[group, variant, segments]
-    if len(stretches) == 1:
-        return values[0]
-    place = np.log(np.clip(stretch, stretches[0], stretches[-1]))
-    return np.exp([np.interp(place, np.log(stretches), np.log(np.minimum(column, LARGEST))) for column in values.T])
+    table = curves()[group, variant, segments]
+    if len(table) == 1:
+        return table.to_numpy()[0]
+    place = np.log(np.clip(stretch, table.index[0], table.index[-1]))
+    return np.exp([np.interp(place, np.log(table.index), np.log(column.clip(upper=LARGEST))) for _, column in table.items()])
 
 
 def group_error(group, config, found):

@@ -4,23 +4,19 @@
 not ask for; the description says so.
 """
 
-from dataclasses import asdict
 from typing import NamedTuple
-
-import numpy as np
-from markdown import markdown
 
 from tetherfmu.export.archive import Trim
 from tetherfmu.models import StepRefused
-from tetherfmu.runtime.variables import INPUT, OUTPUT, variables
-from tetherfmu.study.measuring.flown_fmu import FMUS
+from tetherfmu.runtime.variables import OUTPUT, variables
+from tetherfmu.runtime.variants import class_name
+from tetherfmu.study.measuring.runs import parameters_of
+from tetherfmu.study.measuring.tables import percent
+from tetherfmu.study.measuring.through_fmpy import by_name
 from tetherfmu.study.scenes.files import SceneError, load
-from tetherfmu.study.scenes.standard import QUASI_STEADY_START
 
-from .advise import advise
-from .advise_text import explain
-from .numbers import numbers
-from .scene_report import HTML, percent
+from .advise import advise, explain
+from .scene_report import html
 
 __all__ = ["SceneError", "advised"]
 VECTORS = {  # outputs of the FMU that an output of a scene is made of
@@ -46,42 +42,27 @@ class Advised(NamedTuple):
     met: bool
 
 
-def still(scene, step):
-    """Names of the inputs that are 0 all through a scene."""
-    inputs = scene.inputs(step)
-    table = [variable for variable in variables("dynamic", 0) if variable.causality == INPUT]
-    groups = {}
-    for variable in table:
-        groups.setdefault(variable.name.partition("[")[0], []).append(variable)
-    return [
-        variable.name
-        for group, members in groups.items()
-        if group not in KEPT and not np.any(inputs[:, [member.place for member in members]])
-        for variable in members
-    ]
+def vector_of(name):
+    """Name of the vector that an element belongs to."""
+    return name.partition("[")[0]
+
+
+def still(inputs):
+    """Names of the inputs that are 0 all through a scene; `inputs` as `through_fmpy.by_name` gives them."""
+    moved = inputs.any().groupby(vector_of).any()
+    return [name for name in inputs if vector_of(name) not in KEPT and not moved[vector_of(name)]]
 
 
 def unasked(scene, shape_points):
     """Names of the outputs that a scene does not ask for."""
     asked = {name for each in scene.wanted.outputs for name in VECTORS[each]}
-    table = [variable for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
-    return [variable.name for variable in table if variable.name.partition("[")[0] not in asked]
+    names = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
+    return [name for name in names if vector_of(name) not in asked]
 
 
-def starts(scene, config):
-    """Pairs (input or parameter, start value): those of the scene."""
-    first = scene.inputs(config.step)[0]
-    inputs = {
-        variable.name: float(first[variable.place]) for variable in variables("dynamic", 0) if variable.causality == INPUT
-    }
-    parameters = {**asdict(scene.tether), **asdict(scene.environment), "segments": config.segments or 1}
-    parameters |= {"relative_tolerance": config.tolerance, "initial_shape": QUASI_STEADY_START}
-    return [[name, value] for name, value in (inputs | parameters).items()]
-
-
-def groups_of(names):
-    """Names of vectors instead of their elements, in words."""
-    return ", ".join(dict.fromkeys(name.partition("[")[0] for name in names)) or "none"
+def vectors_in_words(names):
+    """Names of vectors instead of their elements."""
+    return ", ".join(dict.fromkeys(map(vector_of, names))) or "none"
 
 
 def advised(path, shape_points):
@@ -97,17 +78,16 @@ def advised(path, shape_points):
         advice = advise(scene)
     except StepRefused as refusal:
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
-    config = advice.point.config
+    config, text = advice.point.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
-    inputs, outputs = still(scene, config.step), unasked(scene, points)
-    text = explain(scene, advice, numbers(scene))
+    inputs = by_name(scene.inputs(config.step))
+    no_inputs, no_outputs = still(inputs), unasked(scene, points)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
         f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in "
-        f"the scene ({groups_of(inputs)}); outputs that it does not ask for ({groups_of(outputs)})."
+        f"the scene ({vectors_in_words(no_inputs)}); outputs that it does not ask for ({vectors_in_words(no_outputs)})."
     )
-    page = HTML.format(
-        title=scene.name, body=markdown(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```", extensions=["fenced_code"])
-    )
-    trim = Trim(scene.name, starts(scene, config), inputs + outputs, about, config.step, page)
-    return Advised(FMUS[config.variant], config.segments or 1, points, trim, text, advice.met)
+    page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
+    starts = [[name, value] for name, value in (inputs.iloc[0].to_dict() | parameters_of(scene, config)).items()]
+    trim = Trim(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
+    return Advised(class_name(config.variant), config.segments or 1, points, trim, text, advice.met)

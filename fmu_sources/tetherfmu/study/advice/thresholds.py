@@ -9,13 +9,12 @@ converged reference, with so short communication steps that these do not count:
     wave     figures of eight of one size on a tether with 0.3 % slack; laps get shorter
 """
 
-import csv
 from functools import cache
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -38,19 +37,7 @@ LAPS = np.geomspace(300.0, 9.0, 13)  # [s]
 LENGTH, SIZE = 200.0, 300.0  # of the tether; of the way of a lap [m]
 ENOUGH = 32  # segments for waves
 STEP = 0.01  # communication step [s]
-COLUMNS = ("group", "stretch", "variant", "segments", "level", "value")
-SWEEP_COLUMNS = ("group", "stretch", "variant", "segments", "value", "error")
-
-
-class Threshold(NamedTuple):
-    """A variant with so many segments is wrong by more than `level` where the number of the group exceeds `value`."""
-
-    group: str
-    stretch: float  # of the sweep, T / EA; 0 where it does not count
-    variant: str
-    segments: int
-    level: float
-    value: float  # infinite if that is never reached in the sweep
+CURVE = ["group", "stretch", "variant", "segments"]  # what a curve of errors over the number of its group belongs to
 
 
 def scene_of(flight, tether, gravity=9.81, wind=(0.0, 0.0, 0.0), duration=8.0):
@@ -92,35 +79,38 @@ def wave_scene(lap):
 
 
 def sweeps():
-    """Rows (group, stretch, scenes)."""
-    rows = [("weight", s, [weight_scene(q, s) for q in LOADS]) for s in STRETCHES]
-    rows += [("drag", s, [drag_scene(q, s) for q in LOADS]) for s in STRETCHES]
-    return [*rows, ("slack", 0.0, [slack_scene(x) for x in SLACKS]), ("wave", 0.0, [wave_scene(lap) for lap in LAPS])]
+    """Triples (group, stretch, scene); the stretch is 0 where it does not count."""
+    scenes = [("weight", s, weight_scene(q, s)) for s in STRETCHES for q in LOADS]
+    scenes += [("drag", s, drag_scene(q, s)) for s in STRETCHES for q in LOADS]
+    scenes += [("slack", 0.0, slack_scene(x)) for x in SLACKS]
+    return scenes + [("wave", 0.0, wave_scene(lap)) for lap in LAPS]
 
 
 def configs(group):
     """What is swept: the number of segments does not matter to waves once there are enough."""
-    segments = (ENOUGH,) if group == "wave" else SEGMENTS
-    lines = [Config("straight", 0, 0.0, STEP)] if group != "wave" else []  # wrong there for its sag alone
-    lines.append(Config("catenary", 0, 0.0, STEP))
-    kinds = [("quasi_steady", 0.0)] if group != "wave" else [("quasi_steady", 0.0), ("dynamic", 1e-4)]
-    return lines + [Config(variant, n, tolerance, STEP) for variant, tolerance in kinds for n in segments]
+    if group == "wave":  # the straight line is wrong there for its sag alone
+        lines = [("catenary", 0, 0.0), ("quasi_steady", ENOUGH, 0.0), ("dynamic", ENOUGH, 1e-4)]
+    else:
+        lines = [("straight", 0, 0.0), ("catenary", 0, 0.0), *(("quasi_steady", n, 0.0) for n in SEGMENTS)]
+    return [Config(*line, STEP) for line in lines]
 
 
-def points(group, scene):
-    """The number of the group of a scene, and the error of the kite's force of each configuration; None if refused."""
+def points(group, stretch, scene):
+    """Rows (`CURVE`, value, error): the number of the group of a scene, and the error of the kite's force of each
+    configuration, infinite if it was refused; none if the reference was."""
     try:
         value = getattr(numbers(scene), group)
-        reference = converged(scene, 1e-4, ("kite_force",)).run
+        reference = converged(scene, 1e-4, ("kite_force",)).run.flown
     except StepRefused:
-        return None
-    found = {}
+        return []
+    rows = []
     for config in configs(group):
         try:
-            found[config] = errors(scene, run(scene, config, exact=True), reference)["kite_force"]
+            error = errors(scene, run(scene, config, exact=True).flown, reference)["kite_force"]
         except StepRefused:
-            found[config] = float("inf")
-    return value, found
+            error = float("inf")
+        rows.append((group, stretch, config.variant, config.segments, value, max(error, 1e-12)))
+    return rows
 
 
 def crossing(values, found, level):
@@ -135,36 +125,32 @@ def crossing(values, found, level):
 
 
 def thresholds(executor, progress):
-    """All thresholds, and the points (group, stretch, value, variant, segments, error) that they come from."""
-    rows, measured = [], []
+    """All thresholds, and the points that they come from.
+
+    Returns
+    -------
+    DataFrame (`CURVE`, level, value)
+        Where the number of the group exceeds `value`, the error exceeds `level`; infinite if it never does in the sweep.
+    DataFrame (`CURVE`, value, error)
+        The points of each curve.
+    """
     jobs = sweeps()
-    futures = [[executor.submit(points, group, scene) for scene in scenes] for group, _, scenes in jobs]
-    flat = progress([each for row in futures for each in row], sum(map(len, futures)))
-    for future in flat:
-        future.result()
-    for (group, stretch, _), row in zip(jobs, futures, strict=True):
-        done = sorted((each.result() for each in row if each.result()), key=lambda each: each[0])
-        values = [value for value, _ in done]
-        for config in configs(group):
-            found = [max(each[config], 1e-12) for _, each in done]
-            measured += [(group, stretch, *config[:2], f"{x:.4g}", e) for x, e in zip(values, found, strict=True)]
-            rows += [Threshold(group, stretch, *config[:2], level, crossing(values, found, level)) for level in LEVELS]
-    return rows, measured
+    rows = chain.from_iterable(progress(executor.map(points, *zip(*jobs, strict=True)), len(jobs)))
+    measured = pd.DataFrame(rows, columns=[*CURVE, "value", "error"])
+    curves = [(key, curve.sort_values("value", kind="stable")) for key, curve in measured.groupby(CURVE, sort=False)]
+    crossings = [(*key, level, crossing([*curve.value], [*curve.error], level)) for key, curve in curves for level in LEVELS]
+    return pd.DataFrame(crossings, columns=[*CURVE, "level", "value"]), pd.concat([curve for _, curve in curves])
 
 
-def write(rows, points, table=TABLE, sweep_table=SWEEPS):
+def write(found, measured, table=TABLE, sweep_table=SWEEPS):
     """Store thresholds, and the points that they come from."""
-    for path, head, lines in ((table, COLUMNS, rows), (sweep_table, SWEEP_COLUMNS, points)):
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(head)
-            writer.writerows([*line[:-1], f"{line[-1]:.4g}"] for line in lines)
+    for path, frame in ((table, found), (sweep_table, measured)):
+        rounded = {name: frame[name].map("{:.4g}".format) for name in ("value", "error") if name in frame}
+        frame.assign(**rounded).to_csv(path, index=False, lineterminator="\r\n")
     read.cache_clear()
 
 
 @cache
 def read(table=TABLE):
-    """Thresholds as they were stored, a list."""
-    kinds = Threshold.__annotations__
-    with open(table, newline="", encoding="utf-8") as file:
-        return [Threshold(**{name: kinds[name](row[name]) for name in COLUMNS}) for row in csv.DictReader(file)]
+    """Thresholds, or the points that they come from, as they were stored."""
+    return pd.read_csv(table)

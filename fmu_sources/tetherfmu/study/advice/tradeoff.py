@@ -7,6 +7,9 @@ import hashlib
 from itertools import product
 from typing import NamedTuple
 
+import numpy as np
+import pandas as pd
+
 from tetherfmu.models import StepRefused
 from tetherfmu.study.measuring.converged import converged
 from tetherfmu.study.measuring.costs import cost, host_cost
@@ -14,6 +17,7 @@ from tetherfmu.study.measuring.errors import errors, worst
 from tetherfmu.study.measuring.executors import finished
 from tetherfmu.study.measuring.runs import Config, run
 from tetherfmu.study.measuring.store import package_digest
+from tetherfmu.study.scenes.files import OUTPUTS
 
 SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
 TOLERANCES = (1e-2, 1e-3, 1e-4)
@@ -25,7 +29,7 @@ FORMAT = 1  # of a stored point
 LONG_RUN = 0.05  # [s], not repeated
 
 
-class Point(NamedTuple):
+class Measured(NamedTuple):
     """A configuration in a scene: errors, and cost per simulated second."""
 
     config: Config
@@ -64,17 +68,15 @@ def ladder(scene):
 
 
 def measure(scene, config, reference, repeats=1):
-    """`Point` of a configuration against a reference run; the time is the least of some repeats, long runs have one."""
+    """`Measured` of a configuration against a reference, a `Flown`; the time is the least of some repeats of short runs."""
     try:
-        runs = [run(scene, config)]
-        while len(runs) < repeats and runs[0].seconds < LONG_RUN:
-            runs.append(run(scene, config))
+        first = run(scene, config)
+        again = repeats - 1 if first.flown.seconds < LONG_RUN else 0
+        seconds = min([first.flown.seconds, *(run(scene, config).flown.seconds for _ in range(again))])
     except StepRefused as refusal:
-        return Point(config, {}, 0, 0, 0.0, 0.0, str(refusal))
-    first, flown = runs[0], scene.count * scene.every
-    seconds = min(each.seconds for each in runs) / flown
-    found = errors(scene, first, reference)
-    return Point(config, found, first.calls, first.steps, seconds, cost(scene, config, first.calls, first.steps))
+        return Measured(config, {}, 0, 0, 0.0, 0.0, str(refusal))
+    found, spent = errors(scene, first.flown, reference), cost(scene, config, first.calls, first.work)
+    return Measured(config, found, first.calls, first.work, seconds / (scene.count * scene.every), spent)
 
 
 def key(scene, config):
@@ -100,39 +102,40 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
 
     Returns
     -------
-    Reference, list of Point
+    Reference, DataFrame
+        The table has a row for each configuration; see `table_of`.
     """
     configs = ladder(scene) if configs is None else configs
     names = scene.wanted.outputs
     reference = store.kept(key(scene, ("reference", *names)), lambda: converged(scene, REFERENCE_ERROR, names))
-    points = {config: point_of(scene, store.points.get(key(scene, config))) for config in configs}
-    missing = [config for config, point in points.items() if point is None]
-    tasks = [(measure, scene, config, reference.run, repeats) for config in missing]
+    missing = [config for config in configs if key(scene, config) not in store.points]
+    tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
         store.add(key(scene, point.config), point._asdict())
-        points[point.config] = point
-    return reference, list(points.values())
+    return reference, table_of([stored_point(scene, store.points[key(scene, config)]) for config in configs], names)
 
 
-def point_of(scene, stored):
-    """A point from what the store holds, its cost by the present unit costs; or None."""
-    if stored is None:
-        return None
+def stored_point(scene, stored):
+    """`Measured` from what the store holds, its cost by the present unit costs."""
     config = Config(*stored["config"])
-    return Point(**{**stored, "config": config, "cost": cost(scene, config, stored["calls"], stored["work"])})
+    return Measured(**{**stored, "config": config, "cost": cost(scene, config, stored["calls"], stored["work"])})
 
 
-def cheapest(points, level, names):
-    """The cheapest point with an error of at most `level`, or None."""
-    good = [point for point in points if point.error(names) <= level]
-    return min(good, key=lambda point: point.cost) if good else None
+def table_of(points, names):
+    """A row for each `Measured`: its fields, those of its `Config`, an error for each output, `host_cost`, and as `error`
+    the largest of the outputs `names`."""
+    rows = [{**point._asdict(), **point.config._asdict(), **point.errors, "error": point.error(names)} for point in points]
+    table = pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error"])
+    return table.assign(host_cost=[point.host_cost for point in points])
 
 
-def front(points, names):
-    """Points that no other beats in both cost and error, from cheap to exact."""
-    best, chosen = float("inf"), []
-    for point in sorted(points, key=lambda each: (each.cost, each.error(names))):
-        if point.error(names) < best:
-            best = point.error(names)
-            chosen.append(point)
-    return chosen
+def cheapest(table, level):
+    """The cheapest row with an error of at most `level`, or None."""
+    good = table[table.error <= level]
+    return None if good.empty else good.loc[good.cost.idxmin()]
+
+
+def front(table):
+    """Rows that no other beats in both cost and error, from cheap to exact."""
+    table = table.sort_values(["cost", "error"])
+    return table[table.error < table.error.cummin().shift(fill_value=np.inf)]

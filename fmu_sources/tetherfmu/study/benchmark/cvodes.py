@@ -148,7 +148,7 @@ def restarted_run(scene, tolerance, compiled=False):
 def largest_difference(scene):
     """Largest difference between CasADi's and our dy/dt at random states, relative to the largest dy/dt [-]."""
     model = tether_at_start(scene)
-    ours = right_hand_side(scene, model)
+    ours = right_hand_side(scene)
     symbols = equations(scene, True)
     theirs = casadi.Function("slope", [symbols["t"], symbols["x"]], [symbols["ode"]])
     start = free_state(scene, model)

@@ -2,45 +2,35 @@
 
 from pathlib import Path
 
-from .races import COMPILED, OURS, RESTARTED, WHOLE
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
+from .races import COMPILED, DEFAULT, OURS, RESTARTED, WHOLE
+
+IN_C = {"linestyle": "--", "markerfacecolor": "white"}
 STYLES = {
     OURS: {"color": "C0", "marker": "o", "linewidth": 2.0},
     WHOLE: {"color": "C1", "marker": "s"},
-    WHOLE + COMPILED: {"color": "C1", "marker": "s", "linestyle": "--", "markerfacecolor": "white"},
+    WHOLE + COMPILED: {"color": "C1", "marker": "s", **IN_C},
     RESTARTED: {"color": "C3", "marker": "^"},
-    RESTARTED + COMPILED: {"color": "C3", "marker": "^", "linestyle": "--", "markerfacecolor": "white"},
+    RESTARTED + COMPILED: {"color": "C3", "marker": "^", **IN_C},
 }
-TITLES = {
-    "circle": "Circle, {n} segments",
-    "figure of eight": "Figure of eight, {n} segments",
-    "release": "Released tether, {n} segments",
-}
+TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "Released tether"}
 
 
-def draw(points, path):
-    """Write the diagram to a PNG file."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    panels = list(dict.fromkeys((p.scene, p.segments) for p in points))
-    figure, axes = plt.subplots(1, len(panels), figsize=(4.2 * len(panels), 4.2), squeeze=False, layout="constrained")
+def draw(runs, path):
+    """Write the diagram of a table of races to a PNG file."""
+    panels = list(runs.groupby(["scene", "segments"], sort=False))
+    figure = Figure(figsize=(4.2 * len(panels), 4.2), layout="constrained")
+    axes = figure.subplots(1, len(panels), squeeze=False)[0]
     handles = {}
-    for axis, (scene, n) in zip(axes[0], panels, strict=True):
-        for solver, style in STYLES.items():
-            mine = [p for p in points if (p.scene, p.segments, p.solver) == (scene, n, solver)]
-            if mine:
-                mine.sort(key=lambda p: p.tolerance)
-                x, y = [p.error for p in mine], [1e3 * p.seconds for p in mine]
-                handles[solver] = axis.loglog(x, y, markersize=5, label=solver, **style)[0]
-        for point in points:
-            if (point.scene, point.segments, point.solver, point.tolerance) == (scene, n, OURS, 1e-4):
-                place = (point.error, 1e3 * point.seconds)
-                axis.annotate("default", place, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
-        axis.set_title(TITLES[scene].format(n=n), fontsize=11)
+    for axis, ((scene, n), mine) in zip(axes, panels, strict=True):
+        for solver, theirs in mine.sort_values("tolerance").groupby("solver", sort=False):
+            handles[solver] = axis.loglog(theirs.error, 1e3 * theirs.seconds, markersize=5, **STYLES[solver])[0]
+        for each in mine[(mine.solver == OURS) & (mine.tolerance == DEFAULT)].itertuples():
+            place = each.error, 1e3 * each.seconds
+            axis.annotate("default", place, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
+        axis.set_title(f"{TITLES[scene]}, {n} segments", fontsize=11)
         axis.set_xlabel("error of the node positions, rms [m]")
         axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.yaxis.set_major_formatter("{x:g}")
@@ -49,10 +39,9 @@ def draw(points, path):
         axis.set_axisbelow(True)
         axis.margins(0.12)
         axis.invert_xaxis()
-    axes[0, 0].set_ylabel("time for the run [ms]")
-    figure.legend(
-        handles.values(), handles.keys(), loc="outside lower center", ncols=len(handles), frameon=False, fontsize=9
-    )
+    axes[0].set_ylabel("time for the run [ms]")
+    found = [solver for solver in STYLES if solver in handles]
+    lines = [handles[solver] for solver in found]
+    figure.legend(lines, found, loc="outside lower center", ncols=len(found), frameon=False, fontsize=9)
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=100, metadata={"Software": None})
-    plt.close(figure)

@@ -1,115 +1,77 @@
-"""Time of the compiled kernels of an FMU without Python around them: loops over communication steps, compiled too."""
+"""Time of the compiled kernels of an FMU: flights over many communication steps, compiled too, and starts."""
 
-import numpy as np
-from numba import njit
+from array import array
+from functools import partial
+
+import pandas as pd
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import load
+from tetherfmu.runtime.parameters import Solver
+from tetherfmu.runtime.variants import VARIANTS, WITHOUT_NODES, effective
 from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.scenes.standard import STEP, circle_inputs, circle_scene, tether_at_start
 
-SEGMENTS = (6, 10, 20, 40, 80, 160)
-WITHOUT_NODES = ("catenary", "straight")
+SEGMENTS, STEPS, REPEATS = (6, 10, 20, 40, 80, 160), 5000, 15
+FEWER = 50  # starts are so many times fewer than steps
+START, OUTPUTS, FLIGHT = "start (cold)", "outputs", "step"
 
 
-@njit
-def advance_all(advance, n, parameters, inputs, step, state, work, every, rows):
-    """All communication steps; every so many, node positions of the state go into a row of `rows` (modified).
+def flight(folder, variant, segments, steps):
+    """The circle as a function of whether outputs are computed too; it returns internal steps, or iterations for a shape."""
+    model = tether_at_start(circle_scene(segments), variant=variant, library=folder)
+    start, inputs, before = model.get_state(), circle_inputs(steps), sum(model.counters.values())
 
-    Returns the status of all steps, or-ed.
-    """
-    status = 0
-    for k in range(len(inputs)):
-        status |= advance(n, parameters.ctypes, inputs[k].ctypes, step, state.ctypes, work.ctypes)
-        if (k + 1) % every == 0 and (k + 1) // every < len(rows):
-            row = rows[(k + 1) // every]
-            row[:] = state[at.STATE_HEADER + 3 : at.STATE_HEADER + 3 + len(row)]
-    return status
+    def fly(with_outputs):
+        model.set_state(start)
+        model.fly(inputs, STEP, every=0, peaks=with_outputs)
+        return sum(model.counters.values()) - before
+
+    return fly
 
 
-@njit
-def initialize_all(initialize, n, parameters, inputs, state, work):
-    """A new start at every communication point; returns the status of all, or-ed."""
-    status = 0
-    for k in range(len(inputs)):
-        status |= initialize(n, parameters.ctypes, inputs[k].ctypes, state.ctypes, work.ctypes)
-    return status
+def starts(folder, variant, segments, count):
+    """A new start at so many points of the circle, as a function that returns the iterations for all shapes."""
+    scene = circle_scene(segments)
+    instance = Instance(load(folder, variant), segments + 1)
+    instance.set_up((effective(scene.tether, variant),), scene.environment, Solver())
+    inputs = [array("d", row) for row in circle_inputs(count)]
+
+    def start():
+        iterations = 0
+        for row in inputs:
+            instance.values[: at.INPUTS] = row
+            problem = instance.start()
+            if problem:
+                raise RuntimeError(problem)
+            iterations += int(instance.state[at.ITERATIONS])
+        return iterations
+
+    return start
 
 
-@njit
-def observe_all(observe, n, parameters, state, points, outputs, work, count):
-    """The outputs, so many times."""
-    for _ in range(count):
-        observe(n, parameters.ctypes, state.ctypes, points, outputs.ctypes, work.ctypes)
-
-
-def checked(status):
-    """RuntimeError unless the status is OK."""
-    if status != 0:
-        raise RuntimeError(f"a kernel returned the status {status}")
-
-
-class Flight:
-    """A tether of the scene "circle" whose kernels come from the library of an FMU."""
-
-    def __init__(self, folder, variant, segments, steps):
-        model = tether_at_start(circle_scene(segments), variant=variant)
-        self.kernels = load(folder, variant)
-        self.n, self.parameters, self.work = model.segments, model._parameters, model._work
-        self.start, self.state, self.outputs = model.get_state(), model.get_state(), model._outputs
-        self.points = model._points
-        self.inputs = circle_inputs(steps)
-        self.rows = np.zeros((0, 0))
-
-    def advance(self):
-        """Fly all steps from the start; returns internal steps, or iterations for a shape."""
-        self.state[:] = self.start
-        arrays = self.n, self.parameters, self.inputs, STEP, self.state, self.work, len(self.inputs), self.rows
-        checked(advance_all(self.kernels.advance, *arrays))
-        used = self.state - self.start
-        return int(used[at.STEPS] + used[at.REJECTIONS] + used[at.ITERATIONS])
-
-    def initialize(self):
-        """Start anew at every communication point; returns the iterations for the last shape."""
-        arrays = self.n, self.parameters, self.inputs, self.state, self.work
-        checked(initialize_all(self.kernels.initialize, *arrays))
-        return int(self.state[at.ITERATIONS]) * len(self.inputs)
-
-    def observe(self):
-        """The outputs, as often as there are steps."""
-        observe_all(
-            self.kernels.observe,
-            self.n,
-            self.parameters,
-            self.start,
-            self.points,
-            self.outputs,
-            self.work,
-            len(self.inputs),
-        )
-        return 0
-
-
-def kernel_times(folder, segments, steps, repeats):
-    """Rows (what, segments, seconds per communication step, internal steps or iterations per communication step).
+def kernel_table(folder, segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
+    """Time and work (internal steps or iterations) of the kernels per communication step or start, a DataFrame.
 
     folder : with the libraries of all variants.
     """
     jobs = {}
-    for n in segments:
-        for variant in ("dynamic", "quasi_steady"):
-            flight = Flight(folder, variant, n, steps)
-            jobs[f"{variant} step" + (" (warm)" if variant == "quasi_steady" else ""), n] = flight.advance
+    for variant in VARIANTS:
+        for n in (1,) if variant in WITHOUT_NODES else segments:
+            fly = flight(folder, variant, n, steps)
+            jobs |= {(variant, what, n): partial(fly, what == OUTPUTS) for what in (FLIGHT, OUTPUTS)}
             if variant == "quasi_steady":
-                jobs["quasi_steady start (cold)", n] = Flight(folder, variant, n, steps // 5).initialize
-            jobs[f"{variant} outputs", n] = flight.observe
-    for variant in WITHOUT_NODES:
-        flight = Flight(folder, variant, 1, steps)
-        jobs[f"{variant} step", 1] = flight.advance
-        jobs[f"{variant} outputs", 1] = flight.observe
-    times, counts = interleaved(jobs, repeats, min)
+                jobs[variant, START, n] = starts(folder, variant, n, steps // FEWER)
+    times, work = interleaved(jobs, repeats, min)
     rows = []
-    for (what, n), seconds in times.items():
-        calls = steps // 5 if "cold" in what else steps
-        rows.append((what, n, seconds / calls, counts[what, n] / calls))
-    return rows
+    for (variant, what, n), seconds in times.items():
+        calls = steps // FEWER if what == START else steps
+        if what == OUTPUTS:  # flown with them less flown without them
+            seconds -= times[variant, FLIGHT, n]
+        name = f"{variant} {what}" + (" (warm)" if (variant, what) == ("quasi_steady", FLIGHT) else "")
+        count = None if variant in WITHOUT_NODES else n
+        rows.append((name, count, 1e6 * seconds / calls, 0.0 if what == OUTPUTS else work[variant, what, n] / calls))
+    table = pd.DataFrame(rows, columns=("what", "segments", "us per step", "work")).astype({"segments": "Int64"})
+    table.insert(3, "ns per segment", 1e3 * table["us per step"] / table.segments.astype(float))
+    return table.sort_values("what", kind="stable")

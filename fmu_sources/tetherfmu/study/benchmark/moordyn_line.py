@@ -9,45 +9,23 @@ error against our reference would compare the models. What is compared is the co
 import os
 import tempfile
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import moordyn
 import numpy as np
+import pandas as pd
 
-from tetherfmu.study.scenes.standard import STEP, circle
+from tetherfmu.study.measuring.clock import interleaved
+from tetherfmu.study.measuring.tables import page
+from tetherfmu.study.scenes.standard import STEP, circle, circle_scene
+
+from .races import DEFAULT, OURS, our_run
 
 DEPTH = 50_000.0
+WARM_UP, PART = 250, 50  # communication steps, 5 s and 1 s
 SCHEMES = (("RK2", 0.002), ("RK4", 0.004))  # the largest that divide 20 ms and are stable at 20 segments
-INPUT = """--- MoorDyn input
-circle
---- LINE TYPES
-Name Diam MassDen EA BA EI Cd Ca CdAx CaAx
-(-) (m) (kg/m) (N) (N-s) (N-m^2) (-) (-) (-) (-)
-tether {diameter} {line_density} {stiffness} {damping} 0 {drag} 0 0 0
---- POINTS
-ID Type X Y Z Mass Volume CdA Ca
-(-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 Coupled 0 0 {ground} 0 0 0 0
-2 Coupled {kite} 0 0 0 0
---- LINES
-ID LineType AttachA AttachB UnstrLen NumSegs Outputs
-(-) (-) (-) (-) (m) (-) (-)
-1 tether 1 2 {length} {segments} -
---- OPTIONS
-{step} dtM
-{scheme} tScheme
-{gravity} g
-{density} WtrDnsty
-{depth} WtrDpth
-0 kBot
-0 cBot
-0.02 dtIC
-60 TmaxIC
-0.001 threshIC
-0 writeLog
-1 disableOutput
---- END
-"""
+INPUT = Path(__file__).with_name("moordyn.txt.j2")
 
 
 @contextmanager
@@ -72,39 +50,48 @@ def ends(scene, time):
     return [*below, *(below + position)], [*drift, *(velocity + drift)]
 
 
-class Flight:
-    """The circle in MoorDyn, after its initial relaxation."""
+def moordyn_flight(scene, scheme, step):
+    """The circle in MoorDyn after its initial relaxation, as a function that flies so many communication steps more."""
+    tether, air = scene.tether, scene.environment
+    text = page(
+        INPUT,
+        tether=tether,
+        air=air,
+        scheme=scheme,
+        step=step,
+        depth=DEPTH,
+        line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
+        gravity=air.gravity * tether.density / (tether.density - air.air_density),
+        kite=ends(scene, 0.0)[0][3:],
+    )
+    motion = [(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))]
+    with silence(), tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "line.txt"
+        file.write_text(text)
+        system = moordyn.Create(str(file))
+        moordyn.Init(system, *motion[0][:2])
+    ahead = iter(motion)
 
-    def __init__(self, scene, scheme, step):
-        tether, air = scene.tether, scene.environment
-        text = INPUT.format(
-            diameter=tether.diameter,
-            line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
-            stiffness=tether.axial_stiffness,
-            damping=tether.axial_damping,
-            drag=tether.drag_coefficient,
-            ground=-DEPTH / 2.0,
-            kite=" ".join(str(float(value)) for value in ends(scene, 0.0)[0][3:]),
-            length=tether.initial_length,
-            segments=tether.segments,
-            step=step,
-            scheme=scheme,
-            gravity=air.gravity * tether.density / (tether.density - air.air_density),
-            density=air.air_density,
-            depth=DEPTH,
-        )
-        self.motion = [ends(scene, k * STEP) for k in range(round(scene.duration / STEP))]
-        self.done = 0
-        with silence(), tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "line.txt"
-            file.write_text(text)
-            self.system = moordyn.Create(str(file))
-            moordyn.Init(self.system, *ends(scene, 0.0))
+    def fly(steps):
+        for _ in range(steps):
+            moordyn.Step(system, *next(ahead))
 
-    def fly(self, steps):
-        """So many communication steps more; returns the force on the kite [N] at the end of each, array (steps, 3)."""
-        forces = []
-        for k in range(self.done, self.done + steps):
-            forces.append(moordyn.Step(self.system, *self.motion[k], k * STEP, STEP)[3:])
-        self.done += steps
-        return np.array(forces)
+    return fly
+
+
+def moordyn_table(libraries, quick):
+    """The circle in MoorDyn at its largest stable steps, and in our tether, interleaved; a DataFrame.
+
+    libraries : folder of those of the FMUs.
+    """
+    scene = circle_scene(20, 6.0 if quick else 40.0)
+    jobs = {}
+    for scheme, step in SCHEMES:
+        fly = moordyn_flight(scene, scheme, step)
+        fly(PART if quick else WARM_UP)
+        jobs[f"MoorDyn {scheme}, {1000 * step:.3g} ms"] = partial(fly, PART)
+    jobs[OURS] = our_run(libraries, circle_scene(20, PART * STEP), STEP, DEFAULT, {})
+    times = pd.Series(interleaved(jobs, 2 if quick else 20)[0])
+    return (
+        pd.DataFrame({"us per step": 1e6 * times / PART, "ratio": times / times[OURS]}).rename_axis("solver").reset_index()
+    )

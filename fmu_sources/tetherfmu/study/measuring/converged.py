@@ -3,6 +3,7 @@
 It is the only run that knows the mean reel-out speed of each step and the wind of its middle (`Scene.inputs`, exact).
 """
 
+from functools import cache
 from typing import NamedTuple
 
 from .errors import errors, worst
@@ -42,7 +43,7 @@ def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
     scene : Scene
     target : float
     names : sequence of str
-        Of `scene_files.OUTPUTS`.
+        Of `scenes.files.OUTPUTS`.
     first_segments : int
         To begin with; doubled as needed.
 
@@ -51,18 +52,15 @@ def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
     Reference
     """
     n, step = first_segments, step_of(scene, LONGEST_STEP)
-    done = {}
 
+    @cache
     def fly(segments, h, tolerance):
-        config = Config("dynamic", segments, tolerance, h)
-        if config not in done:
-            done[config] = run(scene, config, exact=True)
-        return done[config]
+        return run(scene, Config("dynamic", segments, tolerance, h), exact=True)
 
     while True:
         finest = fly(n, step, TOLERANCE)
-        space = errors(scene, fly(n // 2, step, TOLERANCE), finest)
-        time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE), finest)
+        space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
+        time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
         in_space, in_time = worst(space, names), worst(time, names)
         finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
         if in_space + in_time <= target or not any(finer):

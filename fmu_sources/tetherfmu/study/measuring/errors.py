@@ -1,6 +1,6 @@
-"""Errors of a run against a reference run of the same scene; docs/how_much_tether.md, "Errors".
+"""Errors of a flight against a reference flight of the same scene; docs/how_much_tether.md, "Errors".
 
-With F of a run, R of the reference, rms over the output times after `settled`:
+With F of a flight, R of the reference, rms over the output times after `settled`:
 
     kite_force        rms(|F| - |R|) / rms |R|                     the same for ground_force
     kite_direction    rms(|R| |F/|F| - R/|R||) / rms |R|           the same for ground_direction; 0.01 is about 0.6 deg
@@ -41,35 +41,31 @@ def direction_error(force, reference):
     return rms(sizes * size(units[0] - units[1])) / rms(sizes)
 
 
-def power_error(scene, run, reference, first):
+def power_error(scene, flown, reference, first):
     """Error of the power at the kite or at the winch, the larger one; 0 where there is no power."""
     motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
-    worst = 0.0
-    for power in (
-        lambda r: np.sum(r.kite_force * motion.kite_velocity, -1),
-        lambda r: r.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed,
-    ):
-        mine, right = power(run)[first:], power(reference)[first:]
-        if rms(right) > 0.0:
-            worst = max(worst, rms(mine - right) / rms(right))
-    return worst
+    at_kite, at_winch = (
+        [np.sum(each.kite_force * motion.kite_velocity, -1)[first:] for each in (flown, reference)],
+        [(each.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed)[first:] for each in (flown, reference)],
+    )
+    return max((rms(mine - right) / rms(right) for mine, right in (at_kite, at_winch) if rms(right) > 0.0), default=0.0)
 
 
-def errors(scene, run, reference):
-    """Errors [-] of a run against a reference run, dict by the names of `scene_files.OUTPUTS`."""
+def errors(scene, flown, reference):
+    """Errors [-] of a flight against a reference, both `Flown`; dict by the names of `scenes.files.OUTPUTS`."""
     first = settled(scene, reference)
     found = {}
     for end, force, right in (
-        ("kite", run.kite_force[first:], reference.kite_force[first:]),
-        ("ground", run.ground_force[first:], reference.ground_force[first:]),
+        ("kite", flown.kite_force[first:], reference.kite_force[first:]),
+        ("ground", flown.ground_force[first:], reference.ground_force[first:]),
     ):
         found[f"{end}_force"] = rms(size(force) - size(right)) / rms(size(right))
         found[f"{end}_direction"] = direction_error(force, right)
-    peak, right = run.peak[first:].max(), reference.peak[first:].max()
+    peak, right = flown.peak[first:].max(), reference.peak[first:].max()
     found["peak_force"] = float(abs(peak - right) / right)
-    found["power"] = power_error(scene, run, reference, first)
+    found["power"] = power_error(scene, flown, reference, first)
     lengths = reference.outputs[first:, at.TETHER_LENGTH]
-    found["shape"] = rms(size(run.shape - reference.shape)[first:]) / float(np.mean(lengths))
+    found["shape"] = rms(size(flown.shape - reference.shape)[first:]) / float(np.mean(lengths))
     return {name: found[name] for name in OUTPUTS}
 
 

@@ -1,5 +1,6 @@
 """Work in parallel, through any executor of concurrent.futures: processes of this machine, or a Dask cluster."""
 
+import signal
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 
@@ -21,7 +22,8 @@ def finished(executor, tasks):
 def executor_of(dask=None, processes=None):
     """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core)."""
     if dask is None:
-        with ProcessPoolExecutor(processes) as executor:
+        silently = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process without a traceback
+        with ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently) as executor:
             yield executor
         return
     try:
@@ -33,9 +35,5 @@ def executor_of(dask=None, processes=None):
 
 
 def progress_bar(text):
-    """A progress bar for `tradeoff.study`, silent where nobody sees it."""
-
-    def wrap(iterable, total):
-        return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
-
-    return wrap
+    """A function of an iterable and its length that shows how far it is; silent where nobody sees it."""
+    return lambda iterable, total: tqdm(iterable, total=total, desc=text, disable=None, leave=False)

@@ -4,14 +4,12 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from tetherfmu.kernels.algebra.vectors import put
 from tetherfmu.kernels.chain import nodes
 from tetherfmu.kernels.chain.properties import chain_at
-from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Solver, pack
 from tetherfmu.study.scenes.standard import tether_at_start
 
 TOLERANCE = 1e-11
-NOWHERE = (0.0, 0.0, 0.0)  # of a kite that is not driven
 
 
 @njit(error_model="numpy")
@@ -25,38 +23,26 @@ def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
             force[j] /= mass[i]
 
 
-@njit(error_model="numpy")
-def place(nodes, y, x, v, kite, kite_velocity):
-    """Put the free nodes y = (positions, velocities) into x and v (modified), and a driven kite after them."""
-    half = len(y) // 2
-    for k in range(half):
-        x[3 + k] = y[k]
-        v[3 + k] = y[half + k]
-    if half < 3 * (nodes - 1):
-        put(x, nodes - 1, kite)
-        put(v, nodes - 1, kite_velocity)
-
-
 def free_state(scene, model):
     """Positions, then velocities of the nodes that move freely, one flat array."""
     last = None if scene.kite_is_free else -1
     return np.concatenate([model.positions[1:last].ravel(), model.velocities[1:last].ravel()])
 
 
-def right_hand_side(scene, model):
+def right_hand_side(scene):
     """dy/dt as a function (t, y), of our kernels, without any of our solvers."""
-    n = scene.tether.segments
-    parameters = model._parameters
+    n, reeling = scene.tether.segments, scene.reel_out_speed
+    parameters = np.array(pack((scene.tether,), scene.environment, Solver(), TOLERANCE))
     x, v, force = np.zeros((3, 3 * (n + 1)))
     mass = np.zeros(n + 1)
     half = 3 * (n if scene.kite_is_free else n - 1)
-    length = parameters[at.INITIAL_LENGTH]
-    reeling = scene.reel_out_speed
 
     def slope(t, y):
-        kite, kite_velocity = scene.path(t) if scene.path else (NOWHERE, NOWHERE)
-        place(n + 1, y, x, v, tuple(map(float, kite)), tuple(map(float, kite_velocity)))
-        accelerations(n, x, v, length + reeling * t, reeling, scene.wind, parameters, mass, force)
+        x[3 : 3 + half], v[3 : 3 + half] = y[:half], y[half:]
+        if scene.path:
+            x[-3:], v[-3:] = scene.path(t)
+        length = scene.tether.initial_length + reeling * t
+        accelerations(n, x, v, length, reeling, scene.wind, parameters, mass, force)
         return np.concatenate([y[half:], force[3 : 3 + half]])
 
     return slope
@@ -64,13 +50,10 @@ def right_hand_side(scene, model):
 
 def exact(scene, tolerance=TOLERANCE):
     """Positions of the free nodes at `scene.times`, array (times, 3 nodes)."""
-    model = tether_at_start(scene)
-    y = free_state(scene, model)
-    times = scene.times
+    y, times = free_state(scene, tether_at_start(scene)), scene.times
+    tolerances = {"rtol": tolerance, "atol": 0.1 * tolerance}
     with np.errstate(invalid="ignore"):  # a trial step that is far too long
-        done = solve_ivp(
-            right_hand_side(scene, model), times[[0, -1]], y, "DOP853", times, rtol=tolerance, atol=0.1 * tolerance
-        )
+        done = solve_ivp(right_hand_side(scene), times[[0, -1]], y, "DOP853", times, **tolerances)
     if done.status != 0:
         raise RuntimeError(f"no reference for {scene.name}: {done.message}")
     return done.y.T[:, : len(y) // 2]

@@ -1,25 +1,17 @@
-"""Tables of the benchmark as Markdown and CSV."""
+"""Tables and pages for people (Markdown), and the circumstances of a measurement."""
 
-import csv
 import os
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import NamedTuple
+
+import pandas as pd
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from tetherfmu.runtime import __version__
 
 PACKAGES = ("numpy", "numba", "scipy", "fmpy", "pythonfmu", "casadi", "moordyn")
-
-
-class Table(NamedTuple):
-    """A titled table; cells are numbers or text."""
-
-    title: str
-    text: str
-    columns: tuple
-    rows: list
 
 
 def processor():
@@ -51,41 +43,45 @@ def circumstances():
 
 
 def cell(value):
-    """Text of a cell: two digits of small numbers, three of others."""
-    if value is None:
+    """Text of a cell: two digits of small numbers, three of others, a dash for nothing."""
+    if pd.isna(value):
         return "-"
-    if isinstance(value, float):
-        if value != 0.0 and abs(value) < 0.01:
-            return f"{value:.2g}"
-        return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
-    return str(value)
+    if not isinstance(value, float):
+        return str(value)
+    if value != 0.0 and abs(value) < 0.01:
+        return f"{value:.2g}"
+    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
-def markdown(tables, figure):
-    """The page; `figure` is the path of the diagram as seen from the page, or None."""
-    lines = ["# Benchmarks", "", "Written by `python -m tetherfmu.study.benchmark`; every number is measured.", ""]
-    lines += [circumstances(), ""]
-    for table in tables:
-        lines += [f"## {table.title}", "", table.text, ""]
-        lines += ["| " + " | ".join(table.columns) + " |", "|" + "---|" * len(table.columns)]
-        lines += ["| " + " | ".join(map(cell, row)) + " |" for row in table.rows]
-        lines.append("")
-    if figure:
-        lines += [f"![Time against error of our tether and of CVODES]({figure})", "", f"Measured: {circumstances()}", ""]
-    return "\n".join(lines)
+def markdown(table):
+    """A DataFrame as a Markdown table, without its index."""
+    return table.astype(object).map(cell).to_markdown(index=False, disable_numparse=True)
 
 
-def write(tables, folder, figure):
-    """Write benchmarks.md and benchmarks.csv to a folder; returns the page."""
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    relative = Path(os.path.relpath(figure, folder)).as_posix() if figure else None
-    page = markdown(tables, relative)
-    (folder / "benchmarks.md").write_text(page, encoding="utf-8")
-    with open(folder / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["circumstances", circumstances()])
-        for table in tables:
-            writer.writerow(["table", *table.columns])
-            writer.writerows([table.title, *row] for row in table.rows)
-    return page
+def percent(value):
+    """Text of a share in percent, two digits."""
+    return f"{100.0 * value:.2g} %"
+
+
+def factor(cost):
+    """Text of how many times faster than real time a cost per simulated second is, two digits; a dash if not known."""
+    return f"{float(f'{1.0 / cost:.2g}'):.0f}" if cost else "-"
+
+
+def templates_in(folder):
+    """Jinja environment of the templates in a folder; filters: `table` (writes a DataFrame), `percent` and `factor`."""
+    environment = Environment(
+        loader=FileSystemLoader(folder),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"table": markdown, "percent": percent, "factor": factor}
+    return environment
+
+
+def page(template, **facts):
+    """Text of a Jinja template (path), filled with facts and the circumstances."""
+    template = Path(template)
+    return templates_in(template.parent).get_template(template.name).render(facts, circumstances=circumstances())

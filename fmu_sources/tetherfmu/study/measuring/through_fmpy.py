@@ -1,95 +1,105 @@
-"""Cost of an FMU in a host: FMPy sets, steps, gets. Each measurement runs in a process of its own.
-
-python -m tetherfmu.study.measuring.through_fmpy costs|start FMU STEPS      prints a JSON list of times [s]
-"""
+"""FMUs in a host: FMPy sets the inputs that change, steps, and gets both end forces; each flight in its own process."""
 
 import atexit
-import json
-import subprocess
-import sys
-from statistics import median
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
-STEP = 0.02
-CIRCLE_LENGTH = 525.0
-QUASI_STEADY_START = 2
+import numpy as np
+import pandas as pd
 
+from tetherfmu.export.archive import SLAVES, build
+from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.variables import INPUT_NAMES
+from tetherfmu.runtime.variants import class_name
+from tetherfmu.study.scenes.standard import CIRCLE_LENGTH, QUASI_STEADY_START, STEP, circle_inputs
 
-def references(description):
-    """Value references by name."""
-    return {variable.name: variable.valueReference for variable in description.modelVariables}
+from .runs import parameters_of
 
-
-def vectors(table, *names):
-    """Value references of three-vectors."""
-    return [table[f"{name}[{i}]"] for name in names for i in (1, 2, 3)]
-
-
-def prepared(fmu, table, inputs):
-    """Set the scene "circle" and end the initialization."""
-    fmu.setupExperiment(startTime=0.0)
-    fmu.setReal([table["initial_length"]], [CIRCLE_LENGTH])
-    fmu.setInteger([table["initial_shape"]], [QUASI_STEADY_START])
-    fmu.enterInitializationMode()
-    fmu.setReal(vectors(table, "wind_velocity"), [8.0, 0.0, 0.0])
-    fmu.setReal(vectors(table, "kite_position", "kite_velocity"), inputs)
-    fmu.exitInitializationMode()
+CIRCLE = {"initial_length": CIRCLE_LENGTH, "initial_shape": QUASI_STEADY_START}  # parameters of the scene "circle"
 
 
-def costs(fmu, table, inputs):
-    """Median time [s] of setting six inputs, of the step, and of getting six forces."""
-    sets, gets = vectors(table, "kite_position", "kite_velocity"), vectors(table, "ground_force", "kite_force")
-    fmu.instantiate()
-    prepared(fmu, table, inputs[0])
-    times = []
-    for k, values in enumerate(inputs):
-        begin = perf_counter()
-        fmu.setReal(sets, values)
-        after_set = perf_counter()
-        fmu.doStep(k * STEP, STEP)
-        after_step = perf_counter()
-        fmu.getReal(gets)
-        times.append((after_set - begin, after_step - after_set, perf_counter() - after_step))
-    return [median(column) for column in zip(*times, strict=True)]
+class Hosted(NamedTuple):
+    """A flight in FMPy."""
+
+    start: float  # time from instantiation to the end of the first step [s]
+    costs: np.ndarray  # times of setting, stepping and getting [s], a row for each step
+    kite_force: list  # last force on the kite [N]
 
 
-def start(fmu, table, inputs):
-    """Time [s] from instantiation to the end of the first step."""
-    begin = perf_counter()
-    fmu.instantiate()
-    prepared(fmu, table, inputs[0])
-    fmu.doStep(0.0, STEP)
-    return [perf_counter() - begin]
+def fmus_in(folder):
+    """Paths of all FMUs by name; those that are missing are built for this platform."""
+    paths = {name: Path(folder) / f"{name}.fmu" for name in SLAVES}
+    for name, path in paths.items():
+        if not path.exists():
+            build(name, folder, platforms=(this_platform(),))
+    return paths
 
 
-def main(measure, path, steps):
-    """Load the FMU, print the times."""
+def by_name(inputs):
+    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU."""
+    return pd.DataFrame(inputs[:, list(INPUT_NAMES)], columns=INPUT_NAMES.values())
+
+
+def fly(path, parameters, inputs, step):
+    """`Hosted` of an FMU with these parameters and inputs (`by_name`) at a communication step [s]; in this process."""
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
+    from fmpy.simulation import apply_start_values
 
-    from tetherfmu.study.scenes.standard import circle_inputs
-
-    inputs = circle_inputs(int(steps))[:, :6].tolist()
     description = read_model_description(path)
-    identifier = description.coSimulation.modelIdentifier
-    fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(path), modelIdentifier=identifier, instanceName=identifier)
+    name = description.coSimulation.modelIdentifier
+    fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(path), modelIdentifier=name, instanceName=name)
     # PythonFMU's library must stay loaded, and must not end the interpreter of this process a second time
     if hasattr(fmu.dll, "finalizePythonInterpreter"):
         atexit.register(fmu.dll.finalizePythonInterpreter)
-    print(json.dumps({"costs": costs, "start": start}[measure](fmu, references(description), inputs)))
+    places = {variable.name: variable.valueReference for variable in description.modelVariables}
+    moving = inputs.loc[:, inputs.nunique() > 1]
+    sets = [places[name] for name in moving]
+    gets = [places[f"{end}_force[{axis}]"] for end in ("ground", "kite") for axis in (1, 2, 3)]
+    rows, times = moving.to_numpy().tolist(), np.zeros((len(inputs), 4))
+    began = perf_counter()
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    apply_start_values(fmu, description, parameters)
+    fmu.enterInitializationMode()
+    apply_start_values(fmu, description, inputs.iloc[0].to_dict())
+    fmu.exitInitializationMode()
+    for k, row in enumerate(rows):
+        before = perf_counter()
+        if row:
+            fmu.setReal(sets, row)
+        after_set = perf_counter()
+        fmu.doStep(k * step, step)
+        after_step = perf_counter()
+        forces = fmu.getReal(gets)
+        times[k] = before, after_set, after_step, perf_counter()
     fmu.terminate()
     fmu.fmi2FreeInstance(fmu.component)
+    return Hosted(times[0, 2] - began, np.diff(times), forces[3:])
 
 
-def measured(measure, path, steps, repeats):
-    """Medians of a measurement over so many new processes."""
-    command = [sys.executable, "-m", "tetherfmu.study.measuring.through_fmpy", measure, str(path), str(steps)]
-    runs = [
-        json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[-1])
-        for _ in range(repeats)
-    ]
-    return [median(column) for column in zip(*runs, strict=True)]
+def hosted(path, parameters, inputs, step, repeats=1):
+    """`Hosted` of so many flights, each in a new process; see `fly`."""
+    one_each = {"max_workers": 1, "mp_context": multiprocessing.get_context("spawn"), "max_tasks_per_child": 1}
+    with ProcessPoolExecutor(**one_each) as executor:
+        tasks = [executor.submit(fly, str(path), parameters, inputs, step) for _ in range(repeats)]
+        return [task.result() for task in tasks]
 
 
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+def measured(path, steps, repeats):
+    """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
+    flights = hosted(path, CIRCLE, by_name(circle_inputs(steps)), STEP, repeats)
+    return np.median([(each.start, *np.median(each.costs, axis=0)) for each in flights], axis=0).tolist()
+
+
+def flown(folder, scene, config):
+    """Time per simulated second [-] through FMPy, and the last force on the kite [N], of a configuration.
+
+    folder : with the FMUs.
+    """
+    path = Path(folder) / f"{class_name(config.variant)}.fmu"
+    (flight,) = hosted(path, parameters_of(scene, config), by_name(scene.inputs(config.step)), config.step)
+    return float(flight.costs.sum()) / (scene.count * scene.every), flight.kite_force

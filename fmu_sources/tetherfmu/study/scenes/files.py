@@ -16,6 +16,7 @@ from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .flights import KINDS, Flight
+from .series import Series
 from .units import in_si
 
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
@@ -98,9 +99,7 @@ class Scene:
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
         inputs = np.zeros((len(time), at.INPUTS))
-        places = (at.KITE_POSITION, at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY)
-        for place, values in zip(places, motion, strict=False):
-            inputs[:, place : place + 3] = values
+        inputs[:, at.KITE_POSITION : at.GROUND_VELOCITY + 3] = np.hstack(motion[:4])  # both ends, in the order of `Motion`
         inputs[:, at.REEL_OUT_SPEED] = motion.reel_out_speed
         if exact:
             inputs[:, at.REEL_OUT_SPEED] = (self.flight.motion(time + step).reeled - motion.reeled) / step
@@ -148,11 +147,8 @@ def read(table, path, name):
     wind = record(Wind, table.get("wind", {}), "wind")
     wanted = record(Wanted, table["wanted"], "wanted")
     name = table.get("name", name)
-    digest = hashlib.sha256(repr((name, table)).encode())
-    if isinstance(flight, Flight):
-        digest.update(repr(flight).encode())
-    else:
-        digest.update((path.parent / table["flight"]["file"]).read_bytes())
+    flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
+    digest = hashlib.sha256(repr((name, table)).encode() + flown)
     duration = value_of(Scene, "duration", table["duration"], "")
     longest = getattr(flight, "duration", np.inf)
     if duration > longest + 1e-9:
@@ -178,11 +174,8 @@ def read_flight(table, folder):
     require(table, "flight", table)
     if "kind" not in table:
         raise ValueError("the key flight.kind is missing")
-    table = dict(table)
-    kind = table.pop("kind")
+    kind, table = table["kind"], {key: value for key, value in table.items() if key != "kind"}
     if kind == "series":
-        from .series import Series
-
         require(table, "flight of kind series", ("file",))
         if not isinstance(table["file"], str):
             raise ValueError(f"flight.file is {table.get('file')!r}; it must be the name of a CSV file")

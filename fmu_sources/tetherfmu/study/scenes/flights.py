@@ -25,29 +25,18 @@ class Motion(NamedTuple):
     reel_out_speed: np.ndarray
 
 
-def metres(default, meaning):
-    """A length [m] above zero."""
-    return quantity(default, "m", meaning, minimum=1e-3, maximum=1e5)
+def declared(unit, minimum, maximum):
+    """A function of default and meaning that declares a quantity of this unit within these limits."""
+    return lambda default, meaning: quantity(default, unit, meaning, minimum=minimum, maximum=maximum)
 
 
-def seconds(default, meaning):
-    """A time [s] above zero."""
-    return quantity(default, "s", meaning, minimum=1e-3, maximum=1e6)
-
-
-def radians(default, meaning):
-    """An angle [rad] of at most a right angle."""
-    return quantity(default, "rad", meaning, minimum=-np.pi / 2, maximum=np.pi / 2)
-
-
-def metres_per_second(default, meaning):
-    """A speed [m/s] of either sign."""
-    return quantity(default, "m/s", meaning, minimum=-200.0, maximum=200.0)
-
-
-def part_of_one(default, meaning):
-    """A number from 0 to 1."""
-    return quantity(default, "", meaning, minimum=0.0, maximum=1.0)
+metres = declared("m", 1e-3, 1e5)
+metres_or_none = declared("m", 0.0, 1e5)
+seconds = declared("s", 1e-3, 1e6)
+radians = declared("rad", -np.pi / 2, np.pi / 2)
+radians_per_second = declared("rad/s", -20.0, 20.0)
+metres_per_second = declared("m/s", -200.0, 200.0)
+part_of_one = declared("", 0.0, 1.0)
 
 
 def rate(function, time):
@@ -115,7 +104,7 @@ class Circle(Flight):
     distance: float = metres(500.0, "of the kite from the ground station")
     half_angle: float = radians(np.radians(10.0), "of the cone")
     axis_elevation: float = radians(np.radians(20.0), "of the axis of the cone above the horizon")
-    rate: float = quantity(0.05, "rad/s", "angular rate of the circle", minimum=-20.0, maximum=20.0)
+    rate: float = radians_per_second(0.05, "angular rate of the circle")
 
     def kite(self, time):
         """A circle about z, tilted about x."""
@@ -136,20 +125,14 @@ class FigureOfEight(Flight):
 
     def kite(self, time):
         """The curve on the sphere."""
-        sin, double = figure_of_eight(2.0 * np.pi / self.lap * time, np.sin)
-        width = self.width()
-        return polar(self.distance, self.elevation + self.flatness * width * double, width * sin)
+        u, width = 2.0 * np.pi / self.lap * time, self.width()
+        return polar(self.distance, self.elevation + self.flatness * width * np.sin(2.0 * u), width * np.sin(u))
 
     def width(self):
         """Half width a [rad] for which one lap is lap times speed long: a c times the length of the unit figure."""
         u = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
         unit = 2.0 * np.pi * np.mean(np.hypot(np.cos(u), 2.0 * self.flatness * np.cos(2.0 * u)))
         return self.speed * self.lap / (self.distance * unit)
-
-
-def figure_of_eight(u, sin):
-    """(sin u, sin 2u), of numbers or of symbols."""
-    return sin(u), sin(2.0 * u)
 
 
 @dataclass(frozen=True)
@@ -191,7 +174,7 @@ class Landing(Flight):
     elevation: float = radians(np.radians(60.0), "at the start")
     final_elevation: float = radians(np.radians(10.0), "at the end")
     landing_time: float = seconds(20.0, "of the landing")
-    reeled_in: float = quantity(20.0, "m", "length that the winch takes in meanwhile", minimum=0.0, maximum=1e5)
+    reeled_in: float = metres_or_none(20.0, "length that the winch takes in meanwhile")
 
     def kite(self, time):
         """Down and nearer."""

@@ -1,5 +1,6 @@
 """Scenes that nobody has seen: flights, tethers and winds at random, always the same for a seed."""
 
+from itertools import cycle, islice
 from pathlib import Path
 
 import numpy as np
@@ -10,26 +11,21 @@ from .flights import KINDS
 SEED = 6
 ALLOWED = (0.1, 0.03, 0.01, 0.003)
 DURATION = 20.0  # [s]
-
-
-def random_flight(random, kind):
-    """Table of a flight."""
-    uniform = random.uniform
-    table = {
-        "circle": lambda: {"distance": uniform(100, 600), "half_angle": uniform(0.1, 0.4), "rate": uniform(0.05, 0.5)},
-        "figure_of_eight": lambda: {"distance": uniform(150, 600), "elevation": uniform(0.3, 0.9), "speed": uniform(10, 45)},
-        "parked": lambda: {"distance": uniform(50, 500), "sway": uniform(0, 10), "sway_period": uniform(8, 30)},
-        "launch": lambda: {"distance": uniform(20, 60), "climb_time": uniform(6, 15)},
-        "landing": lambda: {"distance": 100.0, "final_distance": uniform(60, 90), "reeled_in": uniform(5, 9)},
-        "towing": lambda: {"distance": uniform(50, 300), "speed": uniform(3, 20), "weave": uniform(0, 0.3)},
-        "reel": lambda: {"distance": uniform(100, 400), "speed": uniform(1, 8), "weave": uniform(0, 0.2)},
-    }[kind]()
-    return {"kind": kind, **table}
+FLIGHTS = {  # by kind: a number, or the limits between which it lies
+    "circle": {"distance": (100, 600), "half_angle": (0.1, 0.4), "rate": (0.05, 0.5)},
+    "figure_of_eight": {"distance": (150, 600), "elevation": (0.3, 0.9), "speed": (10, 45)},
+    "parked": {"distance": (50, 500), "sway": (0, 10), "sway_period": (8, 30)},
+    "launch": {"distance": (20, 60), "climb_time": (6, 15)},
+    "landing": {"distance": 100.0, "final_distance": (60, 90), "reeled_in": (5, 9)},
+    "towing": {"distance": (50, 300), "speed": (3, 20), "weave": (0, 0.3)},
+    "reel": {"distance": (100, 400), "speed": (1, 8), "weave": (0, 0.2)},
+}
 
 
 def random_table(random, kind):
     """Table of a scene file. The tether is up to 0.3 % shorter than the distance of the kite, or up to 5 % longer."""
-    flight = random_flight(random, kind)
+    numbers = {name: random.uniform(*each) if isinstance(each, tuple) else each for name, each in FLIGHTS[kind].items()}
+    flight = {"kind": kind, **numbers}
     slack = random.choice([random.uniform(-0.003, 0.0), random.uniform(0.0, 0.005), random.uniform(0.005, 0.05)])
     diameter = random.uniform(0.002, 0.008)
     return {
@@ -53,8 +49,5 @@ def random_table(random, kind):
 def random_scenes(count, seed=SEED):
     """So many scenes, each kind of flight in turn."""
     random = np.random.default_rng(seed)
-    scenes = []
-    for k in range(count):
-        kind = list(KINDS)[k % len(KINDS)]
-        scenes.append(read(random_table(random, kind), Path(), f"{k + 1} {kind}"))
-    return scenes
+    kinds = islice(cycle(KINDS), count)
+    return [read(random_table(random, kind), Path(), f"{number} {kind}") for number, kind in enumerate(kinds, 1)]

@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .flights import FigureOfEight
 
@@ -27,16 +28,11 @@ CIRCLE_LENGTH = 525.0
 EIGHT, EIGHT_LENGTH = FigureOfEight(), 499.0
 RELEASE_LENGTH = 70.0
 RELEASE_POINT = (-40.0, 0.0, -47.0)
-MODELS = {
-    "dynamic": TetherDynamic,
-    "quasi_steady": TetherQuasiSteady,
-    "catenary": TetherCatenary,
-    "straight": TetherStraight,
-}
+MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
 QUASI_STEADY_START = 2
 
 
-class Scene(NamedTuple):
+class RaceScene(NamedTuple):
     """What all solvers are given. SI units."""
 
     name: str
@@ -73,7 +69,7 @@ def circle_scene(segments, duration=REVOLUTION):
     every = 0.5 if duration > 5.0 else 10 * STEP
     duration = every * int(duration / every)
     tether = Tether(segments=segments, initial_length=CIRCLE_LENGTH)
-    return Scene("circle", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, every, circle)
+    return RaceScene("circle", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, every, circle)
 
 
 def figure_of_eight(time, sin=np.sin, cos=np.cos):
@@ -91,47 +87,41 @@ def figure_of_eight(time, sin=np.sin, cos=np.cos):
 def figure_of_eight_scene(segments, duration=40.0):
     """The figures of eight with so many segments."""
     tether = Tether(segments=segments, initial_length=EIGHT_LENGTH)
-    return Scene("figure of eight", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, 0.2, figure_of_eight)
+    return RaceScene("figure of eight", tether, Environment(), (8.0, 0.0, 0.0), 0.0, False, duration, 0.2, figure_of_eight)
 
 
 def release_scene(segments, duration=10.0):
     """The release with so many segments."""
     tether = Tether(segments=segments, initial_length=RELEASE_LENGTH)
-    return Scene("release", tether, Environment(), (0.0, 0.0, 0.0), 0.3, True, duration, 0.1)
+    return RaceScene("release", tether, Environment(), (0.0, 0.0, 0.0), 0.3, True, duration, 0.1)
 
 
 def circle_inputs(count):
     """Inputs of `count` communication steps of the circle, array (count, `layout.INPUTS`)."""
-    return path_inputs(circle, count, (8.0, 0.0, 0.0), STEP)
+    return inputs_of(circle_scene(1), STEP, count)
 
 
-def path_inputs(path, count, wind, step):
-    """Inputs of `count` communication steps [s] along a path in a wind [m/s], array (count, `layout.INPUTS`)."""
-    position, velocity = path(step * np.arange(count))
+def inputs_of(scene, step, count=None):
+    """Inputs of `count` communication steps [s] of a scene, all of them by default, array (count, `layout.INPUTS`)."""
+    count = round(scene.duration / step) if count is None else count
     inputs = np.zeros((count, at.INPUTS))
-    inputs[:, at.KITE_POSITION : at.KITE_POSITION + 3] = np.transpose(position)
-    inputs[:, at.KITE_VELOCITY : at.KITE_VELOCITY + 3] = np.transpose(velocity)
-    inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-    return inputs
-
-
-def inputs_of(scene, step):
-    """Inputs of all communication steps of a scene, array (steps, `layout.INPUTS`)."""
-    count = round(scene.duration / step)
-    if not scene.kite_is_free:
-        return path_inputs(scene.path, count, scene.wind, step)
-    inputs = np.zeros((count, at.INPUTS))
+    if scene.path:
+        position, velocity = scene.path(step * np.arange(count))
+        inputs[:, at.KITE_POSITION : at.KITE_POSITION + 3] = np.transpose(position)
+        inputs[:, at.KITE_VELOCITY : at.KITE_VELOCITY + 3] = np.transpose(velocity)
+    inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = scene.wind
     inputs[:, at.REEL_OUT_SPEED] = scene.reel_out_speed
     return inputs
 
 
-def tether_at_start(scene, tolerance=0.0, variant="dynamic"):
-    """Python face of a variant, initialized for a scene; `tolerance` 0 is the default of the solver."""
+def tether_at_start(scene, tolerance=0.0, variant="dynamic", library=None):
+    """A tether of a variant, initialized for a scene; `tolerance` 0 is the solver's default, `library` as in TetherModel."""
     if scene.kite_is_free:
-        model = TetherDynamic(scene.tether, scene.environment, Solver(relative_tolerance=tolerance), free_ends=(False, True))
+        solver = Solver(relative_tolerance=tolerance)
+        model = models.TetherDynamic(scene.tether, scene.environment, solver, free_ends=(False, True), library=library)
         model.initialize(RELEASE_POINT, reel_out_speed=scene.reel_out_speed)
         return model
     solver = Solver(relative_tolerance=tolerance, initial_shape=QUASI_STEADY_START)
-    model = MODELS[variant](scene.tether, scene.environment, solver)
+    model = MODELS[variant](scene.tether, scene.environment, solver, library=library)
     model.initialize(*scene.path(0.0), wind_velocity=scene.wind)
     return model

@@ -18,155 +18,121 @@ from time import process_time
 from typing import NamedTuple
 
 import numpy as np
+from numpy.linalg import norm
 
-from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.models import StepRefused
+from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.status import SENTENCES
+from tetherfmu.study.scenes.standard import MODELS
 
 from .points import CALLS, MOST_REELED, kite, wind
 
-MODELS = {
-    "dynamic": TetherDynamic,
-    "dynamic fixed step": TetherDynamic,
-    "quasi_steady": TetherQuasiSteady,
-    "catenary": TetherCatenary,
-    "straight": TetherStraight,
-}
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
-DIAMETER, DENSITY = 0.004, 724.0
-DRAG_FACTOR = 0.5 * 1.225 * 0.958 * DIAMETER  # drag per length over the square of the speed [N s2/m3]
-LINE_DENSITY = DENSITY * pi * DIAMETER**2 / 4.0  # [kg/m]
+DEFAULT = Tether()
+DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
+LINE_DENSITY = DEFAULT.density * pi * DEFAULT.diameter**2 / 4.0  # [kg/m]
+REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
 
 
-class Flight(NamedTuple):
-    """A flight. Refusal: name of its sentence or ""; forces: rows of both end forces [N], one per communication step.
+class MapFlight(NamedTuple):
+    """What became of a flight."""
 
-    peak, bound : largest tension and what it may be [N].  fastest, speed_bound : the same of the speed of a node [m/s], for
-    dynamic tethers.  longest : call [s].
-    """
-
-    refusal: str
-    forces: np.ndarray
-    peak: float
-    bound: float
-    fastest: float
-    speed_bound: float
-    slackest: int
-    work: float
-    longest: float
+    refusal: str  # name of its sentence, or ""
+    forces: np.ndarray  # both end forces [N] at the start and after each communication step, array (rows, 6)
+    peak: float  # largest tension [N]
+    bound: float  # what it may be [N]
+    fastest: float  # largest speed of a node [m/s], for dynamic tethers
+    speed_bound: float  # what it may be [m/s]
+    work: float  # segments times internal steps
+    longest: float  # call [s]
     finite: bool
 
 
 def name_of(message):
-    """Which sentence of `status.py` a refusal says, in two or three words."""
-    names = {
-        1: "input not finite",
-        2: "step not positive",
-        3: "reeled too short",
-        4: "budget spent",
-        5: "step too small",
-        6: "state not finite",
-        7: "no equilibrium",
-        8: "fixed steps too many",
-        9: "output not finite",
-    }
-    for code, name in names.items():
-        if message.startswith(SENTENCES[code].split("{")[0]):
+    """Which status a refusal says in its sentence, in words."""
+    for code, name in REFUSALS.items():
+        if message.startswith(status.SENTENCES[code].split("{")[0]):
             return name
     raise ValueError(f"unknown refusal: {message}")
 
 
-def model_of(point, tolerance, fixed_step):
-    """The tether of a point with a solver of its own."""
+def model_of(point, refinement):
+    """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
     tether = Tether(
         segments=point.segments,
         initial_length=point.length,
-        diameter=DIAMETER,
-        density=DENSITY,
         axial_stiffness=point.axial_stiffness,
         axial_damping=point.axial_damping,
     )
-    solver = Solver(relative_tolerance=tolerance, fixed_step=fixed_step, initial_shape=point.initial_shape)
-    return MODELS[point.variant](tether, Environment(gravity=point.gravity), solver, shape_points=2)
+    solver = Solver(
+        relative_tolerance=point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2),
+        fixed_step=point.fixed_step / refinement,
+        initial_shape=point.initial_shape,
+    )
+    model = MODELS[point.variant.removesuffix("_fixed_step")]
+    return model(tether, Environment(gravity=point.gravity), solver, shape_points=2)
 
 
-class _Bound:
-    """Largest tension [N] that the motion of the ends so far explains; see the head of this file."""
+def strain_and_speed(positions, velocities, lengths, step):
+    """Largest strain of the chord [-] and speed of the kite end [m/s] of a flight, halfway between its calls too.
 
-    def __init__(self, point):
-        self._point = point
-        self._strain = ROUND_OFF
-        self._speed = 0.0
-        self._end = None
+    positions [m], velocities [m/s] : arrays (calls, 3).  lengths : unstretched, at the calls [m].  step : between them [s].
+    """
+    halfway = 0.5 * (positions[1:] + positions[:-1]) + 0.125 * step * (velocities[:-1] - velocities[1:])
+    chords = np.concatenate([norm(positions, axis=1) / lengths, norm(halfway, axis=1) / lengths[1:]])
+    speeds = np.concatenate([norm(velocities, axis=1), norm(np.diff(positions, axis=0), axis=1) / step])
+    return max(ROUND_OFF, chords.max() - 1.0), speeds.max()
 
-    def add(self, position, velocity, length, step):
-        """Note where the kite end has arrived: position [m], velocity [m/s], unstretched length [m]."""
-        ends = [position]
-        if self._end is not None:
-            last, last_velocity = self._end
-            ends.append(0.5 * (position + last) + 0.125 * step * (last_velocity - velocity))
-            self._speed = max(self._speed, np.linalg.norm(position - last) / step)
-        self._end = position, velocity
-        self._strain = max(self._strain, max(np.linalg.norm(end) for end in ends) / length - 1.0)
-        self._speed = max(self._speed, np.linalg.norm(velocity))
 
-    def tension_and_speed(self):
-        """Both bounds [N], [m/s]."""
-        p = self._point
-        wave_speed = sqrt(p.axial_stiffness / LINE_DENSITY)
-        fall = sqrt(2.0 * p.gravity * (p.length + p.distance))
-        motion = self._speed + p.wind + abs(p.reel_out_speed) + fall
-        speed = motion + wave_speed * self._strain
-        if p.initial_shape == 3:
-            speed += wave_speed * sqrt(0.01) * max(0.0, p.slack / (1.0 + p.slack))
-        damping = 0.0 if p.variant in ("quasi_steady", "catenary", "straight") else p.axial_damping
-        impact = sqrt(p.axial_stiffness * LINE_DENSITY) + damping / p.segment_length
-        longest = p.length * (1.0 + MOST_REELED)
-        inertia = LINE_DENSITY * motion**2 / (p.distance * (1.0 - MOST_REELED))
-        load = longest * (LINE_DENSITY * p.gravity + DRAG_FACTOR * motion**2 + inertia)
-        across = load + (p.axial_stiffness * load**2 / 24.0) ** (1.0 / 3.0)
-        return p.axial_stiffness * self._strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
+def bounds(point, strain, end_speed):
+    """Largest tension [N] and speed of a node [m/s] that the motion of the ends explains; see the head of this file."""
+    wave_speed = sqrt(point.axial_stiffness / LINE_DENSITY)
+    fall = sqrt(2.0 * point.gravity * (point.length + point.distance))
+    motion = end_speed + point.wind + abs(point.reel_out_speed) + fall
+    speed = motion + wave_speed * strain
+    if point.initial_shape == 3:
+        speed += wave_speed * sqrt(0.01) * max(0.0, point.slack / (1.0 + point.slack))
+    damping = point.axial_damping if point.variant.startswith("dynamic") else 0.0
+    impact = sqrt(point.axial_stiffness * LINE_DENSITY) + damping / point.segment_length
+    longest = point.length * (1.0 + MOST_REELED)
+    inertia = LINE_DENSITY * motion**2 / (point.distance * (1.0 - MOST_REELED))
+    load = longest * (LINE_DENSITY * point.gravity + DRAG_FACTOR * motion**2 + inertia)
+    across = load + (point.axial_stiffness * load**2 / 24.0) ** (1.0 / 3.0)
+    return point.axial_stiffness * strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
-    """Fly a point; returns its `Flight`.
+    """Fly a point; returns its `MapFlight`.
 
-    refinement : divides the communication step and the fixed step, and the tolerance by its square times 2.5 (1 leaves all).
-    calls : communication steps (of the unrefined flight).  most_work : see `MOST_WORK`.
+    refinement : divides the communication step too; see `model_of`.  calls : communication steps (of the unrefined flight).
+    most_work : see `MOST_WORK`.
     """
-    step = point.step / refinement
-    tolerance = point.relative_tolerance if refinement == 1 else point.relative_tolerance / (2.5 * refinement**2)
-    model = model_of(point, tolerance, point.fixed_step / refinement)
-    wind_velocity, bound, forces = wind(point), _Bound(point), []
-    refusal, peak, fastest, slackest, longest, finite = "", -inf, 0.0, 0, 0.0, True
+    step, model = point.step / refinement, model_of(point, refinement)
+    others = {"reel_out_speed": point.reel_out_speed, "wind_velocity": wind(point)}
+    outputs, ends, refusal, work, fastest, longest, finite = [], [], "", 0.0, 0.0, 0.0, True
     for k in range(calls * refinement + 1):
         position, velocity = kite(point, max(0, k - 1) * step)
-        inputs = {
-            "kite_position": position,
-            "kite_velocity": velocity,
-            "reel_out_speed": point.reel_out_speed,
-            "wind_velocity": wind_velocity,
-        }
+        inputs = {"kite_position": position, "kite_velocity": velocity, **others}
         started = process_time()
         try:
             out = model.step(step, **inputs) if k else model.initialize(**inputs)
         except StepRefused as error:
             refusal = name_of(str(error))
-        longest = max(longest, process_time() - started)
-        if refusal:
             break
-        bound.add(model.positions[-1], model.velocities[-1], out.tether_length, step)
-        if point.variant.startswith("dynamic"):
-            fastest = max(fastest, np.linalg.norm(model.velocities, axis=1).max())
-        peak, slackest = max(peak, out.max_tension), max(slackest, out.slack_segments)
+        finally:
+            longest = max(longest, process_time() - started)
+        velocities = model.velocities
+        outputs.append(out)
+        ends.append((*model.positions[-1], *velocities[-1], out.tether_length))
+        fastest = max(fastest, norm(velocities, axis=1).max()) if point.variant.startswith("dynamic") else 0.0
         finite = finite and bool(np.isfinite(np.concatenate([model.get_state(), *map(np.ravel, out)])).all())
-        if k % refinement == 0:
-            forces.append((*out.ground_force, *out.kite_force))
         work = sum(model.counters.values()) * model.segments
         if work > most_work:
             break
-    done = work if forces else 0.0
-    tension, speed = bound.tension_and_speed()
-    return Flight(refusal, np.array(forces), peak, tension, fastest, speed, slackest, done, longest, finite)
+    path = np.array(ends)
+    tension, speed = bounds(point, *strain_and_speed(path[:, :3], path[:, 3:6], path[:, 6], step)) if ends else (inf, inf)
+    forces = np.array([(*out.ground_force, *out.kite_force) for out in outputs[::refinement]])
+    peak = max((out.max_tension for out in outputs), default=0.0)
+    return MapFlight(refusal, forces, peak, tension, fastest, speed, work, longest, finite)

@@ -22,8 +22,8 @@ relative_tolerance    1e-4 (70 %), else 1e-6 to 1e-2
 The path: a circle on the sphere around the ground station, whose radius follows the reeled length, so that slack stays.
 """
 
-from math import exp, log, pi
-from typing import NamedTuple
+from collections import namedtuple
+from math import ceil, exp, log, pi, sin
 
 import numpy as np
 
@@ -33,33 +33,18 @@ CALLS = 30  # communication steps of a flight
 SHARPEST_TURN = 0.3  # [rad] of the kite on its circle in one communication step
 MOST_REELED = 0.5  # of the length during a flight
 LONGEST_SEGMENT = 1000.0  # [m]
-VARIANTS = ("dynamic", "dynamic fixed step", "quasi_steady", "catenary", "straight")
+VARIANTS = ("dynamic", "dynamic_fixed_step", "quasi_steady", "catenary", "straight")
 SHARES = (0.4, 0.3, 0.15, 0.075, 0.075)
 
 
-class Point(NamedTuple):
+class MapPoint(
+    namedtuple(
+        "MapPoint",
+        "seed number variant segments length axial_stiffness axial_damping slack step fixed_step relative_tolerance "
+        "initial_shape wind wind_azimuth speed reel_out_speed gravity elevation cone phase",
+    )
+):
     """One flight, SI units; angles in rad. `number` and `seed` make it again."""
-
-    seed: int
-    number: int
-    variant: str
-    segments: int
-    length: float
-    axial_stiffness: float
-    axial_damping: float
-    slack: float
-    step: float
-    fixed_step: float
-    relative_tolerance: float
-    initial_shape: int
-    wind: float
-    wind_azimuth: float
-    speed: float
-    reel_out_speed: float
-    gravity: float
-    elevation: float
-    cone: float
-    phase: float
 
     @property
     def segment_length(self):
@@ -72,71 +57,53 @@ class Point(NamedTuple):
         return self.length / (1.0 + self.slack)
 
 
-class _Dice:
-    """Random numbers of one point, drawn in a fixed order."""
-
-    def __init__(self, seed, number):
-        self._random = np.random.default_rng((seed, number))
-
-    def uniform(self, low, high):
-        """Uniform between two bounds."""
-        return float(self._random.uniform(low, high))
-
-    def logarithmic(self, low, high):
-        """Uniform in the logarithm between two bounds."""
-        return exp(self.uniform(log(low), log(high)))
-
-    def chosen(self, choices, shares):
-        """One of the choices, with these probabilities."""
-        return choices[int(self._random.choice(len(choices), p=shares))]
-
-    def unless(self, share, special, value):
-        """`special` with a probability, else `value`; the next random number is used in any case."""
-        return special if self.uniform(0.0, 1.0) < share else value
-
-
 def point(seed, number):
-    """Point `number` of the map with this seed."""
-    dice = _Dice(seed, number)
-    variant = dice.chosen(VARIANTS, SHARES)
-    length = dice.logarithmic(1.0, 1e4)
+    """Point `number` of the map with this seed; each axis is drawn whether it is used or not, in a fixed order."""
+    random = np.random.default_rng((seed, number))
+
+    def logarithmic(low, high):
+        return exp(random.uniform(log(low), log(high)))
+
+    def chosen(choices, shares):
+        return choices[random.choice(len(choices), p=shares)]
+
+    def unless(share, special, value):
+        return special if random.uniform() < share else value
+
+    variant = chosen(VARIANTS, SHARES)
+    length = logarithmic(1.0, 1e4)
     fewest = max(1.0, length / LONGEST_SEGMENT)
     most = min(MAX_SEGMENTS, length / MIN_SEGMENT_LENGTH)
-    segments = max(int(np.ceil(fewest)), min(int(most), int(dice.logarithmic(fewest, most + 1.0))))
-    slack = dice.unless(0.5, dice.uniform(-0.01, 0.05), dice.uniform(-0.01, 0.9))
-    step = dice.logarithmic(1e-4, 1.0)
-    cone = dice.uniform(pi / 18.0, pi / 4.0)
-    radius = length / (1.0 + slack) * np.sin(cone)
+    segments = max(ceil(fewest), min(int(most), int(logarithmic(fewest, most + 1.0))))
+    slack = unless(0.5, random.uniform(-0.01, 0.05), random.uniform(-0.01, 0.9))
+    step = logarithmic(1e-4, 1.0)
+    cone = random.uniform(pi / 18.0, pi / 4.0)
+    radius = length / (1.0 + slack) * sin(cone)
     fastest = SHARPEST_TURN * radius / step
-    speed = dice.unless(0.1, 0.0, dice.uniform(0.0, min(150.0, fastest)))
+    speed = unless(0.1, 0.0, random.uniform(0.0, min(150.0, fastest)))
     reeling = min(20.0, MOST_REELED * length / (CALLS * step))
-    return Point(
+    return MapPoint(
         seed=seed,
         number=number,
         variant=variant,
         segments=segments,
         length=length,
-        axial_stiffness=dice.logarithmic(1e3, 1e9),
-        axial_damping=dice.unless(0.1, 0.0, dice.logarithmic(0.1, 1e5)),
+        axial_stiffness=logarithmic(1e3, 1e9),
+        axial_damping=unless(0.1, 0.0, logarithmic(0.1, 1e5)),
         slack=slack,
         step=step,
-        fixed_step=step / dice.chosen(range(1, 9), [0.125] * 8) if variant == "dynamic fixed step" else 0.0,
-        relative_tolerance=dice.unless(0.7, 1e-4, dice.logarithmic(1e-6, 1e-2)),
-        initial_shape=dice.chosen((2, 1, 3), (0.5, 0.3, 0.2)),
-        wind=dice.unless(0.1, 0.0, dice.uniform(0.0, 60.0)),
-        wind_azimuth=dice.uniform(-pi, pi),
-        speed=float(speed),
-        reel_out_speed=dice.unless(0.3, 0.0, dice.uniform(-reeling, reeling)),
-        gravity=dice.unless(0.3, 9.81, dice.unless(0.05, 0.0, dice.uniform(0.0, 25.0))),
-        elevation=dice.uniform(pi / 18.0, pi / 3.0),
+        fixed_step=step / chosen(range(1, 9), [0.125] * 8) if variant == "dynamic_fixed_step" else 0.0,
+        relative_tolerance=unless(0.7, 1e-4, logarithmic(1e-6, 1e-2)),
+        initial_shape=chosen((2, 1, 3), (0.5, 0.3, 0.2)),
+        wind=unless(0.1, 0.0, random.uniform(0.0, 60.0)),
+        wind_azimuth=random.uniform(-pi, pi),
+        speed=speed,
+        reel_out_speed=unless(0.3, 0.0, random.uniform(-reeling, reeling)),
+        gravity=unless(0.3, 9.81, unless(0.05, 0.0, random.uniform(0.0, 25.0))),
+        elevation=random.uniform(pi / 18.0, pi / 3.0),
         cone=cone,
-        phase=dice.uniform(-pi, pi),
+        phase=random.uniform(-pi, pi),
     )
-
-
-def is_core(point):
-    """Whether a point is in the region where 97 % must be stable: segments of 0.1 m and more, damped, EA up to 1e8 N."""
-    return point.segment_length >= 0.1 and point.axial_damping > 0.0 and point.axial_stiffness <= 1e8
 
 
 def kite(point, time):

@@ -1,24 +1,25 @@
 """Judge many points in parallel, keep each verdict in a file at once, and survive what a point may do to its process.
 
-The file (`store.Lines`) holds the point and its verdict by the key of the point. The key is made of the point, of the
-sources of the kernels and of the map, so a verdict is used again only for what it was found with.
+A line of the file (`store.Lines`) holds a point and its verdict, a row of the table of results. Its key is made of the point
+and of the sources of the package, so a verdict is used again only for what it was found with.
 """
 
-import faulthandler
 import hashlib
 import json
 import multiprocessing
 import os
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from time import perf_counter
+from concurrent.futures import as_completed
 
+import pandas as pd
+from pebble import ProcessExpired, ProcessPool
+
+from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.store import Lines, package_digest
 
-from .points import Point
+from .points import MapPoint
 from .verdict import Verdict, judge
 
-BATCH = 4  # points that a process gets at a time
+COLUMNS = MapPoint._fields + Verdict._fields
 MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
 
 
@@ -28,77 +29,41 @@ def key(point):
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def table(lines):
+    """Lines of a file as a DataFrame: a row for each point, columns of `MapPoint` and `Verdict`."""
+    return pd.DataFrame(list(lines), columns=COLUMNS).astype({"error": float})
+
+
 def read(path):
-    """Verdicts in a file: dict of (Point, Verdict) by key; nothing where there is no file."""
-    return _verdicts_in(Lines(path))
+    """Table of the results in a file; empty where there is no file, without lines of another form."""
+    return table(line for line in Lines(path).points.values() if line.keys() == set(COLUMNS))
 
 
-def _verdicts_in(lines):
-    found = {}
-    for name, row in lines.points.items():
-        try:
-            found[name] = Point(**row["point"]), Verdict(**row["verdict"])
-        except (KeyError, TypeError):
-            continue  # of another version
-    return found
+def verdict_of(future):
+    """What became of a judgement; a process that died or took too long is a verdict too."""
+    try:
+        return future.result()
+    except TimeoutError:
+        return Verdict("hanging")
+    except ProcessExpired:
+        return Verdict("crashed")
 
 
-def _judge_all(judgement, points, most_seconds):
-    """Verdicts of some points; the process ends if one takes longer."""
-    verdicts = []
-    for point in points:
-        faulthandler.dump_traceback_later(most_seconds, exit=True)
-        verdicts.append(judgement(point))
-        faulthandler.cancel_dump_traceback_later()
-    return verdicts
+def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=None):
+    """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
 
-
-def _executor(processes):
-    return ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn"))
-
-
-def _judge_alone(judgement, point, most_seconds=MOST_SECONDS):
-    """Verdict of a point in a process of its own, which may die or take too long [s]."""
-    started = perf_counter()
-    with _executor(1) as executor:
-        try:
-            return executor.submit(_judge_all, judgement, [point], most_seconds).result()[0]
-        except BrokenProcessPool:
-            return Verdict("hanging" if perf_counter() - started > most_seconds else "crashed")
-
-
-def _verdicts(judgement, points, processes):
-    """Pairs (point, verdict) as they come."""
-    waiting = [points[i : i + BATCH] for i in range(0, len(points), BATCH)][::-1]
-    while waiting:
-        running, suspects = {}, []
-        with _executor(processes) as executor:
-            while (waiting or running) and not suspects:
-                while waiting and len(running) < 2 * processes:
-                    batch = waiting.pop()
-                    running[executor.submit(_judge_all, judgement, batch, MOST_SECONDS)] = batch
-                done, _ = wait(running, return_when=FIRST_COMPLETED)
-                for future in done:
-                    batch = running.pop(future)
-                    if isinstance(future.exception(), BrokenProcessPool):
-                        suspects += batch
-                    else:
-                        yield from zip(batch, future.result(), strict=True)
-            suspects += [point for batch in running.values() for point in batch]
-        for point in suspects:
-            yield point, _judge_alone(judgement, point)
-
-
-def judge_all(points, path, processes=None, judgement=judge, progress=iter):
-    """Judge the points that the file at `path` does not have yet, and append them; returns all (Point, Verdict), in order.
-
-    processes : how many work at a time; None: one per core.  judgement : function of a point.  progress : wraps the iterator
-    of verdicts, as tqdm does.
+    processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
+    progress : wraps an iterator of known length, as `progress_bar` does.
     """
-    lines = Lines(path)
-    found = _verdicts_in(lines)
-    missing = [point for point in points if key(point) not in found]
-    for point, verdict in progress(_verdicts(judgement, missing, processes or os.cpu_count())):
-        lines.add(key(point), {"point": point._asdict(), "verdict": verdict._asdict()})
-        found[key(point)] = point, verdict
-    return [found[key(point)] for point in points]
+    lines, names = Lines(path), [key(point) for point in points]
+    missing = {name: point for name, point in zip(names, points, strict=True) if name not in lines.points}
+    pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
+    try:
+        futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
+        for future in (progress or progress_bar("points"))(as_completed(futures), len(futures)):
+            name = futures[future]
+            lines.add(name, {**missing[name]._asdict(), **verdict_of(future)._asdict()})
+    finally:
+        pool.stop()  # also those that are still at work, if something stops this loop
+        pool.join()
+    return table(lines.points[name] for name in names)

@@ -1,13 +1,7 @@
 """Verdict on one point of the stability map, from its flight and the flight of its refinement.
 
-===========  ==========================================================================================================
-converged    agrees with its refinement (half communication and fixed step, a tenth of the tolerance) within 1 %
-stable       bounded, but the refinement differs by more, or it is refused (error: none); the error stands beside it
-refused      refused with a sentence, at the start or in flight
-wrong        an output is not finite, or a tension or speed larger than the motion explains (`stability_flight`)
-crashed      the process died
-hanging      a call took longer than 2 s, of the processor or, in a process that was ended for it, of the clock
-===========  ==========================================================================================================
+The words are explained on the page (`page.md.j2`). Also stable: a point whose refinement is refused (error: none).
+Hanging: a call took longer than `LONGEST_CALL` of the processor, or the process of the point was ended for taking too long.
 
 Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
 """
@@ -24,27 +18,26 @@ LONGEST_CALL = 2.0  # [s]
 
 
 class Verdict(NamedTuple):
-    """What came of a point: a word of `VERDICTS`; error [-] or None; name of the refusal or ""; number of calls done;
-    largest tension and largest speed over their bounds [-]; segments times internal steps; longest call [s]."""
+    """What came of a point."""
 
-    verdict: str
-    error: float | None = None
-    refusal: str = ""
-    calls: int = 0
-    tension: float = 0.0
-    speed: float = 0.0
-    work: float = 0.0
-    longest: float = 0.0
+    verdict: str  # a word of `VERDICTS`
+    error: float | None = None  # [-]
+    refusal: str = ""  # its name
+    calls: int = 0  # communication steps done, the start included
+    tension_ratio: float = 0.0  # largest tension over its bound [-]
+    speed_ratio: float = 0.0  # largest speed over its bound [-]
+    work: float = 0.0  # segments times internal steps
+    longest: float = 0.0  # call [s]
 
 
 def difference(point, flight, refined):
-    """Error of a flight [-] against its refinement; None where the refinement has no more than the start."""
+    """Error of a flight [-] against its refinement, inf beyond all numbers; None where the refinement has only the start."""
     count = min(len(flight.forces), len(refined.forces))
     if count < 2:
         return None
     a, b = flight.forces[:count], refined.forces[:count]
     size = np.sqrt(np.mean(b**2)) + LINE_DENSITY * point.length * point.gravity
-    return float(np.sqrt(np.mean((a - b) ** 2)) / size)
+    return float(np.nan_to_num(np.sqrt(np.mean((a - b) ** 2)) / size, nan=np.inf))
 
 
 def judge(point):
@@ -53,14 +46,14 @@ def judge(point):
     facts = {
         "refusal": flight.refusal,
         "calls": len(flight.forces),
-        "tension": float(flight.peak / flight.bound) if len(flight.forces) else 0.0,
-        "speed": float(flight.fastest / flight.speed_bound) if len(flight.forces) else 0.0,
+        "tension_ratio": float(flight.peak / flight.bound),
+        "speed_ratio": float(flight.fastest / flight.speed_bound),
         "work": flight.work,
         "longest": flight.longest,
     }
     if flight.longest > LONGEST_CALL:
         return Verdict("hanging", **facts)
-    if not flight.finite or max(facts["tension"], facts["speed"]) > 1.0:
+    if not flight.finite or max(facts["tension_ratio"], facts["speed_ratio"]) > 1.0:
         return Verdict("wrong", **facts)
     if flight.refusal:
         return Verdict("refused", **facts)

@@ -1,0 +1,115 @@
+"""The command `python -m tetherfmu.study benchmark`: what the tethers cost.
+
+Times of the kernels, of FMUs in FMPy and of their start, and races with CasADi + CVODES and MoorDyn, as a page, a CSV file
+and a work-precision diagram. Peers come with the extra `benchmark`; those that are not installed are left out.
+"""
+
+import importlib
+import os
+import tempfile
+import zipfile
+from pathlib import Path
+
+import pandas as pd
+
+from tetherfmu.runtime.slave import KERNELS_FOLDER
+from tetherfmu.study.measuring.tables import circumstances, page
+from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
+from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
+
+from .figure import draw
+from .kernels import kernel_table
+from .races import equal_errors, race
+
+PAGE = Path(__file__).with_name("page.md.j2")
+QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
+
+
+def add_arguments(parser):
+    """Declare the options of the command."""
+    parser.add_argument("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
+    parser.add_argument("--flights", action="store_true", help="only the races of the two flights, without compiled C")
+    parser.add_argument("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
+    parser.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
+    parser.add_argument("--out", metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv")
+    parser.add_argument("--figure", metavar="FILE", help="draw the work-precision diagram to this PNG file")
+
+
+def peer(module, package):
+    """A module of this package that needs a peer, or None, said in one line."""
+    try:
+        return importlib.import_module(f"{__package__}.{module}")
+    except ModuleNotFoundError:
+        print(f"{package} is not installed: its rows are left out (pip install {package})")
+        return None
+
+
+def unpack_libraries(paths, folder):
+    """Copy the compiled libraries out of the FMUs."""
+    for path in paths.values():
+        with zipfile.ZipFile(path) as archive:
+            for entry in archive.namelist():
+                if f"/{KERNELS_FOLDER}/" in entry and not entry.endswith("/"):
+                    (folder / Path(entry).name).write_bytes(archive.read(entry))
+
+
+def host_table(paths, quick):
+    """Cost of the FMUs in FMPy, and their start-up time."""
+    rows = []
+    for name, path in paths.items():
+        costs = [1e6 * each for each in measured(path, 100 if quick else 3000, 1 if quick else 3)[1:]]
+        start = measured(path, 1, 1 if quick else 10)[0]
+        rows.append((name, *costs, sum(costs), 1e3 * start))
+    return pd.DataFrame(rows, columns=("FMU", "set us", "step us", "get us", "together us", "start ms"))
+
+
+def scenes(quick, flights):
+    """The scenes of the races."""
+    if flights:
+        return [circle_scene(20), figure_of_eight_scene(20)]
+    if quick:
+        return [circle_scene(20, 2.0), figure_of_eight_scene(20, 1.0), release_scene(10, 0.5)]
+    return [circle_scene(20), figure_of_eight_scene(20), release_scene(10), release_scene(40)]
+
+
+def write(tables, folder, figure, slopes):
+    """Write benchmarks.md and benchmarks.csv to a folder; returns the page."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure = Path(os.path.relpath(figure, folder)).as_posix() if figure else None
+    text = page(PAGE, tables=tables, figure=figure, slopes=slopes)
+    (folder / "benchmarks.md").write_text(text, encoding="utf-8")
+    with open(folder / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
+        pd.DataFrame(columns=["circumstances", circumstances()]).to_csv(file, index=False)
+        for title, table in tables.items():
+            table.set_axis([title] * len(table)).to_csv(file, index_label="table")
+    return text
+
+
+def run(options):
+    """Measure, print and store; returns 0."""
+    cvodes = None if options.no_peers else peer("cvodes", "casadi")
+    moordyn = None if options.no_peers or options.flights else peer("moordyn_line", "moordyn")
+    tables, quick = {}, options.quick
+    with tempfile.TemporaryDirectory() as temporary:
+        libraries = Path(temporary) / "libraries"
+        libraries.mkdir()
+        paths = fmus_in(options.fmus or temporary)
+        unpack_libraries(paths, libraries)
+        if not options.flights:
+            tables["Kernels"] = kernel_table(libraries, **(QUICK_KERNELS if quick else {}))
+            tables["FMUs in FMPy"] = host_table(paths, quick)
+        raced = scenes(quick, options.flights)
+        compiled_too, repeats = not (quick or options.flights), 1 if quick else 3
+        runs = pd.concat([race(libraries, scene, cvodes, quick, compiled_too, repeats) for scene in raced])
+        shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
+        tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
+        if cvodes:
+            tables["At equal error"] = equal_errors(runs)
+        if moordyn:
+            tables["MoorDyn"] = moordyn.moordyn_table(libraries, quick)
+    if options.figure:
+        draw(runs, options.figure)
+    slopes = max(cvodes.largest_difference(scene) for scene in raced) if cvodes else None
+    print(write(tables, options.out, options.figure, slopes))
+    return 0
