@@ -1,4 +1,4 @@
-"""Energy of a chain and the powers that change it: a diagnostic in plain numpy, no part of a step.
+"""Energy of a chain and the powers that change it: a diagnostic, no part of a step.
 
     d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - damping loss - drag loss
 
@@ -10,8 +10,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tetherfmu.kernels.chain.atmosphere import air_density, wind_factor
-from tetherfmu.kernels.chain.segment import SHORTEST
+from tetherfmu.kernels.algebra.vectors import add, dot, get, scale, sub
+from tetherfmu.kernels.chain import segment
+from tetherfmu.kernels.chain.atmosphere import air
+from tetherfmu.kernels.chain.nodes import end_force, node_masses
+from tetherfmu.kernels.chain.properties import chain_at, point_mass, rest_length
+from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 
 
@@ -62,64 +66,34 @@ class Energy:
 POWERS = tuple(field.name for field in fields(Energy))[3:]
 
 
-@dataclass(frozen=True)
-class _Segments:
-    """One row or number per segment: lengths [m] and rates [m/s], direction, tensions [N], half drag and wind."""
+@kernel
+def _sums(chain, x, v, mass):
+    """End forces [N] of the chain in x [m], v [m/s], and sums over its segments: energy [J] and powers [W] of `Energy`.
 
-    rest: np.ndarray
-    rest_rate: np.ndarray
-    length: np.ndarray
-    strain_rate: np.ndarray  # times rest [m/s]
-    direction: np.ndarray
-    stiffness: np.ndarray
-    spring: np.ndarray
-    damper: np.ndarray
-    half_drag: np.ndarray
-    wind: np.ndarray
-
-    @property
-    def pull(self):
-        """Tension vectors [N]."""
-        return (self.spring + self.damper)[:, None] * self.direction
-
-
-def _segment_property(n, parameters, place):
-    first = at.PARAMETER_SCALARS + place * n
-    return parameters[first : first + n]
-
-
-def _segments(n, parameters, x, v, length, reeling, wind):
-    """State of all segments; equations of docs/theory.md, "One segment"."""
-    share = _segment_property(n, parameters, at.SHARE)
-    rest, rest_rate = share * length, share * reeling
-    r, u = np.diff(x, axis=0), np.diff(v, axis=0)
-    present = np.maximum(np.linalg.norm(r, axis=1), SHORTEST)
-    e = r / present[:, None]
-    length_rate = np.sum(e * u, axis=1)
-    strain_rate = length_rate - present / rest * rest_rate
-    taut = present > rest
-    k = _segment_property(n, parameters, at.STIFFNESS) / rest * np.where(taut, 1.0, parameters[at.SLACK_STIFFNESS_RATIO])
-    c = _segment_property(n, parameters, at.DAMPING) / rest * np.where(taut, 1.0, parameters[at.SLACK_DAMPING_RATIO])
-    seen = strain_rate if parameters[at.DAMPING_LAW] == at.STRAIN_RATE else length_rate
-    air, half_drag = _drag(n, parameters, x, v, e, present, wind)
-    return _Segments(rest, rest_rate, present, strain_rate, e, k, k * (present - rest), c * seen, half_drag, air)
-
-
-def _drag(n, parameters, x, v, e, length, wind):
-    """Wind [m/s] at all segments and half of the drag [N] of each, rows of 3."""
-    height = 0.5 * (x[1:, 2] + x[:-1, 2])
-    air = np.array([wind_factor(z, parameters)[0] for z in height])[:, None] * wind
-    density = np.array([air_density(z, parameters)[0] for z in height])
-    apparent = air - 0.5 * (v[1:] + v[:-1])
-    across = apparent - np.sum(apparent * e, axis=1)[:, None] * e
-    width = 0.25 * density * _segment_property(n, parameters, at.DRAG_WIDTH) * length
-    return air, (width * np.linalg.norm(across, axis=1))[:, None] * across
-
-
-def _tether_masses(n, parameters, length):
-    """Mass of the tether at each node [kg], without point masses."""
-    half = 0.5 * _segment_property(n, parameters, at.LINE_DENSITY) * _segment_property(n, parameters, at.SHARE) * length
-    return np.append(half, 0.0) + np.append(0.0, half)
+    elastic, winch_power, elastic part of material_power, wind_power, damping_loss, drag_loss. `mass` (modified) gets the
+    node masses [kg].
+    """
+    node_masses(chain, mass)
+    ground_force, _ = end_force(chain, False, x, v, mass)
+    kite_force, _ = end_force(chain, True, x, v, mass)
+    elastic = winch = material = wind = damping = friction = 0.0
+    for s in range(chain.n):
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rest = rest_length(chain, s)
+        rate = dot(e, sub(get(v, s + 1), get(v, s)))
+        k, c = segment.stiffness(chain, s, length - rest, rest)
+        damper = c * segment.seen_rate(chain, length, rate)
+        height = 0.5 * (x[3 * s + 2] + x[3 * s + 5])
+        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
+        drag = scale(2.0, segment.half_drag(chain, s, length, e, height, velocity))
+        factor, _, _, _ = air(height, chain.parameters)
+        elastic += 0.5 * k * (length - rest) ** 2
+        winch -= segment.tension(chain, length, rate, rest, k, c) * length * chain.growth
+        material += 0.5 * k * (length - rest) ** 2 * chain.growth
+        wind += dot(drag, scale(factor, chain.wind))
+        damping += damper * (rate - chain.growth * length)
+        friction += dot(drag, sub(scale(factor, chain.wind), velocity))
+    return ground_force, kite_force, (elastic, winch, material, wind, damping, friction)
 
 
 def account(n, parameters, state, reel_out_speed, wind, kite_load):
@@ -134,30 +108,29 @@ def account(n, parameters, state, reel_out_speed, wind, kite_load):
     reel_out_speed, wind, kite_load : float, (3,), (3,)
         Rate of the unstretched length [m/s], wind at the reference height [m/s], force on a free kite end [N].
     """
-    x, v = state[at.STATE_HEADER :].reshape(2, n + 1, 3)
-    length = state[at.LENGTH]
+    flat = state[at.STATE_HEADER :].reshape(2, -1)
+    x, v = flat.reshape(2, n + 1, 3)
+    chain = chain_at(n, parameters, state[at.LENGTH], float(reel_out_speed), tuple(map(float, wind)))
+    mass = np.zeros(n + 1)
+    ground_force, kite_force, sums = _sums(chain, *flat, mass)
+    elastic, winch_power, material_power, wind_power, damping_loss, drag_loss = sums
     free = np.ones(n + 1)
     free[0], free[n] = parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE]
-    points = free * parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n :]
-    tether = _tether_masses(n, parameters, length)
-    s = _segments(n, parameters, x, v, length, reel_out_speed, np.asarray(wind))
-    per_mass = 0.5 * free * np.sum(v**2, axis=1) + parameters[at.GRAVITY] * x[:, 2]
-    weight = np.array([0.0, 0.0, -parameters[at.GRAVITY]])
-    ground_force = s.pull[0] + s.half_drag[0] + tether[0] * weight
-    kite_force = -s.pull[-1] + s.half_drag[-1] + tether[-1] * weight
-    strain = s.length / s.rest - 1.0
-    drag, air_loss = 2.0 * s.half_drag, s.wind - 0.5 * (v[1:] + v[:-1])
+    points = np.array([point_mass(chain, i) for i in range(n + 1)])
+    tether = mass - points
+    moving = free * np.sum(v**2, axis=1)
+    heights = parameters[at.GRAVITY] * x[:, 2]
     return Energy(
-        kinetic=float(0.5 * ((tether + points) * free) @ np.sum(v**2, axis=1)),
-        elastic=float(0.5 * s.stiffness @ (s.length - s.rest) ** 2),
-        potential=float(parameters[at.GRAVITY] * (tether + points) @ x[:, 2]),
-        ground_power=float(-(1.0 - free[0]) * ground_force @ v[0]),
-        kite_power=float((free[n] * np.asarray(kite_load) - (1.0 - free[n]) * kite_force) @ v[n]),
-        winch_power=float(-(s.spring + s.damper) * s.length / s.rest @ s.rest_rate),
-        material_power=float(tether @ per_mass * reel_out_speed / length + 0.5 * s.spring * strain @ s.rest_rate),
-        wind_power=float(np.sum(drag * s.wind)),
-        damping_loss=float(s.damper @ s.strain_rate),
-        drag_loss=float(np.sum(drag * air_loss)),
+        kinetic=float(0.5 * mass @ moving),
+        elastic=elastic,
+        potential=float((tether + free * points) @ heights),
+        ground_power=float((free[0] - 1.0) * np.dot(ground_force, v[0])),
+        kite_power=float((free[n] * np.asarray(kite_load) - (1.0 - free[n]) * np.asarray(kite_force)) @ v[n]),
+        winch_power=winch_power,
+        material_power=material_power + float(chain.growth * tether @ (0.5 * moving + heights)),
+        wind_power=wind_power,
+        damping_loss=damping_loss,
+        drag_loss=drag_loss,
     )
 
 

@@ -45,9 +45,11 @@ def shared_arrays(n, work):
 
 
 @view
-def node_vectors(n, room, k):
-    """View of the array number k of node vectors, 3 (n + 1) numbers each, in a room."""
-    return room[3 * (n + 1) * k : 3 * (n + 1) * (k + 1)]
+def node_arrays(n, room):
+    """Views of six arrays of node vectors, 3 (n + 1) numbers each, at the start of a room; and the room behind them."""
+    a = 3 * (n + 1)
+    b, c, d, e, f = 2 * a, 3 * a, 4 * a, 5 * a, 6 * a
+    return room[:a], room[a:b], room[b:c], room[c:d], room[d:e], room[e:f], room[f:]
 
 
 @kernel

@@ -11,6 +11,7 @@ from tetherfmu import models
 from tetherfmu.kernels.motion import implicit_euler
 from tetherfmu.models import StepRefused, TetherDynamic
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 FACES = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
@@ -171,3 +172,7 @@ def test_a_fixed_step_takes_a_bounded_number_of_iterations():
         model.step(0.1, **inputs)
         most = max(most, model.counters["iterations"] - before)
     assert most == implicit_euler.WORST_WORK
+
+
+def test_the_most_iterations_are_what_the_refusal_says():
+    assert f"2 to {implicit_euler.WORST_WORK} for each" in status.SENTENCES[status.FIXED_STEPS_TOO_MANY]

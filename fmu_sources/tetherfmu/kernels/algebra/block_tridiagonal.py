@@ -10,12 +10,12 @@ Source: Golub and Van Loan, Matrix Computations, 4th ed., section 4.5 (block tri
 from collections import namedtuple
 from math import inf
 
-import numpy as np
-
 from tetherfmu.kernels.compilation import kernel
 
-from .pairs import first, load_pair, pair, second, store_pair, unzip
-from .vectors import apply, get, get_matrix, get_two, multiply, put, put_matrix, put_two, sub, subtract
+from .both_ends import get_blocks, get_two, get_woven, put_two, weave
+from .matrices import apply, get_matrix, multiply, put_matrix, subtract
+from .pairs import first, second
+from .vectors import get, put, sub
 
 Matrix = namedtuple("Matrix", "diagonal lower upper")
 Matrix.__doc__ = """Blocks D, L, U as flat arrays: 9 numbers for each row of blocks, block by block, each row by row."""
@@ -46,51 +46,6 @@ def inverse(m):
 def is_regular(determinant):
     """Whether a matrix with this determinant has an inverse."""
     return 0.0 < abs(determinant) < inf
-
-
-@kernel
-def get_blocks(a, i, b, j):
-    """Block i of an array and block j of another one, as pairs."""
-    p = np.uint64(9 * i)
-    q = np.uint64(9 * j)
-    m0, m1 = unzip(load_pair(a, p), load_pair(b, q))
-    m2, m3 = unzip(load_pair(a, p + np.uint64(2)), load_pair(b, q + np.uint64(2)))
-    m4, m5 = unzip(load_pair(a, p + np.uint64(4)), load_pair(b, q + np.uint64(4)))
-    m6, m7 = unzip(load_pair(a, p + np.uint64(6)), load_pair(b, q + np.uint64(6)))
-    return m0, m1, m2, m3, m4, m5, m6, m7, pair(a[p + np.uint64(8)], b[q + np.uint64(8)])
-
-
-@kernel
-def weave(a, i, b, j, m):
-    """Write a matrix of pairs into block i of an array and block j of another one (modified), four pairs into each.
-
-    The two numbers of the ninth pair stand at the ends of the blocks.
-    """
-    p = np.uint64(9 * i)
-    q = np.uint64(9 * j)
-    for k in range(4):
-        store_pair(a, p + np.uint64(2 * k), m[k])
-        store_pair(b, q + np.uint64(2 * k), m[k + 4])
-    a[p + np.uint64(8)] = first(m[8])
-    b[q + np.uint64(8)] = second(m[8])
-
-
-@kernel
-def get_woven(a, i, b, j):
-    """Matrix of pairs that `weave` wrote."""
-    p = np.uint64(9 * i)
-    q = np.uint64(9 * j)
-    return (
-        load_pair(a, p),
-        load_pair(a, p + np.uint64(2)),
-        load_pair(a, p + np.uint64(4)),
-        load_pair(a, p + np.uint64(6)),
-        load_pair(b, q),
-        load_pair(b, q + np.uint64(2)),
-        load_pair(b, q + np.uint64(4)),
-        load_pair(b, q + np.uint64(6)),
-        pair(a[p + np.uint64(8)], b[q + np.uint64(8)]),
-    )
 
 
 @kernel

@@ -22,23 +22,18 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
 
 from math import sqrt
 
-from tetherfmu.kernels.algebra.pairs import choose
-from tetherfmu.kernels.algebra.vectors import (
-    add,
+from tetherfmu.kernels.algebra.matrices import (
     add_to_diagonal,
-    along,
     apply,
-    cross,
-    dot,
     get_matrix,
     outer,
-    scale,
     scale_matrix,
     skew,
-    sub,
     subtract,
     symmetric,
 )
+from tetherfmu.kernels.algebra.pairs import choose
+from tetherfmu.kernels.algebra.vectors import add, along, cross, dot, scale, sub
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 

@@ -8,7 +8,7 @@ from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
 from .driven_end import curve, position_at, velocity_at
-from .inputs import accelerations
+from .inputs import accelerations, ends
 
 Drive = namedtuple("Drive", "n parameters ground kite first last length reeling wind load")
 Drive.__doc__ = """A chain and what acts on it during one communication step.
@@ -25,16 +25,13 @@ wind : at the reference height [m/s].  load : force on a free kite end [N].
 def drive_of_step(n, parameters, inputs, step, state, x, v):
     """`Drive` of a communication step of `step` [s] from a state with the node positions x [m] and velocities v [m/s]."""
     ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
-    ground = vector_at(inputs, at.GROUND_POSITION)
-    ground_velocity = vector_at(inputs, at.GROUND_VELOCITY)
-    kite = vector_at(inputs, at.KITE_POSITION)
-    kite_velocity = vector_at(inputs, at.KITE_VELOCITY)
+    ground, kite = ends(inputs)
     kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
     return Drive(
         n,
         parameters,
-        curve(get(x, 0), get(v, 0), ground, ground_velocity, ground_acceleration, step),
-        curve(get(x, n), get(v, n), kite, kite_velocity, kite_acceleration, step),
+        curve(get(x, 0), get(v, 0), ground[0], ground[1], ground_acceleration, step),
+        curve(get(x, n), get(v, n), kite[0], kite[1], kite_acceleration, step),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         state[at.LENGTH],

@@ -3,9 +3,9 @@
 from math import inf
 
 from tetherfmu.kernels.algebra.vectors import put, put_at, vector_at
-from tetherfmu.kernels.arrays import positions_and_velocities, state_size
+from tetherfmu.kernels.arrays import copy, positions_and_velocities, state_size, trial_state
 from tetherfmu.kernels.chain.properties import chain_at, rest_length
-from tetherfmu.kernels.compilation import kernel
+from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
 
@@ -31,6 +31,25 @@ def check_state(n, state):
 
 
 @kernel
+def ends(inputs):
+    """Position [m] and velocity [m/s] of the ground end, then of the kite end."""
+    return (
+        (vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.GROUND_VELOCITY)),
+        (vector_at(inputs, at.KITE_POSITION), vector_at(inputs, at.KITE_VELOCITY)),
+    )
+
+
+@kernel
+def put_ends(n, state, ground, kite):
+    """Write position [m] and velocity [m/s] of both ends to a state (modified)."""
+    x, v = positions_and_velocities(n, state)
+    put(x, 0, ground[0])
+    put(v, 0, ground[1])
+    put(x, n, kite[0])
+    put(v, n, kite[1])
+
+
+@kernel
 def begin(n, parameters, inputs, state):
     """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
     status = check_inputs(inputs)
@@ -38,11 +57,8 @@ def begin(n, parameters, inputs, state):
         return status
     for k in range(state_size(n)):
         state[k] = 0.0
-    x, v = positions_and_velocities(n, state)
-    put(x, 0, vector_at(inputs, at.GROUND_POSITION))
-    put(v, 0, vector_at(inputs, at.GROUND_VELOCITY))
-    put(x, n, vector_at(inputs, at.KITE_POSITION))
-    put(v, n, vector_at(inputs, at.KITE_VELOCITY))
+    ground, kite = ends(inputs)
+    put_ends(n, state, ground, kite)
     state[at.LENGTH] = parameters[at.INITIAL_LENGTH]
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
@@ -68,30 +84,21 @@ def check_step(n, parameters, inputs, step, state):
 @kernel
 def accelerations(inputs, step, state):
     """Accelerations [m/s2] of the ground end and of the kite for a step [s], from the last two velocity inputs."""
-    ground = estimated_acceleration(
-        vector_at(inputs, at.GROUND_VELOCITY), vector_at(state, at.LAST_GROUND_VELOCITY), state[at.LAST_STEP], step
+    ground, kite = ends(inputs)
+    last_ground, last_kite = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
+    return (
+        estimated_acceleration(ground[1], last_ground, state[at.LAST_STEP], step),
+        estimated_acceleration(kite[1], last_kite, state[at.LAST_STEP], step),
     )
-    kite = estimated_acceleration(
-        vector_at(inputs, at.KITE_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY), state[at.LAST_STEP], step
-    )
-    return ground, kite
 
 
 @kernel
 def move_ends(n, inputs, step, state):
     """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
+    ground, kite = ends(inputs)
     ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
-    x, v = positions_and_velocities(n, state)
-    ground, ground_velocity = target(
-        vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.GROUND_VELOCITY), ground_acceleration, step
-    )
-    kite, kite_velocity = target(
-        vector_at(inputs, at.KITE_POSITION), vector_at(inputs, at.KITE_VELOCITY), kite_acceleration, step
-    )
-    put(x, 0, ground)
-    put(v, 0, ground_velocity)
-    put(x, n, kite)
-    put(v, n, kite_velocity)
+    ground_target = target(ground[0], ground[1], ground_acceleration, step)
+    put_ends(n, state, ground_target, target(kite[0], kite[1], kite_acceleration, step))
 
 
 @kernel
@@ -103,3 +110,21 @@ def remember(inputs, step, state):
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
     put_at(state, at.LAST_KITE_VELOCITY, vector_at(inputs, at.KITE_VELOCITY))
     put_at(state, at.LAST_GROUND_VELOCITY, vector_at(inputs, at.GROUND_VELOCITY))
+
+
+@view
+def trial_of_step(n, parameters, inputs, step, state, work):
+    """Status of `check_step`, and a copy of the state in which the step is tried, so that a refused one leaves no trace."""
+    trial = trial_state(n, work)
+    copy(state, trial)
+    return check_step(n, parameters, inputs, step, state), trial
+
+
+@kernel
+def accept(n, status, trial, state):
+    """Take a trial state over into the state (modified) if the status is OK and all of it is finite; returns the status."""
+    if status == OK:
+        status = check_state(n, trial)
+    if status == OK:
+        copy(trial, state)
+    return status

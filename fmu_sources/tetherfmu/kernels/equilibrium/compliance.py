@@ -15,23 +15,18 @@ segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors
 """
 
 from tetherfmu.kernels.algebra.block_tridiagonal import inverse
-from tetherfmu.kernels.algebra.vectors import (
-    add,
+from tetherfmu.kernels.algebra.matrices import (
     add_matrices,
     add_to_diagonal,
-    along,
     apply,
-    dot,
-    get,
     get_matrix,
     multiply,
-    put,
     put_matrix,
-    scale,
     scale_matrix,
     subtract,
     symmetric,
 )
+from tetherfmu.kernels.algebra.vectors import add, along, dot, get, put, scale
 from tetherfmu.kernels.chain import segment
 from tetherfmu.kernels.chain.nodes import record_of
 from tetherfmu.kernels.compilation import kernel

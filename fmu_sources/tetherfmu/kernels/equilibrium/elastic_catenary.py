@@ -148,16 +148,22 @@ def solve(span, rise, load, length, axial_stiffness):
 
 
 @kernel
+def load_frame(a, load):
+    """Size of a load, its direction, and the parts of a vector against it and across it; also the length of the latter."""
+    size = max(norm(load), LEAST)
+    down = scale(1.0 / size, load)
+    against = -dot(a, down)
+    across = along(a, against, down)
+    return size, down, against, across, norm(across)
+
+
+@kernel
 def hang(chord, load, length, axial_stiffness):
     """Tension vector at the ground end [N] of an elastic catenary in space, and the number of iterations (-1: not found).
 
     Chord from the ground end to the kite [m], load per unstretched length [N/m], not zero, unstretched length [m], EA [N].
     """
-    size = norm(load)
-    down = scale(1.0 / size, load)
-    rise = -dot(chord, down)
-    across = along(chord, rise, down)
-    span = norm(across)
+    size, down, rise, across, span = load_frame(chord, load)
     horizontal, vertical, iterations = solve(span, rise, size, length, axial_stiffness)
     sideways = scale(horizontal / max(span, SHORTEST), across)
     return along(sideways, 0.5 * size * length - vertical, down), iterations
@@ -166,11 +172,7 @@ def hang(chord, load, length, axial_stiffness):
 @kernel
 def point_in_space(ground, tension, load, arc, axial_stiffness):
     """Point [m] at unstretched length `arc` [m] from the ground end [m], from the tension there [N] and the load [N/m]."""
-    size = max(norm(load), LEAST)
-    down = scale(1.0 / size, load)
-    vertical = -dot(tension, down)
-    across = along(tension, vertical, down)
-    horizontal = norm(across)
+    size, down, vertical, across, horizontal = load_frame(tension, load)
     out, up = point(arc, horizontal, vertical, size, axial_stiffness)
     sideways = scale(out / max(horizontal, LEAST), across)
     return along(add(ground, sideways), -up, down)

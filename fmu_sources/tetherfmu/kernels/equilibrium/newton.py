@@ -23,25 +23,11 @@ from collections import namedtuple
 from math import inf, sqrt
 
 from tetherfmu.kernels.algebra import block_tridiagonal
+from tetherfmu.kernels.algebra.both_ends import get_two
+from tetherfmu.kernels.algebra.matrices import add_to_diagonal, multiply, outer, put_matrix, skew
 from tetherfmu.kernels.algebra.pairs import pair
-from tetherfmu.kernels.algebra.vectors import (
-    add,
-    add_to_diagonal,
-    along,
-    cross,
-    dot,
-    get,
-    get_two,
-    multiply,
-    norm,
-    outer,
-    put,
-    put_matrix,
-    scale,
-    skew,
-    sub,
-)
-from tetherfmu.kernels.arrays import node_vectors, shared_arrays
+from tetherfmu.kernels.algebra.vectors import add, along, cross, dot, get, norm, put, scale, sub
+from tetherfmu.kernels.arrays import node_arrays, shared_arrays
 from tetherfmu.kernels.chain import nodes, segment
 from tetherfmu.kernels.chain.properties import property_of, rest_length
 from tetherfmu.kernels.compilation import kernel, view
@@ -84,21 +70,10 @@ blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 def balance(n, work):
     """Cut the work array into the arrays of `Balance`."""
     blocks, records, mass, room = shared_arrays(n, work)
-    return Balance(
-        node_vectors(n, room, 0),
-        node_vectors(n, room, 1),
-        node_vectors(n, room, 2),
-        node_vectors(n, room, 3),
-        node_vectors(n, room, 4),
-        room[15 * (n + 1) : 16 * n + 15],
-        room[16 * (n + 1) : 17 * n + 16],
-        room[17 * (n + 1) : 18 * n + 17],
-        block_tridiagonal.Matrix(*blocks),
-        blocks[0],
-        blocks[1],
-        records,
-        mass,
-    )
+    load, force, move, offset, share, tensions, room = node_arrays(n, room)
+    matrix = block_tridiagonal.Matrix(*blocks)
+    three = tensions[:n], tensions[n : 2 * n], tensions[2 * n : 3 * n]
+    return Balance(load, force, move, offset, share, *three, matrix, matrix.diagonal, matrix.lower, records, mass)
 
 
 @kernel

@@ -25,8 +25,18 @@ from collections import namedtuple
 from math import ceil, inf, sqrt
 
 from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
-from tetherfmu.kernels.algebra.vectors import add, along, apply, dot, get, get_matrix, norm, put, put_matrix, scale, sub
-from tetherfmu.kernels.arrays import copy, node_vectors, shared_arrays
+from tetherfmu.kernels.algebra.matrices import (
+    add_matrices,
+    add_to_diagonal,
+    apply,
+    get_matrix,
+    put_matrix,
+    scale_matrix,
+    subtract,
+    symmetric,
+)
+from tetherfmu.kernels.algebra.vectors import add, along, dot, get, norm, put, scale, sub
+from tetherfmu.kernels.arrays import copy, node_arrays, shared_arrays
 from tetherfmu.kernels.chain import segment
 from tetherfmu.kernels.chain.nodes import longest_part, node_masses
 from tetherfmu.kernels.chain.properties import property_of, rest_length
@@ -44,6 +54,7 @@ MOST_HALVINGS = 8
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
+ZERO = (0.0, 0.0, 0.0)
 
 Attempt = namedtuple("Attempt", "drive chain h v")
 Attempt.__doc__ = (
@@ -64,18 +75,9 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 def descent(n, work):
     """Cut the work array into the arrays of `Descent`."""
     blocks, _, mass, room = shared_arrays(n, work)
-    return Descent(
-        node_vectors(n, room, 0),
-        node_vectors(n, room, 1),
-        node_vectors(n, room, 2),
-        node_vectors(n, room, 3),
-        node_vectors(n, room, 4),
-        room[15 * (n + 1) : 24 * (n + 1)],
-        node_vectors(n, room, 8),
-        Matrix(*blocks),
-        mass,
-        room[27 * (n + 1) : 28 * (n + 1)],
-    )
+    x, trial, old, free, drag, move, room = node_arrays(n, room)
+    slope, branches = room[: 9 * (n + 1)], room[9 * (n + 1) : 10 * n + 9]
+    return Descent(x, trial, old, free, drag, slope, move, Matrix(*blocks), mass, branches)
 
 
 @kernel
@@ -135,7 +137,7 @@ def linearize(attempt, x, w):
     diagonal, lower, upper = w.matrix
     for i in range(n + 1):
         m = w.mass[i] / (h * h)
-        put_matrix(diagonal, 9 * i, (m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m))
+        put_matrix(diagonal, 9 * i, add_to_diagonal(ZERO + ZERO + ZERO, m))
         put(w.move, i, scale(m, sub(get(w.free, i), get(x, i))))
     for s in range(n):
         length, e, rest, k, c, rate, r0 = stretch(attempt, s, x, w)
@@ -147,16 +149,12 @@ def linearize(attempt, x, w):
         pull = add(scale(spring, e), scale(c * rate, slant))
         put(w.move, s, add(get(w.move, s), add(air, pull)))
         put(w.move, s + 1, add(get(w.move, s + 1), sub(air, pull)))
-        for i in range(3):
-            for j in range(3):
-                stiff = (k - across) * e[i] * e[j] + c / h * slant[i] * slant[j]
-                if i == j:
-                    stiff += across
-                both = 0.5 / h * w.slope[9 * s + 3 * i + j]
-                diagonal[9 * s + 3 * i + j] += stiff + both
-                diagonal[9 * s + 9 + 3 * i + j] += stiff + both
-                upper[9 * s + 3 * i + j] = both - stiff
-                lower[9 * s + 9 + 3 * i + j] = both - stiff
+        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(c / h, slant)), across)
+        both = scale_matrix(0.5 / h, get_matrix(w.slope, 9 * s))
+        put_matrix(upper, 9 * s, subtract(both, stiff))
+        put_matrix(lower, 9 * s + 9, subtract(both, stiff))
+        for i in (s, s + 1):
+            put_matrix(diagonal, 9 * i, add_matrices(get_matrix(diagonal, 9 * i), add_matrices(stiff, both)))
 
 
 @kernel
@@ -225,8 +223,8 @@ def begin(attempt, time, x, w):
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)
         w.branches[s] = segment.TAUT if taut else segment.SLACK
-        put(w.drag, s, (0.0, 0.0, 0.0))
-        put_matrix(w.slope, 9 * s, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        put(w.drag, s, ZERO)
+        put_matrix(w.slope, 9 * s, ZERO + ZERO + ZERO)
 
 
 @kernel
@@ -238,7 +236,7 @@ def guess(attempt, x, w):
     """
     drive, chain, _, _ = attempt
     n = chain.n
-    ground = sub(get(w.free, 0), get(x, 0)) if drive.first == 1 else (0.0, 0.0, 0.0)
+    ground = sub(get(w.free, 0), get(x, 0)) if drive.first == 1 else ZERO
     kite = sub(get(w.free, n), get(x, n)) if drive.last == n - 1 else ground
     part = 0.0
     for i in range(n + 1):

@@ -19,9 +19,10 @@ from collections import namedtuple
 import numpy as np
 
 from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
+from tetherfmu.kernels.algebra.both_ends import get_two, put_two
 from tetherfmu.kernels.algebra.pairs import load_pair, pair, store_pair
-from tetherfmu.kernels.algebra.vectors import add, along, get, get_two, norm, put, put_two, scale, sub
-from tetherfmu.kernels.arrays import node_vectors, shared_arrays
+from tetherfmu.kernels.algebra.vectors import add, along, get, norm, put, scale, sub
+from tetherfmu.kernels.arrays import node_arrays, shared_arrays
 from tetherfmu.kernels.chain import nodes, segment
 from tetherfmu.kernels.chain.properties import point_mass, rest_length
 from tetherfmu.kernels.communication.drive import chain_during, hold_ends, place_ends
@@ -49,23 +50,12 @@ of the step.  stage_mass : node masses at the stage [kg], n + 1.  branches : n, 
 def stages(n, work):
     """Cut the work array into the arrays of `Stages`."""
     blocks, records, mass, room = shared_arrays(n, work)
-    first = 3 * (n + 1) * 6
-    last = first + 3 * (n + 1) * at.STAGES
-    return Stages(
-        node_vectors(n, room, 0),
-        node_vectors(n, room, 1),
-        node_vectors(n, room, 2),
-        node_vectors(n, room, 3),
-        node_vectors(n, room, 4),
-        node_vectors(n, room, 5),
-        room[first:last],
-        room[last - 3 * (n + 1) : last],
-        Matrix(*blocks),
-        records,
-        mass,
-        room[last : last + n + 1],
-        room[last + n + 1 : last + 2 * n + 1],
-    )
+    x, v, r, momentum, q, force_rate, room = node_arrays(n, room)
+    last = 3 * (n + 1) * at.STAGES
+    velocities, error, room = room[:last], room[last - 3 * (n + 1) : last], room[last:]
+    stage_mass, branches = room[: n + 1], room[n + 1 : 2 * n + 1]
+    matrix = Matrix(*blocks)
+    return Stages(x, v, r, momentum, q, force_rate, velocities, error, matrix, records, mass, stage_mass, branches)
 
 
 @kernel

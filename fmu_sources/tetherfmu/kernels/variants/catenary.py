@@ -4,10 +4,10 @@ Source: docs/theory.md, "Elastic catenary".
 """
 
 from tetherfmu.kernels.algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
-from tetherfmu.kernels.arrays import copy, trial_state
+from tetherfmu.kernels.arrays import copy
 from tetherfmu.kernels.chain import segment
 from tetherfmu.kernels.chain.properties import property_of
-from tetherfmu.kernels.communication.inputs import begin, check_step, move_ends, remember
+from tetherfmu.kernels.communication.inputs import begin, move_ends, remember, trial_of_step
 from tetherfmu.kernels.communication.outputs import distance_to_chord, wave_time, write_direction
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.kernels.equilibrium.elastic_catenary import LEAST, hang, point_in_space
@@ -61,11 +61,9 @@ def advance(n, parameters, inputs, step, state, work):
 
     Returns a status: that of `inputs.check_step`, OK or NO_EQUILIBRIUM. n is 1.
     """
-    status = check_step(n, parameters, inputs, step, state)
+    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status != OK:
         return status
-    trial = trial_state(n, work)
-    copy(state, trial)
     move_ends(n, inputs, step, trial)
     remember(inputs, step, trial)
     status = settle(parameters, trial)

@@ -5,10 +5,10 @@ state, so a refused step leaves the state of before.
 """
 
 from tetherfmu.kernels.algebra.vectors import get, put
-from tetherfmu.kernels.arrays import copy, positions_and_velocities, shared_arrays, trial_state
+from tetherfmu.kernels.arrays import positions_and_velocities, shared_arrays
 from tetherfmu.kernels.chain.properties import chain_of
 from tetherfmu.kernels.communication.drive import drive_of_step, place_ends
-from tetherfmu.kernels.communication.inputs import begin, check_state, check_step, remember
+from tetherfmu.kernels.communication.inputs import accept, begin, check_state, remember, trial_of_step
 from tetherfmu.kernels.communication.outputs import observe_chain
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.kernels.equilibrium import newton
@@ -57,11 +57,9 @@ def advance(n, parameters, inputs, step, state, work):
 
     Returns a status: that of `inputs.check_step`, OK, STATE_NOT_FINITE or one of the solver's.
     """
-    status = check_step(n, parameters, inputs, step, state)
+    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status != OK:
         return status
-    trial = trial_state(n, work)
-    copy(state, trial)
     x, v = positions_and_velocities(n, trial)
     drive = drive_of_step(n, parameters, inputs, step, trial, x, v)
     if drive.first <= drive.last:
@@ -73,10 +71,7 @@ def advance(n, parameters, inputs, step, state, work):
             return status
     place_ends(drive, step, x, v)
     remember(inputs, step, trial)
-    status = check_state(n, trial)
-    if status == OK:
-        copy(trial, state)
-    return status
+    return accept(n, status, trial, state)
 
 
 @kernel

@@ -8,7 +8,7 @@ Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
 from tetherfmu.kernels.algebra.vectors import along, get, put, scale, sub
 from tetherfmu.kernels.arrays import copy, positions_and_velocities, trial_state
 from tetherfmu.kernels.chain.properties import chain_of
-from tetherfmu.kernels.communication.inputs import begin, check_state, check_step, move_ends, remember
+from tetherfmu.kernels.communication.inputs import accept, begin, check_state, move_ends, remember, trial_of_step
 from tetherfmu.kernels.communication.outputs import observe_chain
 from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.kernels.equilibrium import newton
@@ -60,11 +60,9 @@ def advance(n, parameters, inputs, step, state, work):
     keeps as velocities of the inner nodes. Returns a status: that of `inputs.check_step`, OK, NO_EQUILIBRIUM or
     STATE_NOT_FINITE.
     """
-    status = check_step(n, parameters, inputs, step, state)
+    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status != OK:
         return status
-    trial = trial_state(n, work)
-    copy(state, trial)
     x, v = positions_and_velocities(n, trial)
     w = newton.balance(n, work)
     newton.tensions(chain_of(n, parameters, state), x, w.tension)
@@ -76,11 +74,7 @@ def advance(n, parameters, inputs, step, state, work):
     last, _ = positions_and_velocities(n, state)
     for i in range(1, n):
         put(v, i, scale(1.0 / step, sub(get(x, i), get(last, i))))
-    if status == OK:
-        status = check_state(n, trial)
-    if status == OK:
-        copy(trial, state)
-    return status
+    return accept(n, status, trial, state)
 
 
 @kernel

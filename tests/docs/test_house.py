@@ -1,0 +1,59 @@
+"""The house: import contract, figure and manual agree; imports point downwards, without a circle."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "docs"))
+
+import make_house  # noqa: E402
+
+HEIGHT = {room: -level for level, floor in enumerate(make_house.floors()) for room in floor}
+
+
+@pytest.mark.parametrize(("start", "end"), sorted(make_house.arrows()))
+def test_arrows_point_downwards(start, end):
+    assert HEIGHT[start] > HEIGHT[end]
+
+
+def test_each_folder_is_a_room():
+    folders = {path.parent.relative_to(make_house.PACKAGE) for path in make_house.PACKAGE.rglob("__init__.py")}
+    names = {
+        ".".join(folder.parts)
+        for folder in folders
+        if folder.parts and (folder.parts[0] != "study" or len(folder.parts) == 1)
+    }
+    assert names <= HEIGHT.keys()
+
+
+def test_the_manual_has_a_paragraph_for_each_room():
+    manual = (ROOT / "docs" / "developing.md").read_text(encoding="utf-8")
+    section = manual.partition("## The house")[2].partition("\n## ")[0]
+    described = set(re.findall(r"^\*\*([\w. ]+)\*\*", section, re.MULTILINE))
+    assert described == HEIGHT.keys() - {"kernels.entry_points"}  # one file, described with `kernels`
+
+
+def test_the_figure_can_be_drawn(tmp_path):
+    make_house.draw(tmp_path / "house.png")
+    assert (tmp_path / "house.png").stat().st_size > 10_000
+
+
+def test_only_algebra_knows_llvm():
+    knowing = {
+        path.relative_to(make_house.PACKAGE).as_posix()
+        for path in (make_house.PACKAGE / "kernels").rglob("*.py")
+        if re.search(r"llvmlite|numba\.extending|numba\.core", path.read_text(encoding="utf-8"))
+    }
+    assert knowing == {"kernels/algebra/pairs.py"}
+
+
+def test_only_one_file_of_the_kernels_knows_the_places_of_the_parameters():
+    knowing = [
+        path.name
+        for path in (make_house.PACKAGE / "kernels").rglob("*.py")
+        if "PARAMETER_SCALARS" in path.read_text("utf-8")
+    ]
+    assert knowing == ["properties.py"]
