@@ -72,12 +72,6 @@ def scenes(quick, flights):
     return [circle_scene(20), figure_of_eight_scene(20), release_scene(10), release_scene(40)]
 
 
-def race_table(runs):
-    """All runs, for people."""
-    names = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
-    return runs.assign(seconds=1e3 * runs.seconds).rename(columns=names)
-
-
 def write(tables, folder, figure, slopes):
     """Write benchmarks.md and benchmarks.csv to a folder; returns the page."""
     folder = Path(folder)
@@ -88,7 +82,7 @@ def write(tables, folder, figure, slopes):
     with open(folder / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
         pd.DataFrame(columns=["circumstances", circumstances()]).to_csv(file, index=False)
         for title, table in tables.items():
-            table.rename_axis("table").set_axis([title] * len(table)).to_csv(file, index_label="table")
+            table.set_axis([title] * len(table)).to_csv(file, index_label="table")
     return text
 
 
@@ -108,7 +102,8 @@ def run(options):
         raced = scenes(quick, options.flights)
         compiled_too, repeats = not (quick or options.flights), 1 if quick else 3
         runs = pd.concat([race(libraries, scene, cvodes, quick, compiled_too, repeats) for scene in raced])
-        tables["Work and precision"] = race_table(runs)
+        shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
+        tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:
             tables["At equal error"] = equal_errors(runs)
         if moordyn:

@@ -57,20 +57,14 @@ class MoorDynFlight:
         tether, air = scene.tether, scene.environment
         text = page(
             INPUT,
-            diameter=tether.diameter,
-            line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
-            stiffness=tether.axial_stiffness,
-            damping=tether.axial_damping,
-            drag=tether.drag_coefficient,
-            ground=-DEPTH / 2.0,
-            kite=" ".join(str(float(value)) for value in ends(scene, 0.0)[0][3:]),
-            length=tether.initial_length,
-            segments=tether.segments,
-            step=step,
+            tether=tether,
+            air=air,
             scheme=scheme,
-            gravity=air.gravity * tether.density / (tether.density - air.air_density),
-            density=air.air_density,
+            step=step,
             depth=DEPTH,
+            line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
+            gravity=air.gravity * tether.density / (tether.density - air.air_density),
+            kite=ends(scene, 0.0)[0][3:],
         )
         self.motion = [ends(scene, k * STEP) for k in range(round(scene.duration / STEP))]
         self.done = 0

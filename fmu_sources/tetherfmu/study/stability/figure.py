@@ -10,7 +10,7 @@ from scipy.stats import binned_statistic_2d
 
 from .flight import LINE_DENSITY
 
-CELLS = 9  # along each axis
+EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
 
 
@@ -20,17 +20,7 @@ class Axis(NamedTuple):
     label: str
     values: object
     edges: np.ndarray
-    scale: str
-
-
-def logarithmic(label, values, low, high):
-    """A logarithmic axis between two bounds."""
-    return Axis(label, values, np.geomspace(low, high, CELLS + 1), "log")
-
-
-def linear(label, values, low, high):
-    """A linear axis between two bounds."""
-    return Axis(label, values, np.linspace(low, high, CELLS + 1), "linear")
+    scale: str = "log"
 
 
 def frequency(results):
@@ -38,14 +28,14 @@ def frequency(results):
     return np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments)
 
 
-LENGTH = logarithmic("length [m]", lambda r: r.length, 1.0, 1e4)
-SEGMENT = logarithmic("segment [m]", lambda r: r.length / r.segments, 0.01, 1000.0)
-STIFFNESS = logarithmic("EA [N]", lambda r: r.axial_stiffness, 1e3, 1e9)
-STEP = logarithmic("communication step [s]", lambda r: r.step, 1e-4, 1.0)
-FIXED_STEP = logarithmic("fixed step [s]", lambda r: r.fixed_step, 1e-5, 1.0)
-FREQUENCY = logarithmic("axial frequency [Hz]", frequency, 1.0, 1e6)
-SLACK = linear("slack [%]", lambda r: 100.0 * r.slack, -1.0, 90.0)
-WIND = linear("wind [m/s]", lambda r: r.wind, 0.0, 60.0)
+LENGTH = Axis("length [m]", lambda r: r.length, np.geomspace(1.0, 1e4, EDGES))
+SEGMENT = Axis("segment [m]", lambda r: r.length / r.segments, np.geomspace(0.01, 1000.0, EDGES))
+STIFFNESS = Axis("EA [N]", lambda r: r.axial_stiffness, np.geomspace(1e3, 1e9, EDGES))
+STEP = Axis("communication step [s]", lambda r: r.step, np.geomspace(1e-4, 1.0, EDGES))
+FIXED_STEP = Axis("fixed step [s]", lambda r: r.fixed_step, np.geomspace(1e-5, 1.0, EDGES))
+FREQUENCY = Axis("axial frequency [Hz]", frequency, np.geomspace(1.0, 1e6, EDGES))
+SLACK = Axis("slack [%]", lambda r: 100.0 * r.slack, np.linspace(-1.0, 90.0, EDGES), "linear")
+WIND = Axis("wind [m/s]", lambda r: r.wind, np.linspace(0.0, 60.0, EDGES), "linear")
 PAIRS = ((LENGTH, STIFFNESS), (STEP, STIFFNESS), (SEGMENT, STEP), (SLACK, WIND))
 FIXED_PAIRS = ((LENGTH, STIFFNESS), (FREQUENCY, FIXED_STEP), (SEGMENT, FIXED_STEP), (SLACK, WIND))
 

@@ -30,9 +30,9 @@ from .points import CALLS, MOST_REELED, kite, wind
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
-DIAMETER, DENSITY = 0.004, 724.0
-DRAG_FACTOR = 0.5 * 1.225 * 0.958 * DIAMETER  # drag per length over the square of the speed [N s2/m3]
-LINE_DENSITY = DENSITY * pi * DIAMETER**2 / 4.0  # [kg/m]
+DEFAULT = Tether()
+DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
+LINE_DENSITY = DEFAULT.density * pi * DEFAULT.diameter**2 / 4.0  # [kg/m]
 REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
 
 
@@ -63,8 +63,6 @@ def model_of(point, refinement):
     tether = Tether(
         segments=point.segments,
         initial_length=point.length,
-        diameter=DIAMETER,
-        density=DENSITY,
         axial_stiffness=point.axial_stiffness,
         axial_damping=point.axial_damping,
     )

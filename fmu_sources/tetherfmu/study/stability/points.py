@@ -22,8 +22,8 @@ relative_tolerance    1e-4 (70 %), else 1e-6 to 1e-2
 The path: a circle on the sphere around the ground station, whose radius follows the reeled length, so that slack stays.
 """
 
+from collections import namedtuple
 from math import ceil, exp, log, pi, sin
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,29 +37,14 @@ VARIANTS = ("dynamic", "dynamic_fixed_step", "quasi_steady", "catenary", "straig
 SHARES = (0.4, 0.3, 0.15, 0.075, 0.075)
 
 
-class MapPoint(NamedTuple):
+class MapPoint(
+    namedtuple(
+        "MapPoint",
+        "seed number variant segments length axial_stiffness axial_damping slack step fixed_step relative_tolerance "
+        "initial_shape wind wind_azimuth speed reel_out_speed gravity elevation cone phase",
+    )
+):
     """One flight, SI units; angles in rad. `number` and `seed` make it again."""
-
-    seed: int
-    number: int
-    variant: str
-    segments: int
-    length: float
-    axial_stiffness: float
-    axial_damping: float
-    slack: float
-    step: float
-    fixed_step: float
-    relative_tolerance: float
-    initial_shape: int
-    wind: float
-    wind_azimuth: float
-    speed: float
-    reel_out_speed: float
-    gravity: float
-    elevation: float
-    cone: float
-    phase: float
 
     @property
     def segment_length(self):

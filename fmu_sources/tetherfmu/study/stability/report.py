@@ -28,18 +28,6 @@ WORST = {
     "error": "error",
     "longest": "longest call [s]",
 }
-FACTS = {
-    "variant": "variant",
-    "value": "value",
-    "verdict": "verdict",
-    "number": "point",
-    "segments": "segments",
-    "length": "length m",
-    "axial_stiffness": "EA N",
-    "axial_damping": "damping N s",
-    "slack_percent": "slack %",
-    "step": "step s",
-}
 
 
 def prepared(results):
@@ -50,11 +38,6 @@ def prepared(results):
         segment_length=results.length / results.segments,
         slack_percent=100.0 * results.slack,
     )
-
-
-def core(results):
-    """The points of the region where 97 % must be stable."""
-    return results.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")
 
 
 def counted(results, labels):
@@ -78,9 +61,9 @@ def by_label(results, name, *labellings):
     return pd.concat(tables).rename_axis(name).reset_index()
 
 
-def everything(results):
-    """Labels of one group for all."""
-    return pd.Categorical(["all"] * len(results), ["all"])
+def by_variant(results):
+    """Table with a row per variant and one for all."""
+    return by_label(results, "variant", results.variant, pd.Categorical(["all"] * len(results)))
 
 
 def bands(name, values, limits, unit):
@@ -124,9 +107,20 @@ def worst(results):
     for column, name in WORST.items():
         values = results[column].fillna(0.0)
         rows = results.loc[values.groupby(results.variant, observed=True).idxmax()]
-        rows = rows.assign(value=[f"{value:.2g}" for value in values[rows.index]])[list(FACTS)].rename(columns=FACTS)
-        rows.insert(0, "largest", name)
-        tables.append(rows)
+        facts = {
+            "largest": name,
+            "variant": rows.variant,
+            "value": values[rows.index].map("{:.2g}".format),
+            "verdict": rows.verdict,
+            "point": rows.number,
+            "segments": rows.segments,
+            "length m": rows.length,
+            "EA N": rows.axial_stiffness,
+            "damping N s": rows.axial_damping,
+            "slack %": rows.slack_percent,
+            "step s": rows.step,
+        }
+        tables.append(pd.DataFrame(facts))
     return pd.concat(tables)
 
 
@@ -169,15 +163,15 @@ def write(results, before, folder, with_figures):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     all_points = prepared(results)
-    inside = core(all_points)
-    overview = by_label(all_points, "variant", all_points.variant, everything(all_points))
-    held = 100.0 * inside.verdict.isin(("converged", "stable")).mean()
+    core = all_points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
+    overview = by_variant(all_points)
+    held = 100.0 * core.verdict.isin(("converged", "stable")).mean()
     text = page(
         PAGE,
         figures=figures(results, before, folder) if with_figures else {},
         all_points=overview,
-        core=by_label(inside, "variant", inside.variant, everything(inside)),
-        core_points=len(inside),
+        core=by_variant(core),
+        core_points=len(core),
         held=held,
         refusals=refusals(all_points),
         compared=compared(results, before) if len(before) else None,
@@ -188,4 +182,4 @@ def write(results, before, folder, with_figures):
         longest_call=LONGEST_CALL,
     )
     (folder / "stability.md").write_text(text, encoding="utf-8")
-    return f"{markdown(overview)}\nConverged or stable: {held:.1f} % of {len(inside)} points."
+    return f"{markdown(overview)}\nConverged or stable: {held:.1f} % of {len(core)} points."

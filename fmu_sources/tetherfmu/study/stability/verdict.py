@@ -1,13 +1,7 @@
 """Verdict on one point of the stability map, from its flight and the flight of its refinement.
 
-===========  ==========================================================================================================
-converged    agrees with its refinement (half communication and fixed step, a tenth of the tolerance) within 1 %
-stable       bounded, but the refinement differs by more, or it is refused (error: none); the error stands beside it
-refused      refused with a sentence, at the start or in flight
-wrong        an output is not finite, or a tension or speed larger than the motion explains (`flight.py`)
-crashed      the process died
-hanging      a call took longer than 2 s, of the processor or, in a process that was ended for it, of the clock
-===========  ==========================================================================================================
+The words are explained on the page (`page.md.j2`). Also stable: a point whose refinement is refused (error: none).
+Hanging: a call took longer than `LONGEST_CALL` of the processor, or the process of the point was ended for taking too long.
 
 Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
 """
