@@ -1,34 +1,38 @@
 """The compiled entry points stand alone: they reference nothing but the mathematical library, memset and memcpy."""
 
-import subprocess
-import sys
+import struct
 
 import pytest
 
+from tetherfmu.export.ahead_of_time import VERBS, libraries
+from tetherfmu.export.archive import DEFAULT_PLATFORMS, kernels_folder
+from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.variants import VARIANTS
+
 ALLOWED = {"memset", "memcpy", "sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "sin", "cos"}
-PROGRAM = """
-import llvmlite.binding as llvm
-from tetherfmu.kernels import entry_points
-from tetherfmu.kernels.compilation import compile_entry_point
-
-llvm.initialize_all_targets()
-llvm.initialize_all_asmprinters()
-function = compile_entry_point(getattr(entry_points, "{name}"), on_disk=False)
-machine = llvm.Target.from_triple("x86_64-unknown-linux-gnu").create_target_machine(cpu="x86-64", opt=3, reloc="pic")
-module = llvm.parse_assembly(function._library.get_llvm_str())
-entry_name = function._wrapper_name
-for item in list(module.functions) + list(module.global_variables):
-    if not item.is_declaration and item.name != entry_name:
-        item.linkage = "internal"
-builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
-builder.getModulePassManager().run(module, builder)
-for item in list(module.functions) + list(module.global_variables):
-    if item.is_declaration and not item.name.startswith("llvm."):
-        print(item.name)
-"""
+LINUX = "x86_64-linux"
+DYNAMIC_SYMBOLS = 11  # type of a section, and the fields below: System V ABI, ELF-64 object file format
 
 
-@pytest.mark.parametrize("name", ["dynamic_initialize", "dynamic_advance", "dynamic_observe"])
-def test_entry_point_needs_the_mathematical_library_only(name):
-    done = subprocess.run([sys.executable, "-c", PROGRAM.format(name=name)], capture_output=True, text=True, check=True)
-    assert set(done.stdout.split()) <= ALLOWED
+def dynamic_symbols(library):
+    """Names in a shared library for Linux, whatever this machine is: those that it needs, and those that it offers."""
+    content = library.read_bytes()
+    (table,) = struct.unpack_from("<Q", content, 0x28)
+    size, count = struct.unpack_from("<HH", content, 0x3A)
+    sections = [struct.unpack_from("<IIQQQQI", content, table + k * size) for k in range(count)]
+    needed, offered = set(), set()
+    for _, kind, _, _, start, length, names in sections:
+        for entry in range(start, start + length, 24) if kind == DYNAMIC_SYMBOLS else ():
+            name, _, _, home = struct.unpack_from("<IBBH", content, entry)
+            begin = sections[names][4] + name
+            word = content[begin : content.index(b"\0", begin)].decode()
+            (offered if home else needed).add(word)
+    return needed - {""}, offered
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_entry_points_need_the_mathematical_library_only(variant):
+    libraries(kernels_folder(), DEFAULT_PLATFORMS, VARIANTS)
+    needed, offered = dynamic_symbols(kernels_folder() / file_name(variant, LINUX))
+    assert needed <= ALLOWED
+    assert offered == {f"{variant}_{verb}" for verb in VERBS}

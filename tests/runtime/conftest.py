@@ -34,16 +34,16 @@ def _only_linux():
 
 
 @pytest.fixture(scope="session")
-def c_host_program(tmp_path_factory):
+def c_host_program(built_once):
     """Path of the compiled `c_host.c`."""
     _only_linux()
     if python_library() is None:
         pytest.skip("this Python has no shared library; a host that is not Python needs one")
-    return compile_c("c_host.c", tmp_path_factory.mktemp("c_host") / "c_host", "-ldl", "-lpthread")
+    return built_once("c_host", lambda folder: compile_c("c_host.c", folder / "c_host", "-ldl", "-lpthread")) / "c_host"
 
 
 @pytest.fixture(scope="session")
-def poison(tmp_path_factory):
+def poison(built_once):
     """Path of the compiled `poison.c`, to be preloaded."""
     _only_linux()
-    return compile_c("poison.c", tmp_path_factory.mktemp("poison") / "poison.so", "-shared", "-fPIC")
+    return built_once("poison", lambda folder: compile_c("poison.c", folder / "poison.so", "-shared", "-fPIC")) / "poison.so"

@@ -2,10 +2,17 @@
 
 import atexit
 import shutil
+from functools import lru_cache
 from zipfile import is_zipfile
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+
+@lru_cache
+def description_of(path):
+    """Model description of an FMU, which FMPy validates while it reads; many instances of a test share it."""
+    return read_model_description(str(path))
 
 
 class Host:
@@ -16,10 +23,13 @@ class Host:
     """
 
     def __init__(self, path, name="tether"):
-        self.description = read_model_description(str(path))
+        self.description = description_of(path)
         self.folder = extract(str(path)) if is_zipfile(path) else path
         self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         self.kind = {variable.name: variable.type for variable in self.description.modelVariables}
+        self.real_outputs = [
+            v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"
+        ]
         self.messages = []
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
@@ -65,9 +75,7 @@ class Host:
 
     def all_outputs(self):
         """All Real outputs."""
-        return self.fmu.getReal(
-            [v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
-        )
+        return self.fmu.getReal(self.real_outputs)
 
     def step(self, step, **values):
         """Set inputs and do a communication step."""
