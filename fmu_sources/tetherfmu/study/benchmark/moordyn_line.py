@@ -50,37 +50,33 @@ def ends(scene, time):
     return [*below, *(below + position)], [*drift, *(velocity + drift)]
 
 
-class MoorDynFlight:
-    """The circle in MoorDyn, after its initial relaxation."""
+def moordyn_flight(scene, scheme, step):
+    """The circle in MoorDyn after its initial relaxation, as a function that flies so many communication steps more."""
+    tether, air = scene.tether, scene.environment
+    text = page(
+        INPUT,
+        tether=tether,
+        air=air,
+        scheme=scheme,
+        step=step,
+        depth=DEPTH,
+        line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
+        gravity=air.gravity * tether.density / (tether.density - air.air_density),
+        kite=ends(scene, 0.0)[0][3:],
+    )
+    motion = [(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))]
+    with silence(), tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "line.txt"
+        file.write_text(text)
+        system = moordyn.Create(str(file))
+        moordyn.Init(system, *motion[0][:2])
+    ahead = iter(motion)
 
-    def __init__(self, scene, scheme, step):
-        tether, air = scene.tether, scene.environment
-        text = page(
-            INPUT,
-            tether=tether,
-            air=air,
-            scheme=scheme,
-            step=step,
-            depth=DEPTH,
-            line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
-            gravity=air.gravity * tether.density / (tether.density - air.air_density),
-            kite=ends(scene, 0.0)[0][3:],
-        )
-        self.motion = [ends(scene, k * STEP) for k in range(round(scene.duration / STEP))]
-        self.done = 0
-        with silence(), tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "line.txt"
-            file.write_text(text)
-            self.system = moordyn.Create(str(file))
-            moordyn.Init(self.system, *ends(scene, 0.0))
+    def fly(steps):
+        for _ in range(steps):
+            moordyn.Step(system, *next(ahead))
 
-    def fly(self, steps):
-        """So many communication steps more; returns the force on the kite [N] at the end of each, array (steps, 3)."""
-        forces = []
-        for k in range(self.done, self.done + steps):
-            forces.append(moordyn.Step(self.system, *self.motion[k], k * STEP, STEP)[3:])
-        self.done += steps
-        return np.array(forces)
+    return fly
 
 
 def moordyn_table(libraries, quick):
@@ -91,9 +87,9 @@ def moordyn_table(libraries, quick):
     scene = circle_scene(20, 6.0 if quick else 40.0)
     jobs = {}
     for scheme, step in SCHEMES:
-        flight = MoorDynFlight(scene, scheme, step)
-        flight.fly(PART if quick else WARM_UP)
-        jobs[f"MoorDyn {scheme}, {1000 * step:.3g} ms"] = partial(flight.fly, PART)
+        fly = moordyn_flight(scene, scheme, step)
+        fly(PART if quick else WARM_UP)
+        jobs[f"MoorDyn {scheme}, {1000 * step:.3g} ms"] = partial(fly, PART)
     jobs[OURS] = our_run(libraries, circle_scene(20, PART * STEP), STEP, DEFAULT, {})
     times = pd.Series(interleaved(jobs, 2 if quick else 20)[0])
     return (

@@ -25,7 +25,7 @@ LADDERS = (
 def our_run(folder, scene, step, tolerance, counters):
     """Our dynamic tether, kernels of the FMU's library, as a function that returns what `exact` returns.
 
-    The internal steps of the last call are put into `counters` under the tolerance.
+    The internal steps of the last call are put into `counters` under the solver and the tolerance.
     """
     model = tether_at_start(scene, tolerance, library=folder)
     start, first = model.get_state(), model.positions[None]
@@ -35,7 +35,7 @@ def our_run(folder, scene, step, tolerance, counters):
     def run():
         model.set_state(start)
         flown = model.fly(inputs, step, every, peaks=False)
-        counters[tolerance] = model.counters["steps"] + model.counters["rejections"]
+        counters[OURS, tolerance] = model.counters["steps"] + model.counters["rejections"]
         return np.concatenate([first, flown.positions])[:, free].reshape(len(scene.times), -1)
 
     return run
@@ -66,16 +66,7 @@ def race(folder, scene, peers, quick, compiled_too, repeats):
             jobs |= {(RESTARTED + suffix, tol): peers.restarted_run(scene, tol, compiled) for tol in restarted}
     expected = exact(scene)
     times, results = interleaved(jobs, repeats)
-    rows = [
-        (
-            solver,
-            tolerance,
-            error(results[solver, tolerance], expected),
-            seconds,
-            counters[tolerance] if solver == OURS else None,
-        )
-        for (solver, tolerance), seconds in times.items()
-    ]
+    rows = [(*run, error(results[run], expected), seconds, counters.get(run)) for run, seconds in times.items()]
     runs = pd.DataFrame(rows, columns=("solver", "tolerance", "error", "seconds", "steps")).astype({"steps": "Int64"})
     runs.insert(0, "scene", scene.name)
     runs.insert(1, "segments", scene.tether.segments)
