@@ -23,7 +23,7 @@ from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.scenes.files import load
 
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
-TIMEOUT = 60.0  # seconds
+TIMEOUT = 300.0  # seconds
 
 
 def silent(iterable, total):

@@ -31,6 +31,8 @@ WRONG_SERIES = {
     "missing column": (b"time,kite_position[1]\n0,1\n", "the column kite_position[2] is missing"),
     "unknown column": (HEAD.replace("time", "time,colour").encode(), "unknown column 'colour'"),
     "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] is 'x'"),
+    "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] is ''"),
+    "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "Expected 4 fields in line 2, saw 5"),
     "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "time must grow"),
     "too short": (
         (HEAD + "".join(f"0.{k},1,2,3\n" for k in range(5))).encode(),

@@ -5,7 +5,7 @@ of what they cost at least, and takes the cheapest whose error against the finer
 allowed. `--fast` flies nothing but a coarse quasi-steady tether: see `forecast`.
 """
 
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,19 +68,16 @@ def advise(scene):
     own = finer.own_error(names)
     good_steps = promising_steps(scene, finer) or steps(scene)[-1:]
     candidates = sorted((least_cost(scene, c), c) for c in ladder(scene) if c.step in good_steps)
-    best = closest = None
-    tried = 0
+    tried, good = [], []
     for least, config in candidates:
-        if best and least >= best.cost:
+        if least >= min((point.cost for point in good), default=inf):
             break
         point = measure(scene, config, finer.run.flown)
-        tried += 1
-        if point.error(names) + own <= allowed and (best is None or point.cost < best.cost):
-            best = point
-        if closest is None or point.error(names) < closest.error(names):
-            closest = point
-    chosen = best or closest
-    return Advice(chosen, finer, chosen.error(names) + own, best is not None, tried)
+        tried.append(point)
+        if point.error(names) + own <= allowed:
+            good.append(point)
+    chosen = min(good, key=lambda point: point.cost) if good else min(tried, key=lambda point: point.error(names))
+    return Advice(chosen, finer, chosen.error(names) + own, bool(good), len(tried))
 
 
 def reason(config, found, level):
@@ -88,7 +85,7 @@ def reason(config, found, level):
     group = max(GROUPS, key=lambda each: group_error(each, config, found))
     most = limit(group, config, found, level)
     value = f"{MEANINGS[group]} is {getattr(found, group):.2g}"
-    if most == float("inf"):
+    if most == inf:
         return f"{value}, which never makes it wrong by {percent(level)}"
     return f"{value}; it makes it wrong by {percent(level)} from {most:.2g} on"
 

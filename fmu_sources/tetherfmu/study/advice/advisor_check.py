@@ -13,7 +13,7 @@ from .tradeoff import LEVELS, REFERENCE_ERROR, Measured, measure
 NAMES = ("kite_force",)
 
 
-class Verdict(NamedTuple):
+class JudgedAdvice(NamedTuple):
     """An advice for the force on the kite, and what is true."""
 
     scene: str
@@ -39,23 +39,23 @@ def asking(scene, allowed):
     return replace(scene, wanted=replace(scene.wanted, outputs=NAMES, allowed_error=allowed))
 
 
-def verdict(scene, reference):
-    """`Verdict` on the advice for a scene."""
+def judged(scene, reference):
+    """`JudgedAdvice` on the advice for a scene."""
     advice = advise(scene)._replace(finer=None)
     configs = advice.point.config, fast_advice(scene).forecast.config
     points = (measure(scene, config, reference.run.flown) for config in configs)
-    return Verdict(scene.name, scene.wanted.allowed_error, advice, *points, reference.own_error(NAMES))
+    return JudgedAdvice(scene.name, scene.wanted.allowed_error, advice, *points, reference.own_error(NAMES))
 
 
 def unseen(scene):
-    """`Verdict` on a scene with the error that it asks for; None if no reference can be flown."""
+    """`JudgedAdvice` on a scene with the error that it asks for; None if no reference can be flown."""
     target = min(REFERENCE_ERROR, 0.1 * scene.wanted.allowed_error)
     try:
-        return verdict(scene, converged(scene, target, NAMES))
+        return judged(scene, converged(scene, target, NAMES))
     except StepRefused:
         return None
 
 
 def at_all_levels(scene, reference):
-    """Verdicts on a scene for each of the levels of the trade-off study."""
-    return [verdict(asking(scene, level), reference) for level in LEVELS]
+    """`JudgedAdvice` on a scene for each of the levels of the trade-off study."""
+    return [judged(asking(scene, level), reference) for level in LEVELS]

@@ -19,14 +19,14 @@ import pandas as pd
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.converged import converged
-from tetherfmu.study.measuring.errors import errors
-from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.scenes.files import Scene, Wanted, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
 
 from .numbers import line_density, numbers
-from .tradeoff import SEGMENTS
+from .tradeoff import SEGMENTS, measure
 
+NAMES = ("kite_force",)
 TABLE = Path(__file__).with_name("thresholds.csv")
 SWEEPS = TABLE.with_name("sweeps.csv")
 LEVELS = (0.001, 0.01, 0.1)
@@ -96,21 +96,15 @@ def configs(group):
 
 
 def points(group, stretch, scene):
-    """Rows (`CURVE`, value, error): the number of the group of a scene, and the error of the kite's force of each
-    configuration, infinite if it was refused; none if the reference was."""
+    """Rows (`CURVE`, value, error) of the configurations: the number of the group of a scene, and the error of the force on
+    the kite, infinite if the tether was refused; none if the reference was."""
     try:
         value = getattr(numbers(scene), group)
-        reference = converged(scene, 1e-4, ("kite_force",)).run.flown
+        reference = converged(scene, 1e-4, NAMES).run.flown
     except StepRefused:
         return []
-    rows = []
-    for config in configs(group):
-        try:
-            error = errors(scene, run(scene, config, exact=True).flown, reference)["kite_force"]
-        except StepRefused:
-            error = float("inf")
-        rows.append((group, stretch, config.variant, config.segments, value, max(error, 1e-12)))
-    return rows
+    measured = [measure(scene, config, reference, exact=True) for config in configs(group)]
+    return [(group, stretch, *each.config[:2], value, max(each.error(NAMES), 1e-12)) for each in measured]
 
 
 def crossing(values, found, level):
@@ -125,14 +119,10 @@ def crossing(values, found, level):
 
 
 def thresholds(executor, progress):
-    """All thresholds, and the points that they come from.
+    """All thresholds, and the points that they come from, as `write` stores them: two DataFrames.
 
-    Returns
-    -------
-    DataFrame (`CURVE`, level, value)
-        Where the number of the group exceeds `value`, the error exceeds `level`; infinite if it never does in the sweep.
-    DataFrame (`CURVE`, value, error)
-        The points of each curve.
+    Columns: `CURVE`, level, value, where the error exceeds `level` from the number `value` of the group on, infinite if it
+    never does in the sweep; and `CURVE`, value, error, the points of each curve.
     """
     jobs = sweeps()
     rows = chain.from_iterable(progress(executor.map(points, *zip(*jobs, strict=True)), len(jobs)))

@@ -67,12 +67,15 @@ def ladder(scene):
     return lines + steady + dynamic
 
 
-def measure(scene, config, reference, repeats=1):
-    """`Measured` of a configuration against a reference, a `Flown`; the time is the least of some repeats of short runs."""
+def measure(scene, config, reference, repeats=1, exact=False):
+    """`Measured` of a configuration against a reference, a `Flown`.
+
+    repeats : of a short run; the time is the least.  exact : see `Scene.inputs`.
+    """
     try:
-        first = run(scene, config)
+        first = run(scene, config, exact)
         again = repeats - 1 if first.flown.seconds < LONG_RUN else 0
-        seconds = min([first.flown.seconds, *(run(scene, config).flown.seconds for _ in range(again))])
+        seconds = min([first.flown.seconds, *(run(scene, config, exact).flown.seconds for _ in range(again))])
     except StepRefused as refusal:
         return Measured(config, {}, 0, 0, 0.0, 0.0, str(refusal))
     found, spent = errors(scene, first.flown, reference), cost(scene, config, first.calls, first.work)
@@ -85,28 +88,12 @@ def key(scene, config):
 
 
 def study(scene, store, executor, progress, configs=None, repeats=3):
-    """All points of a scene.
+    """All points of a scene: its `Reference`, and the table of `table_of` with a row for each configuration.
 
-    Parameters
-    ----------
-    scene : Scene
-    store : Store
-        Finished points are taken from it and added to it.
-    executor : concurrent.futures.Executor
-    progress : callable
-        Wraps an iterable of so many points, `progress(iterable, total)`; a progress bar.
-    configs : sequence of Config
-        Default: `ladder(scene)`.
-    repeats : int
-        Timed runs of each.
-
-    Returns
-    -------
-    Reference, DataFrame
-        The table has a row for each configuration; see `table_of`.
+    store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.  progress : as
+    of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
     """
-    configs = ladder(scene) if configs is None else configs
-    names = scene.wanted.outputs
+    configs, names = configs or ladder(scene), scene.wanted.outputs
     reference = store.kept(key(scene, ("reference", *names)), lambda: converged(scene, REFERENCE_ERROR, names))
     missing = [config for config in configs if key(scene, config) not in store.points]
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]

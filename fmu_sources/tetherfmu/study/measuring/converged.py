@@ -36,20 +36,9 @@ def step_of(scene, wanted):
 
 
 def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
-    """Refine until `own_error` is at most `target` [-] in the outputs `names`, or until the finest allowed.
+    """`Reference` of a scene, refined until its `own_error` is at most `target` [-], or until the finest allowed.
 
-    Parameters
-    ----------
-    scene : Scene
-    target : float
-    names : sequence of str
-        Of `scenes.files.OUTPUTS`.
-    first_segments : int
-        To begin with; doubled as needed.
-
-    Returns
-    -------
-    Reference
+    names : outputs that count, of `scenes.files.OUTPUTS`.  first_segments : to begin with; doubled as needed.
     """
     n, step = first_segments, step_of(scene, LONGEST_STEP)
 

@@ -23,8 +23,11 @@ def executor_of(dask=None, processes=None):
     """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core)."""
     if dask is None:
         silently = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process without a traceback
-        with ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently) as executor:
+        executor = ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently)
+        try:
             yield executor
+        finally:
+            executor.shutdown(cancel_futures=True)
         return
     try:
         from distributed import Client

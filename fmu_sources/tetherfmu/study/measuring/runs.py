@@ -52,23 +52,9 @@ def started(scene, config, first):
 
 
 def run(scene, config, exact=False):
-    """Fly a scene.
+    """`Run` of a `Config` through a scene; StepRefused if the tether refuses the start or a step.
 
-    Parameters
-    ----------
-    scene : Scene
-    config : Config
-    exact : bool
-        See `Scene.inputs`.
-
-    Returns
-    -------
-    Run
-
-    Raises
-    ------
-    StepRefused
-        If the tether refuses the start or a step.
+    exact : whether with the exact reel-out and wind of each step, see `Scene.inputs`.
     """
     inputs = scene.inputs(config.step, exact)
     model = started(scene, config, inputs[0])

@@ -17,14 +17,12 @@ FEWEST_ROWS = 4  # that a C2 spline needs
 def read_columns(path):
     """Columns of a CSV file with a head line, a DataFrame of numbers; ValueError says in one line what is wrong."""
     try:
-        table = pd.read_csv(path, skipinitialspace=True, na_filter=False)
+        cells = pd.read_csv(path, header=None, dtype=str, skipinitialspace=True, na_filter=False)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
         raise ValueError(f"{path}: is no CSV file with a head line ({str(error).strip()})") from None
-    if not isinstance(table.index, pd.RangeIndex):  # too many cells in every row make the first column an index
-        raise ValueError(f"{path}: every row must have {table.shape[1]} cells, as the head line has")
-    table = table.rename(columns=str.strip)
+    table = cells[1:].set_axis(cells.iloc[0].str.strip(), axis=1)
     numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
     for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
         place = f"row {row + 2}, column {table.columns[column]}"
