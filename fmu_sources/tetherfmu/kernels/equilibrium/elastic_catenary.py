@@ -19,7 +19,10 @@ from tetherfmu.kernels.algebra.vectors import add, along, dot, norm, scale
 from tetherfmu.kernels.chain.segment import SHORTEST
 from tetherfmu.kernels.compilation import kernel
 
-MOST_ITERATIONS = 60
+MOST_ITERATIONS = 60  # of Newton's method; it needs about 10
+MOST_HALVINGS = 40  # of one step of it
+DECREASE = 1e-4  # of the slope that a step must bring (Armijo's rule)
+TAUTNESS = 0.999  # chord over length below which the first guess is that of an inextensible line
 LEAST = 1e-300  # what is divided by
 ROUNDING = 4e-15  # of the span and the rise in units of the length
 
@@ -103,7 +106,7 @@ def solve(span, rise, load, length, axial_stiffness):
     a = span / length
     b = rise / length
     elasticity = load * length / axial_stiffness
-    if a * a + b * b < 0.999**2:
+    if a * a + b * b < TAUTNESS**2:
         h, v = slack_guess(a, b)
     else:
         h, v = taut_guess(a, b, elasticity)
@@ -129,11 +132,11 @@ def solve(span, rise, load, length, axial_stiffness):
             return unit * (h + max(dh, -0.9 * h)), unit * (v + dv), iteration
         slope = g1 * dh + g2 * dv
         part = 1.0 if dh > -0.9 * h else 0.9 * h / -dh
-        for _ in range(40):
+        for _ in range(MOST_HALVINGS):
             h_new = h + part * dh
             v_new = v + part * dv
             then = energy(h_new, v_new, a, b, elasticity)
-            if then <= now + 1e-4 * part * slope + ROUNDING * (1.0 + h + abs(v)):
+            if then <= now + DECREASE * part * slope + ROUNDING * (1.0 + h + abs(v)):
                 break
             part *= 0.5
         h = h_new

@@ -20,8 +20,9 @@ from tetherfmu.kernels.chain.properties import property_of, rest_length
 from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 
-MOST_ITERATIONS = 60
-MOST_HALVINGS = 40
+MOST_ITERATIONS = 60  # of Newton's method
+MOST_HALVINGS = 40  # of one step of it
+FLAT = 1e-13  # increase of the energy that is rounding, relative
 SLACKEST = 1e-3  # eps over the mean node load
 CLOSED = 1e-3  # gap of the chain over its length; Newton's method in `newton.py` does the rest
 
@@ -122,7 +123,7 @@ def hang(chain, first_tension, load, x, tension):
         for _ in range(MOST_HALVINGS):
             trial = along(t, part, change)
             then, gap, hessian = energy(chain, trial, eps, chord, load)
-            if then <= value + 1e-13 * abs(value):
+            if then <= value + FLAT * abs(value):
                 break
             part *= 0.5
         if not then < inf:

@@ -37,8 +37,8 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 from . import compliance, elastic_catenary, hanging_chain
 
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
-MOST_ITERATIONS = 30
-ROUNDING = 2.3e-16
+MOST_ITERATIONS = 30  # of steps 2 and 3; warm it needs 2 or 3, cold about 6
+ROUNDING = 2.3e-16  # relative, of a 64-bit float
 LIGHTEST = 1e-12  # mean load over EA below which the first guess is a straight line
 ACCURACY = 1e-12  # residual over the size of the forces
 STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
