@@ -45,12 +45,12 @@ from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
-MOST_ITERATIONS = 8
+MOST_ITERATIONS = 8  # of a step and of its coarser parts
 LAST_ITERATIONS = 32  # of the finest parts
-PARTS = 4
-FINEST = PARTS**2
+PARTS = 4  # into which a step is divided, and each of them again
+FINEST = PARTS**2  # parts of the finest kind in a step
 WORST_WORK = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations for one fixed step
-MOST_HALVINGS = 8
+MOST_HALVINGS = 8  # of a move that does not go down
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns

@@ -15,8 +15,8 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-GAMMA = 0.25
-A = np.array(
+GAMMA = 0.25  # the diagonal coefficient gamma
+A = np.array(  # a_ij
     (
         (0.0, 0.0, 0.0, 0.0, 0.0),
         (3.0, 0.0, 0.0, 0.0, 0.0),
@@ -26,7 +26,7 @@ A = np.array(
         (-7.170454962423024, -4.741636671481785, -16.31002631330971, -1.062004044111401, 1.0),
     )
 )
-C = np.array(
+C = np.array(  # c_ij
     (
         (0.0, 0.0, 0.0, 0.0, 0.0),
         (-12.0, 0.0, 0.0, 0.0, 0.0),
@@ -49,8 +49,8 @@ R_BY_GAMMA = (  # R_ij/gamma of the stages 1 to 5
     (7.743495620908387, 3.1987837164992916, 10.499408840403428, 2.478009436259934),
     (0.0, 0.0, 0.0, 0.0, -0.42857142857142927),
 )
-ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))
-GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))
+ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))  # alpha_i: times of the stages
+GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))  # gamma_i: factors of df/dt
 
 # factors of V_j in v_i (stages 1 to 4) and in the momentum sum_j c_ij V_j + r_i/gamma (stages 1 to 5)
 A_ROWS = tuple(tuple(A[i, :i]) for i in range(1, at.STAGES - 1))

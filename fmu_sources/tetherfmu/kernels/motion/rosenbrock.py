@@ -95,9 +95,9 @@ def stage_force(drive, time, w):
 def correct_rate_for_mass(chain, w):
     """Complete w.force_rate (modified): d(F/m)/dt = (dF/dt - F/m dm/dt)/m; w.q holds F at the start of the step."""
     for i in range(chain.n + 1):
-        growth = (w.mass[i] - point_mass(chain, i)) / w.mass[i] * chain.reeling / chain.length
+        rate = (w.mass[i] - point_mass(chain, i)) / w.mass[i] * chain.reeling / chain.length
         for j in range(3 * i, 3 * i + 3):
-            w.force_rate[j] -= growth * w.q[j]
+            w.force_rate[j] -= rate * w.q[j]
 
 
 @kernel

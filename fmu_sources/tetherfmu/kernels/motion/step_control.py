@@ -20,17 +20,17 @@ from .rosenbrock import step
 
 # PI rule of a method whose error estimate has order 4: h_new/h = SAFETY error^(-0.7/4) last_error^(0.4/4)
 # Source: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2
-SAFETY = 0.9
-EXPONENT, LAST_EXPONENT = 0.7 / 4, 0.4 / 4
+SAFETY = 0.9  # of the step that the estimate allows
+EXPONENT, LAST_EXPONENT = 0.7 / 4, 0.4 / 4  # of the last error and of the one before
 LEAST_ERROR, LEAST_LAST_ERROR = 1e-10, 1e-4  # an error counts as at least so much
-LARGEST_GROWTH = 5.0
-STRONGEST_CUT = 0.2
+LARGEST_GROWTH = 5.0  # of a step over the one before
+STRONGEST_CUT = 0.2  # the same, downwards
 CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no number
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
-TINY = 1e-200
+TINY = 1e-200  # what keeps a quotient from 0/0
 
 
 @kernel
