@@ -10,8 +10,7 @@ Source: Golub and Van Loan, Matrix Computations, 4th ed., section 4.5 (block tri
 from collections import namedtuple
 from math import inf
 
-from tetherfmu.kernels.compilation import kernel
-
+from ..compilation import kernel
 from .both_ends import get_blocks, get_two, get_woven, put_two, weave
 from .matrices import apply, get_matrix, multiply, put_matrix, subtract
 from .pairs import first, second

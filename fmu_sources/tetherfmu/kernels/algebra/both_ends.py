@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tetherfmu.kernels.compilation import kernel
-
+from ..compilation import kernel
 from .pairs import first, load_pair, pair, second, store_pair, unzip
 
 TWO, FOUR, SIX, EIGHT = np.uint64(2), np.uint64(4), np.uint64(6), np.uint64(8)

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tetherfmu.kernels.compilation import kernel
-
+from ..compilation import kernel
 from .vectors import THREE, add, dot, neighbours, scale, sub
 
 

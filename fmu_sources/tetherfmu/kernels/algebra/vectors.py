@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from tetherfmu.kernels.compilation import kernel
+from ..compilation import kernel
 
 ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 

@@ -12,9 +12,10 @@ negative. Theory: docs/theory.md, "Air".
 
 from math import exp, log
 
-from tetherfmu.kernels.algebra.pairs import alike, lanewise
-from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
+
+from ..algebra.pairs import alike, lanewise
+from ..compilation import kernel
 
 _LOWEST = 1e-3  # the slope of the power law is taken at no less than this part of h: it is infinite at z = 0
 

@@ -12,28 +12,13 @@ only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. 
 
 import numpy as np
 
-from tetherfmu.kernels.algebra.both_ends import (
-    get_matrix_of_pairs,
-    get_two,
-    get_vector_of_pairs,
-    put_pairs,
-    put_side_by_side,
-    put_two,
-)
-from tetherfmu.kernels.algebra.matrices import (
-    add_matrices,
-    add_to_diagonal,
-    apply,
-    put_matrix,
-    scale_matrix,
-    subtract,
-    symmetric,
-)
-from tetherfmu.kernels.algebra.pairs import first, load_pair, pair, second
-from tetherfmu.kernels.algebra.vectors import add, dot, get, norm, put, scale, sub
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
+from ..algebra.both_ends import get_matrix_of_pairs, get_two, get_vector_of_pairs, put_pairs, put_side_by_side, put_two
+from ..algebra.matrices import add_matrices, add_to_diagonal, apply, put_matrix, scale_matrix, subtract, symmetric
+from ..algebra.pairs import first, load_pair, pair, second
+from ..algebra.vectors import add, dot, get, norm, put, scale, sub
+from ..compilation import kernel, view
 from . import segment
 from .properties import point_mass, property_of, rest_length
 

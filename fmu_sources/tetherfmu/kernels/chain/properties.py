@@ -2,10 +2,11 @@
 
 from collections import namedtuple
 
-from tetherfmu.kernels.algebra.pairs import number_at
-from tetherfmu.kernels.algebra.vectors import vector_at
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
+
+from ..algebra.pairs import number_at
+from ..algebra.vectors import vector_at
+from ..compilation import kernel, view
 
 Chain = namedtuple("Chain", "n parameters length reeling growth wind")
 Chain.__doc__ = """A chain at an instant.

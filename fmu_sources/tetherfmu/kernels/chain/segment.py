@@ -22,21 +22,12 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
 
 from math import sqrt
 
-from tetherfmu.kernels.algebra.matrices import (
-    add_to_diagonal,
-    apply,
-    get_matrix,
-    outer,
-    scale_matrix,
-    skew,
-    subtract,
-    symmetric,
-)
-from tetherfmu.kernels.algebra.pairs import choose
-from tetherfmu.kernels.algebra.vectors import add, along, cross, dot, scale, sub
-from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 
+from ..algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
+from ..algebra.pairs import choose
+from ..algebra.vectors import add, along, cross, dot, scale, sub
+from ..compilation import kernel
 from .atmosphere import air
 from .properties import property_of, rest_length
 

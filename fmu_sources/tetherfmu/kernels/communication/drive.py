@@ -2,11 +2,11 @@
 
 from collections import namedtuple
 
-from tetherfmu.kernels.algebra.vectors import get, put, scale, vector_at
-from tetherfmu.kernels.chain.properties import chain_at
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
+from ..algebra.vectors import get, put, scale, vector_at
+from ..chain.properties import chain_at
+from ..compilation import kernel, view
 from .driven_end import curve, position_at, velocity_at
 from .inputs import accelerations, ends
 

@@ -9,8 +9,8 @@ velocity is extrapolated to no more than four times itself), the end is led from
 by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Theory: docs/theory.md, "Driven ends".
 """
 
-from tetherfmu.kernels.algebra.vectors import add, along, scale, sub
-from tetherfmu.kernels.compilation import kernel
+from ..algebra.vectors import add, along, scale, sub
+from ..compilation import kernel
 
 STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration is extrapolated in full
 

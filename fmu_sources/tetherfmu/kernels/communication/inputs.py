@@ -2,13 +2,13 @@
 
 from math import inf
 
-from tetherfmu.kernels.algebra.vectors import put, put_at, vector_at
-from tetherfmu.kernels.arrays import copy, positions_and_velocities, state_size, trial_state
-from tetherfmu.kernels.chain.properties import chain_at, rest_length
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
 
+from ..algebra.vectors import put, put_at, vector_at
+from ..arrays import copy, positions_and_velocities, state_size, trial_state
+from ..chain.properties import chain_at, rest_length
+from ..compilation import kernel, view
 from .driven_end import estimated_acceleration, target
 
 

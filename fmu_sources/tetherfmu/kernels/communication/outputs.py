@@ -2,13 +2,14 @@
 
 from math import atan2, inf, sqrt
 
-from tetherfmu.kernels.algebra.vectors import along, dot, get, norm, put_at, sub
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.nodes import end_force, node_masses
-from tetherfmu.kernels.chain.properties import point_mass, property_of, rest_length
-from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, OUTPUT_NOT_FINITE
+
+from ..algebra.vectors import along, dot, get, norm, put_at, sub
+from ..chain import segment
+from ..chain.nodes import end_force, node_masses
+from ..chain.properties import point_mass, property_of, rest_length
+from ..compilation import kernel
 
 SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
 

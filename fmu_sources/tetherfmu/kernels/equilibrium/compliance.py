@@ -14,8 +14,8 @@ gives P = Z (L + y) and the compliance of the chain up to q: C = (M + E) Z. Noth
 segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors of k at k l/T = 1e8.
 """
 
-from tetherfmu.kernels.algebra.block_tridiagonal import inverse
-from tetherfmu.kernels.algebra.matrices import (
+from ..algebra.block_tridiagonal import inverse
+from ..algebra.matrices import (
     add_matrices,
     add_to_diagonal,
     apply,
@@ -26,10 +26,10 @@ from tetherfmu.kernels.algebra.matrices import (
     subtract,
     symmetric,
 )
-from tetherfmu.kernels.algebra.vectors import add, along, dot, get, put, scale
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.nodes import record_of
-from tetherfmu.kernels.compilation import kernel
+from ..algebra.vectors import add, along, dot, get, put, scale
+from ..chain import segment
+from ..chain.nodes import record_of
+from ..compilation import kernel
 
 ZERO = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 ONE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)

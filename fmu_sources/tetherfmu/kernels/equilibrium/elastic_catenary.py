@@ -15,9 +15,9 @@ Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/theory.md, "Ela
 
 from math import asinh, log, log1p, sinh, sqrt
 
-from tetherfmu.kernels.algebra.vectors import add, along, dot, norm, scale
-from tetherfmu.kernels.chain.segment import SHORTEST
-from tetherfmu.kernels.compilation import kernel
+from ..algebra.vectors import add, along, dot, norm, scale
+from ..chain.segment import SHORTEST
+from ..compilation import kernel
 
 MOST_ITERATIONS = 60  # of Newton's method; it needs about 10
 MOST_HALVINGS = 40  # of one step of it
@@ -25,6 +25,12 @@ DECREASE = 1e-4  # of the slope that a step must bring (Armijo's rule)
 TAUTNESS = 0.999  # chord over length below which the first guess is that of an inextensible line
 LEAST = 1e-300  # what is divided by
 ROUNDING = 4e-15  # of the span and the rise in units of the length
+
+
+@kernel
+def end_tensions(h, v1, v2):
+    """Tensions at the ends: across the load h, along it v1 and v2."""
+    return sqrt(h * h + v1 * v1), sqrt(h * h + v2 * v2)
 
 
 @kernel
@@ -36,30 +42,24 @@ def asinh_difference(h, v1, v2):
         return h * (asinh(v2 / h) + asinh(-v1 / h))
     if v2 <= 0.0:
         v1, v2 = -v2, -v1
-    t1 = sqrt(h * h + v1 * v1)
-    t2 = sqrt(h * h + v2 * v2)
+    t1, t2 = end_tensions(h, v1, v2)
     return h * log1p((v2 - v1) * (1.0 + (v1 + v2) / (t1 + t2)) / (t1 + v1))
 
 
 @kernel
-def gap(h, v, elasticity):
-    """Span across and against the load, in units of L, for the tension (h, v) at mid-length in units of w L."""
-    v1 = v - 0.5
-    v2 = v + 0.5
-    t1 = sqrt(h * h + v1 * v1)
-    t2 = sqrt(h * h + v2 * v2)
-    return elasticity * h + asinh_difference(h, v1, v2), elasticity * v + 2.0 * v / max(t1 + t2, LEAST)
+def gap(h, v, a, b, elasticity):
+    """What the span of the tension (h, v) at mid-length, in units of w L, is longer than (a, b), in units of L."""
+    t1, t2 = end_tensions(h, v - 0.5, v + 0.5)
+    across = elasticity * h + asinh_difference(h, v - 0.5, v + 0.5)
+    return across - a, elasticity * v + 2.0 * v / max(t1 + t2, LEAST) - b
 
 
 @kernel
 def energy(h, v, a, b, elasticity):
     """Complementary energy in units of w L^2; its gradient is the span of (h, v) minus (a, b)."""
-    v1 = v - 0.5
-    v2 = v + 0.5
-    t1 = sqrt(h * h + v1 * v1)
-    t2 = sqrt(h * h + v2 * v2)
+    t1, t2 = end_tensions(h, v - 0.5, v + 0.5)
     total = t1 + t2  # v2 t2 - v1 t1 = total/2 + 2 v^2/total
-    length_term = 0.25 * total + v * v / max(total, LEAST) + 0.5 * h * asinh_difference(h, v1, v2)
+    length_term = 0.25 * total + v * v / max(total, LEAST) + 0.5 * h * asinh_difference(h, v - 0.5, v + 0.5)
     elastic_term = 0.5 * elasticity * (h * h + v * v + 1.0 / 12.0)
     return length_term + elastic_term - a * h - b * v
 
@@ -111,13 +111,10 @@ def solve(span, rise, load, length, axial_stiffness):
     else:
         h, v = taut_guess(a, b, elasticity)
     unit = load * length
-    g1, g2 = gap(h, v, elasticity)
-    g1 -= a
-    g2 -= b
+    g1, g2 = gap(h, v, a, b, elasticity)
     now = energy(h, v, a, b, elasticity)
     for iteration in range(MOST_ITERATIONS):
-        t1 = sqrt(h * h + (v - 0.5) ** 2)
-        t2 = sqrt(h * h + (v + 0.5) ** 2)
+        t1, t2 = end_tensions(h, v - 0.5, v + 0.5)
         vertical = (v + 0.5) / t2 - (v - 0.5) / t1
         across = max(asinh_difference(h, v - 0.5, v + 0.5) / h - vertical, 0.0)
         j11 = elasticity + across
@@ -142,9 +139,7 @@ def solve(span, rise, load, length, axial_stiffness):
         h = h_new
         v = v_new
         now = then
-        g1, g2 = gap(h, v, elasticity)
-        g1 -= a
-        g2 -= b
+        g1, g2 = gap(h, v, a, b, elasticity)
         if abs(g1) + abs(g2) <= ROUNDING * (1.0 + a + abs(b)) or (h < 1e-14 and abs(g2) <= ROUNDING):
             return unit * h, unit * v, iteration + 1
     return 0.0, 0.0, -1
@@ -191,8 +186,7 @@ def point(arc, horizontal, ground_vertical, load, axial_stiffness):
     v2 = ground_vertical + load * arc
     if arc <= 0.0:
         return 0.0, 0.0
-    t1 = sqrt(horizontal * horizontal + v1 * v1)
-    t2 = sqrt(horizontal * horizontal + v2 * v2)
+    t1, t2 = end_tensions(horizontal, v1, v2)
     across = arc * horizontal / axial_stiffness + asinh_difference(horizontal, v1, v2) / load
     against = 0.5 * arc * (v1 + v2) / axial_stiffness + arc * (v1 + v2) / max(t1 + t2, LEAST)
     return across, against

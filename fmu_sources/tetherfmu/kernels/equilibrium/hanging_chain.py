@@ -15,10 +15,11 @@ is stationary in t_0. It is strictly convex, so Newton's method with a line sear
 
 from math import inf, sqrt
 
-from tetherfmu.kernels.algebra.vectors import along, dot, get, norm, put, scale, sub
-from tetherfmu.kernels.chain.properties import property_of, rest_length
-from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
+
+from ..algebra.vectors import along, dot, get, norm, put, scale, sub
+from ..chain.properties import property_of, rest_length
+from ..compilation import kernel
 
 MOST_ITERATIONS = 60  # of Newton's method
 MOST_HALVINGS = 40  # of one step of it

@@ -22,18 +22,18 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
 from collections import namedtuple
 from math import inf, sqrt
 
-from tetherfmu.kernels.algebra import block_tridiagonal
-from tetherfmu.kernels.algebra.both_ends import get_two
-from tetherfmu.kernels.algebra.matrices import add_to_diagonal, multiply, outer, put_matrix, skew
-from tetherfmu.kernels.algebra.pairs import pair
-from tetherfmu.kernels.algebra.vectors import add, along, cross, dot, get, norm, put, scale, sub
-from tetherfmu.kernels.arrays import node_arrays, shared_arrays
-from tetherfmu.kernels.chain import nodes, segment
-from tetherfmu.kernels.chain.properties import property_of, rest_length
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
+from ..algebra import block_tridiagonal
+from ..algebra.both_ends import get_two
+from ..algebra.matrices import add_to_diagonal, multiply, outer, put_matrix, skew
+from ..algebra.pairs import pair
+from ..algebra.vectors import add, along, cross, dot, get, norm, put, scale, sub
+from ..arrays import node_arrays, shared_arrays
+from ..chain import nodes, segment
+from ..chain.properties import property_of, rest_length
+from ..compilation import kernel, view
 from . import compliance, elastic_catenary, hanging_chain
 
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes

@@ -24,8 +24,11 @@ Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (
 from collections import namedtuple
 from math import ceil, inf, sqrt
 
-from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
-from tetherfmu.kernels.algebra.matrices import (
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
+
+from ..algebra.block_tridiagonal import Matrix, factorize, solve
+from ..algebra.matrices import (
     add_matrices,
     add_to_diagonal,
     apply,
@@ -35,15 +38,13 @@ from tetherfmu.kernels.algebra.matrices import (
     subtract,
     symmetric,
 )
-from tetherfmu.kernels.algebra.vectors import add, along, dot, get, norm, put, scale, sub
-from tetherfmu.kernels.arrays import copy, node_arrays, shared_arrays
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.nodes import longest_part, node_masses
-from tetherfmu.kernels.chain.properties import property_of, rest_length
-from tetherfmu.kernels.communication.drive import chain_during, hold_ends, place_ends
-from tetherfmu.kernels.compilation import kernel, view
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
+from ..algebra.vectors import add, along, dot, get, norm, put, scale, sub
+from ..arrays import copy, node_arrays, shared_arrays
+from ..chain import segment
+from ..chain.nodes import longest_part, node_masses
+from ..chain.properties import property_of, rest_length
+from ..communication.drive import chain_during, hold_ends, place_ends
+from ..compilation import kernel, view
 
 MOST_ITERATIONS = 8  # of a step and of its coarser parts
 LAST_ITERATIONS = 32  # of the finest parts

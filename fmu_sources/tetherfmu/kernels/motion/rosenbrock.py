@@ -18,18 +18,18 @@ from collections import namedtuple
 
 import numpy as np
 
-from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
-from tetherfmu.kernels.algebra.both_ends import get_two, put_two
-from tetherfmu.kernels.algebra.pairs import load_pair, pair, store_pair
-from tetherfmu.kernels.algebra.vectors import add, along, get, norm, put, scale, sub
-from tetherfmu.kernels.arrays import node_arrays, shared_arrays
-from tetherfmu.kernels.chain import nodes, segment
-from tetherfmu.kernels.chain.properties import point_mass, rest_length
-from tetherfmu.kernels.communication.drive import chain_during, hold_ends, place_ends
-from tetherfmu.kernels.communication.driven_end import acceleration_at, velocity_at
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
 
+from ..algebra.block_tridiagonal import Matrix, factorize, solve
+from ..algebra.both_ends import get_two, put_two
+from ..algebra.pairs import load_pair, pair, store_pair
+from ..algebra.vectors import add, along, get, norm, put, scale, sub
+from ..arrays import node_arrays, shared_arrays
+from ..chain import nodes, segment
+from ..chain.properties import point_mass, rest_length
+from ..communication.drive import chain_during, hold_ends, place_ends
+from ..communication.driven_end import acceleration_at, velocity_at
+from ..compilation import kernel, view
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, MOMENTUM, R_BY_GAMMA, P
 
 Stages = namedtuple(

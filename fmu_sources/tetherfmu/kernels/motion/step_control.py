@@ -7,14 +7,14 @@ what is allowed (`allowed_errors`). See docs/theory.md, "Rosenbrock step".
 
 from math import ceil, inf, sqrt
 
-from tetherfmu.kernels.algebra.vectors import dot, get, norm, sub
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.properties import rest_length
-from tetherfmu.kernels.communication.drive import chain_during
-from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
+from ..algebra.vectors import dot, get, norm, sub
+from ..chain import segment
+from ..chain.properties import rest_length
+from ..communication.drive import chain_during
+from ..compilation import kernel
 from .rodas4p import GAMMA
 from .rosenbrock import step
 

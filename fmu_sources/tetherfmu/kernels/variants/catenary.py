@@ -3,17 +3,17 @@
 Source: docs/theory.md, "Elastic catenary".
 """
 
-from tetherfmu.kernels.algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
-from tetherfmu.kernels.arrays import copy
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.properties import property_of
-from tetherfmu.kernels.communication.inputs import begin, move_ends, remember, trial_of_step
-from tetherfmu.kernels.communication.outputs import distance_to_chord, wave_time, write_direction
-from tetherfmu.kernels.compilation import kernel
-from tetherfmu.kernels.equilibrium.elastic_catenary import LEAST, hang, point_in_space
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
+from ..algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
+from ..arrays import copy
+from ..chain import segment
+from ..chain.properties import property_of
+from ..communication.inputs import begin, move_ends, remember, trial_of_step
+from ..communication.outputs import distance_to_chord, wave_time, write_direction
+from ..compilation import kernel
+from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
 from .chord import chord_load, chord_of, write_common
 
 SAMPLES = 24  # pieces of the catenary in which wave time and sag are found

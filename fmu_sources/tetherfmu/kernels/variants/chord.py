@@ -9,12 +9,13 @@ Source: docs/theory.md, "Straight line" and "Elastic catenary".
 
 import numpy as np
 
-from tetherfmu.kernels.algebra.vectors import along, get, put_at, sub
-from tetherfmu.kernels.arrays import positions_and_velocities
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.properties import chain_of, property_of
-from tetherfmu.kernels.compilation import kernel, view
 from tetherfmu.runtime import layout as at
+
+from ..algebra.vectors import along, get, put_at, sub
+from ..arrays import positions_and_velocities
+from ..chain import segment
+from ..chain.properties import chain_of, property_of
+from ..compilation import kernel, view
 
 # Gauss-Legendre points and weights on 0 .. 1: exact to degree 9, so for the turning tether without wind
 POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332))

@@ -4,18 +4,19 @@ These kernels join the parts: inputs -> end motion -> chain -> solver -> state. 
 state, so a refused step leaves the state of before.
 """
 
-from tetherfmu.kernels.algebra.vectors import get, put
-from tetherfmu.kernels.arrays import positions_and_velocities, shared_arrays
-from tetherfmu.kernels.chain.properties import chain_of
-from tetherfmu.kernels.communication.drive import drive_of_step, place_ends
-from tetherfmu.kernels.communication.inputs import accept, begin, check_state, remember, trial_of_step
-from tetherfmu.kernels.communication.outputs import observe_chain
-from tetherfmu.kernels.compilation import kernel
-from tetherfmu.kernels.equilibrium import newton
-from tetherfmu.kernels.motion import implicit_euler, step_control
-from tetherfmu.kernels.motion.rosenbrock import stages
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
+
+from ..algebra.vectors import get, put
+from ..arrays import positions_and_velocities, shared_arrays
+from ..chain.properties import chain_of
+from ..communication.drive import drive_of_step, place_ends
+from ..communication.inputs import accept, begin, check_state, remember, trial_of_step
+from ..communication.outputs import observe_chain
+from ..compilation import kernel
+from ..equilibrium import newton
+from ..motion import implicit_euler, step_control
+from ..motion.rosenbrock import stages
 
 
 @kernel

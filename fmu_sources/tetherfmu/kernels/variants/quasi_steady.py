@@ -5,15 +5,16 @@ no waves and no damping. Source: P. Williams, Cable Modeling Approximations for 
 Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
 """
 
-from tetherfmu.kernels.algebra.vectors import along, get, put, scale, sub
-from tetherfmu.kernels.arrays import copy, positions_and_velocities, trial_state
-from tetherfmu.kernels.chain.properties import chain_of
-from tetherfmu.kernels.communication.inputs import accept, begin, check_state, move_ends, remember, trial_of_step
-from tetherfmu.kernels.communication.outputs import observe_chain
-from tetherfmu.kernels.compilation import kernel, view
-from tetherfmu.kernels.equilibrium import newton
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
+
+from ..algebra.vectors import along, get, put, scale, sub
+from ..arrays import copy, positions_and_velocities, trial_state
+from ..chain.properties import chain_of
+from ..communication.inputs import accept, begin, check_state, move_ends, remember, trial_of_step
+from ..communication.outputs import observe_chain
+from ..compilation import kernel, view
+from ..equilibrium import newton
 
 
 @view

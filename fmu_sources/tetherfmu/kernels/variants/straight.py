@@ -4,15 +4,15 @@ The load of the air goes to the ends so that its force and its moment are kept, 
 about the ground a quarter of rho cd d c v^2/2 comes to the kite. Source: docs/theory.md, "Straight line".
 """
 
-from tetherfmu.kernels.algebra.vectors import add, along, dot, put_at, scale, sub
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.chain.properties import property_of
-from tetherfmu.kernels.communication.inputs import begin, check_step, move_ends, remember
-from tetherfmu.kernels.communication.outputs import wave_time, write_direction
-from tetherfmu.kernels.compilation import kernel
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
+from ..algebra.vectors import add, along, dot, put_at, scale, sub
+from ..chain import segment
+from ..chain.properties import property_of
+from ..communication.inputs import begin, check_step, move_ends, remember
+from ..communication.outputs import wave_time, write_direction
+from ..compilation import kernel
 from .chord import chord_load, chord_of, write_common
 
 
