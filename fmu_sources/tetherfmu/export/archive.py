@@ -36,7 +36,7 @@ from {package}.workarounds import hold
 hold(globals())
 """
 DATE = (2026, 1, 1, 0, 0, 0)
-DATE_TEXT = "2026-01-01T00:00:00Z"
+DESCRIPTION = "modelDescription.xml"
 
 
 class Trim(NamedTuple):
@@ -95,7 +95,7 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = _unpacked(_pack(resources, shipped, Path(temporary)))
     file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
-    description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
+    description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
     if not scene:
         (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
@@ -141,10 +141,9 @@ def _pack(resources, shipped, folder):
     """Let PythonFMU make the archive; leaves no trace of the hashed modules in this process. Returns its path."""
     script, package = shipped
     path = list(sys.path)
+    beside = [package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
     try:
-        return FmuBuilder.build_FMU(
-            script, dest=folder, project_files=[package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
-        )
+        return FmuBuilder.build_FMU(script, dest=folder, project_files=beside)
     finally:
         sys.path[:] = path
         for module in [name for name in sys.modules if name.split(".")[0] in (script.stem, package.name)]:
@@ -160,16 +159,13 @@ def _unpacked(archive):
 
 def _write(files, target):
     """Write an FMU with a guid from its content, fixed dates and sorted entries."""
-    description = files["modelDescription.xml"].decode("utf-8")
-    description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
+    description = files.pop(DESCRIPTION).decode("utf-8")
+    description = _replace_attribute(description, "generationDateAndTime", "2026-01-01T00:00:00Z")
     description = _replace_attribute(description, "guid", "")
     digest = hashlib.sha256(description.encode("utf-8"))
     for name in sorted(files):
-        if name != "modelDescription.xml":
-            digest.update(name.encode("utf-8"))
-            digest.update(files[name])
-    description = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}")
-    files = {**files, "modelDescription.xml": description.encode("utf-8")}
+        digest.update(name.encode("utf-8") + files[name])
+    files[DESCRIPTION] = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}").encode("utf-8")
     with zipfile.ZipFile(target, "w") as archive:
         for name in sorted(files):
             item = zipfile.ZipInfo(name, DATE)

@@ -1,7 +1,6 @@
 """What each output depends on when initialization ends: the `dependencies` of FMI's InitialUnknowns.
 
-A test sets every input and parameter to another value and looks which outputs change. Standard library only: finished FMUs
-ship this file.
+A test sets every input and parameter to another value and looks which outputs change.
 """
 
 

@@ -1,6 +1,6 @@
 """One running tether: the entry points of its variant, its flat arrays (`layout.py`), and what it says when it refuses.
 
-The FMI slave and the Python API both run it. Standard library only: finished FMUs ship this file.
+The FMI slave and the Python API both run it.
 """
 
 from array import array
@@ -95,13 +95,9 @@ class Instance:
         result = self.kernels.initialize(
             self.segments, self._parameters_address, self._inputs_address, self._state_address, self._work_address
         )
-        if result == status.OK:
-            result = self.observe()
-        if result == status.OK:
-            return None
-        problem = self.sentence(result, 0.0)  # with the length that was tried
-        self.state[:] = self.before
-        self.values[OUTPUTS_AT : self.parameters_at] = outputs
+        problem = self._observed(result, 0.0)
+        if problem:
+            self.values[OUTPUTS_AT : self.parameters_at] = outputs
         return problem
 
     def advance(self, step):
@@ -110,25 +106,24 @@ class Instance:
         result = self.kernels.advance(
             self.segments, self._parameters_address, self._inputs_address, step, self._state_address, self._work_address
         )
+        problem = self._observed(result, step)
+        if problem:
+            self.observe()
+        return problem
+
+    def _observed(self, result, step):
+        """Compute the outputs if a start or a step was done; else the state of before. Returns what is wrong, or None."""
+        result = self.observe() if result == status.OK else result
         if result == status.OK:
-            result = self.observe()
-            if result == status.OK:
-                return None
-        problem = self.sentence(result, step)
+            return None
+        problem = self.sentence(result, step)  # with the length that was tried
         self.state[:] = self.before
-        self.observe()
         return problem
 
     def observe(self):
         """Compute the outputs that belong to the state; returns the status."""
-        return self.kernels.observe(
-            self.segments,
-            self._parameters_address,
-            self._state_address,
-            self.points,
-            self._outputs_address,
-            self._work_address,
-        )
+        state, outputs = self._state_address, self._outputs_address
+        return self.kernels.observe(self.segments, self._parameters_address, state, self.points, outputs, self._work_address)
 
     def sentence(self, result, step):
         """What a status says about a step [s] with the inputs and the unstretched length of now."""

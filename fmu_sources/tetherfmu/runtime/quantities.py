@@ -1,7 +1,4 @@
-"""Declaration of a physical quantity: unit, meaning, default, limits. Each is declared once; all else is made from it.
-
-Standard library only: finished FMUs ship this file.
-"""
+"""Declaration of a physical quantity: unit, meaning, default, limits. Each is declared once; all else is made from it."""
 
 from dataclasses import dataclass, field, fields
 from math import inf, isfinite
@@ -54,9 +51,9 @@ def checked(name, value, quantity):
     return value
 
 
-def quantity(default, unit, meaning, **limits):
-    """Field of a record of quantities, with its default."""
-    return field(default=default, metadata={"quantity": Quantity(unit, meaning, **limits)})
+def quantity(default, unit, meaning, *limits, **more):
+    """Field of a record of quantities: default, unit, meaning, minimum, maximum, and more of `Quantity`."""
+    return field(default=default, metadata={"quantity": Quantity(unit, meaning, *limits, **more)})
 
 
 def quantities(record):
