@@ -59,13 +59,8 @@ def fly(advance, observe, n, points, parameters, inputs, step, state, before, ou
         Number of segments, and of points of the output `shape`.
     parameters, state, before, outputs, work : arrays
         As `Instance` has them, the last four modified. A refused step leaves the state of before it.
-    inputs : (steps, INPUTS) array
-    step : float
-        Communication step [s].
-    every : int
-        A row is kept after every so many steps; 0 for none.
-    peaks : bool
-        Whether the outputs are computed after each step, not only where a row is kept.
+    inputs, step, every, peaks
+        As `TetherModel.fly` has them.
     rows : Flown
         Modified.
 

@@ -110,7 +110,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
-        return self._outputs_unless(self._instance.start())
+        return self._outputs_after(self._instance.start())
 
     def step(
         self,
@@ -131,7 +131,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
         )
-        return self._outputs_unless(self._instance.advance(step))
+        return self._outputs_after(self._instance.advance(step))
 
     def fly(self, inputs, step, every=1, peaks=True):
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
@@ -193,7 +193,7 @@ class TetherModel:
     def outputs(self):
         """`Outputs` that belong to the present state."""
         self._instance.observe()
-        return self._collected()
+        return self._outputs_after(None)
 
     def energy(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
@@ -213,7 +213,10 @@ class TetherModel:
             inputs[at.KITE_LOAD : at.KITE_LOAD + 3] if kite_load is None else kite_load,
         )
 
-    def _collected(self):
+    def _outputs_after(self, problem):
+        """`Outputs` after a start or a step; StepRefused if there was a problem."""
+        if problem:
+            raise StepRefused(problem)
         values = self._outputs.copy()
         return Outputs(
             values[at.GROUND_FORCE : at.KITE_FORCE],
@@ -244,12 +247,6 @@ class TetherModel:
         """Set all inputs, in the order of `layout.py`."""
         for place, value in zip(self._each_input, inputs, strict=True):
             place[:] = value
-
-    def _outputs_unless(self, problem):
-        """`Outputs` after a start or a step; StepRefused if there was a problem."""
-        if problem:
-            raise StepRefused(problem)
-        return self._collected()
 
 
 class TetherDynamic(TetherModel):

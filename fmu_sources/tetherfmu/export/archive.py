@@ -124,14 +124,13 @@ def _write_package(resources, name):
     script, _ = SLAVES[name]
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
     sources[script] = (PACKAGE.parent / script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
-    digest = hashlib.sha256(json.dumps(sources, sort_keys=True).encode("utf-8"))
-    digest.update(str(kernels_folder().name).encode("utf-8"))
-    package = resources / f"tetherfmu_{digest.hexdigest()[:12]}"
+    content = json.dumps(sources, sort_keys=True) + kernels_folder().name
+    digest = hashlib.sha256(content.encode("utf-8")).hexdigest()[:12]
+    package, module = resources / f"tetherfmu_{digest}", Path(script).stem
     package.mkdir(parents=True)
     for file, text in sources.items():
         (package / file).write_text(text, encoding="utf-8", newline="\n")
-    module = Path(script).stem
-    launcher = resources / f"{module}_{digest.hexdigest()[:12]}.py"
+    launcher = resources / f"{module}_{digest}.py"
     text = LAUNCHER.format(package=package.name, module=module, name=name)
     launcher.write_text(text, encoding="utf-8", newline="\n")
     return launcher, package

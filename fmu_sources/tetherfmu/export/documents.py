@@ -37,8 +37,10 @@ def documents(name, variant, description, options, platforms, scene_page=None):
         osp_file: osp.model_description(table),
     }
     if not scene_page:
-        texts[f"{EVIDENCE_FOLDER}/README.txt"] = _filled("evidence.txt", name=name, **evidence.facts(variant))
-        texts |= {f"{EVIDENCE_FOLDER}/{file}": text for file, text in evidence.files(name, options["segments"]).items()}
+        for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
+            texts[f"{EVIDENCE_FOLDER}/{file}"] = _filled(asset, name=name, **evidence.facts(variant))
+        for file, text in evidence.files(name, options["segments"]).items():
+            texts[f"{EVIDENCE_FOLDER}/{file}"] = text
     return {
         "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),

@@ -48,7 +48,7 @@ def inputs_at(time):
 
 
 def files(name, segments):
-    """The evidence set of an FMU: dict of file name to text.
+    """Inputs and reference of an FMU: dict of file name to text.
 
     name : of the FMU and of its class in `models`.  segments : start value of `segments` in the FMU.
     """
@@ -57,14 +57,13 @@ def files(name, segments):
     return {
         f"{name}_in.csv": _table(_names(INPUT), [_flat(inputs, _names(INPUT)) for inputs in scene], INPUT_DIGITS),
         f"{name}_ref.csv": _table(_names(OUTPUT), reference(model, segments, scene), OUTPUT_DIGITS),
-        f"{name}_ref.opt": _options(ALLOWED[model.variant]),
     }
 
 
 def facts(variant):
-    """What the text of the evidence set (assets/evidence.txt) says in numbers: dict of name to number."""
+    """Numbers in assets/evidence.opt, the options of the run, and in its description assets/evidence.txt."""
     tolerances = {"tolerance": DEFAULT_TOLERANCE, "reference_tolerance": REFERENCE_TOLERANCE}
-    return {"step": STEP, "allowed": ALLOWED[variant], **tolerances}
+    return {"step": STEP, "stop": STEP * STEPS, "allowed": ALLOWED[variant], **tolerances}
 
 
 def reference(model, segments, scene):
@@ -109,16 +108,3 @@ def _table(names, rows, digits):
     for k, row in enumerate(rows):
         lines.append(",".join([f"{k * STEP:.10g}", *(text_of(value, digits) for value in row)]))
     return "\n".join(lines) + "\n"
-
-
-def _options(allowed):
-    """Options of the run as FMI's cross-check wants them, and the allowed deviation."""
-    options = {
-        "StartTime": 0.0,
-        "StopTime": STEP * STEPS,
-        "StepSize": STEP,
-        "RelTol": DEFAULT_TOLERANCE,
-        "OutputIntervalLength": STEP,
-        "AllowedDeviation": allowed,
-    }
-    return "".join(f"{name}, {value!r}\n" for name, value in options.items())

@@ -49,7 +49,7 @@ def depends_on(variant, name, shape_points, ignored):
     """Names of the inputs and parameters that an output depends on when initialization ends.
 
     variant : "dynamic", "quasi_steady", "catenary" or "straight".  name : of the output.  shape_points : number of points of
-    the output `shape`.  ignored : parameters that the variant ignores.
+    the output `shape`.  ignored : inputs and parameters without effect.
     """
     names = {**_EVERY_TETHER, **_BY_VARIANT[variant]}.get(name, _FORCE)
     if name.startswith("shape"):

@@ -59,25 +59,13 @@ class Instance:
     def set_up(self, tethers, environment, solver, tolerance=0.0, point_masses=(), free_ends=(False, False)):
         """Pack the parameters, make the arrays; it is to be started next.
 
-        Parameters
-        ----------
-        tethers : sequence of Tether
-            In series from the ground to the kite, as the variant knows them (`variants.effective`).
-        environment, solver : Environment, Solver
-        tolerance : float
-            The importer's relative tolerance [-], for a solver without one of its own; 0 for none.
-        point_masses, free_ends
-            See `parameters.pack`.
-
-        Raises
-        ------
-        ValueError
-            If the tethers do not fit together or their segments are too short.
+        tethers : as the variant knows them (`variants.effective`).  tolerance : the importer's relative tolerance [-], for a
+        solver without one of its own; 0 for none.  The others : see `parameters.pack`.  ValueError if the tethers do not fit
+        together or their segments are too short.
         """
         tolerance = solver.relative_tolerance or tolerance or DEFAULT_TOLERANCE
         self.parameters = pack(tethers, environment, solver, tolerance, point_masses, free_ends)
-        self._tolerance = tolerance
-        self._fixed_step = solver.fixed_step
+        self._tolerance, self._fixed_step = tolerance, solver.fixed_step
         segments = sum(tether.segments for tether in tethers)
         if segments != self.segments:
             self.segments = segments

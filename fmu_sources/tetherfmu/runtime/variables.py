@@ -21,20 +21,15 @@ DEGREES = ("deg", degrees(1.0))
 
 @dataclass(frozen=True)
 class Variable:
-    """One FMI variable.
-
-    name, causality : as in the model description.  kind : "Real", "Integer" or "Enumeration".  quantity : unit, meaning,
-    limits.  place : in the `inputs` or `outputs` array; of a parameter, its number.  start : of inputs and parameters.
-    depends_on : of an output, names of what it depends on when initialization ends.
-    """
+    """One FMI variable."""
 
     name: str
-    causality: str
-    kind: str
+    causality: str  # INPUT, OUTPUT or PARAMETER
+    kind: str  # "Real", "Integer" or "Enumeration"
     quantity: Quantity
-    place: int
-    start: float | None = None
-    depends_on: tuple | None = None
+    place: int  # in the `inputs` or `outputs` array; of a parameter, its number
+    start: float | None = None  # of inputs and parameters
+    depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends
 
 
 def _vector(name, causality, unit, meaning, start=(None, None, None)):
@@ -169,15 +164,12 @@ def variables(variant, shape_points, starts=(), left_out=()):
         replace(
             variable,
             quantity=replace(variable.quantity, meaning=NOTES[variant].get(variable.name, variable.quantity.meaning)),
-            depends_on=depends_on(variant, variable.name, shape_points, IGNORED[variant]),
+            depends_on=depends_on(variant, variable.name, shape_points, (*IGNORED[variant], *left_out)),
         )
         for variable in _output_variables(shape_points)
     ]
-    return tuple(
-        replace(variable, depends_on=tuple(name for name in variable.depends_on or () if name not in left_out))
-        for variable in (*inputs, *outputs, *_parameter_variables(variant, first))
-        if variable.name not in left_out
-    )
+    table = (*inputs, *outputs, *_parameter_variables(variant, first))
+    return tuple(variable for variable in table if variable.name not in left_out)
 
 
 def table_of(variant, options):
