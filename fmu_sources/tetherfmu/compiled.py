@@ -52,22 +52,11 @@ class Flown(NamedTuple):
 def fly(advance, observe, n, points, parameters, inputs, step, state, before, outputs, work, every, peaks, rows):
     """All communication steps of a flight, until one is refused; nothing is allocated.
 
-    Parameters
-    ----------
-    advance, observe : entry points of `kernel_library.Kernels`
-    n, points : int
-        Number of segments, and of points of the output `shape`.
-    parameters, state, before, outputs, work : arrays
-        As `Instance` has them, the last four modified. A refused step leaves the state of before it.
-    inputs, step, every, peaks
-        As `TetherModel.fly` has them.
-    rows : Flown
-        Modified.
+    advance, observe : of `kernel_library.Kernels`.  n, points : number of segments, and of points of the output `shape`.
+    parameters, state, before, outputs, work : arrays of `Instance`, the last four modified; a refused step leaves the state
+    of before it.  inputs, step, every, peaks : see `TetherModel.fly`.  rows : `Flown`, modified.
 
-    Returns
-    -------
-    int, int
-        Status of the step that was refused (OK if none was), and how many steps were done.
+    Returns the status of the step that was refused (OK if none was), and how many steps were done.
     """
     largest = 0.0
     for k in range(len(inputs)):

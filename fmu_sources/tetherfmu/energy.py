@@ -82,14 +82,8 @@ def _sums(chain, x, v, mass):
 def account(n, parameters, state, reel_out_speed, wind, kite_load):
     """`Energy` of the chain in a state.
 
-    Parameters
-    ----------
-    n : int
-        Segments.
-    parameters, state : ndarray
-        Flat arrays, see `layout.py`.
-    reel_out_speed, wind, kite_load : float, (3,), (3,)
-        Rate of the unstretched length [m/s], wind at the reference height [m/s], force on a free kite end [N].
+    n : segments.  parameters, state : flat arrays, see `layout.py`.  reel_out_speed : rate of the unstretched length [m/s].
+    wind : (3,) at the reference height [m/s].  kite_load : (3,) force on a free kite end [N].
     """
     flat = state[at.STATE_HEADER :].reshape(2, -1)
     x, v = flat.reshape(2, n + 1, 3)

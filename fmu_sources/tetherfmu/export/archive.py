@@ -51,32 +51,12 @@ class Trim(NamedTuple):
 
 
 def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
-    """Build one FMU.
+    """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
-    Parameters
-    ----------
-    name : str
-        One of `SLAVES`.
-    folder : Path
-        Where the FMU goes; made if missing.
-    segments : int
-        Start value of the parameter `segments`.
-    shape_points : int
-        Points of the output `shape`; 0 leaves it out.
-    platforms : sequence of str
-        Names in `ahead_of_time.TARGETS` for which kernels are put in.
-    scene : Trim
-        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
-
-    Returns
-    -------
-    Path
-        Of the FMU. The groups of variables for the Open Simulation Platform are written beside it (`osp.py`).
-
-    Raises
-    ------
-    RuntimeError
-        If the compiler or the linker fails.
+    name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
+    Platform are written beside it (`osp.py`).  segments : start value of the parameter `segments`.  shape_points : points of
+    the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : `Trim` for an FMU of one scene: what it starts with, what it goes without, and its documentation.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)

@@ -108,17 +108,9 @@ def check_series(tethers):
 def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(False, False)):
     """The `parameters` array of the kernels (array of doubles, see `layout.py`).
 
-    Parameters
-    ----------
-    tethers : sequence of Tether
-        In series from the ground to the kite. All reel in proportion to their lengths.
-    environment, solver : Environment, Solver
-    tolerance : float
-        Relative tolerance of the solver [-].
-    point_masses : pairs (node, mass)
-        Extra masses [kg] at nodes, counted from 0 at the ground.
-    free_ends : (bool, bool)
-        Whether the ground end and the kite end move freely.
+    tethers : in series from the ground to the kite; all reel in proportion to their lengths.  tolerance : relative tolerance
+    of the solver [-].  point_masses : pairs (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends :
+    whether the ground end and the kite end move freely.
     """
     check_series(tethers)
     n = sum(tether.segments for tether in tethers)
