@@ -108,7 +108,7 @@ def largest_values(reference):
 def show(found):
     """Print findings."""
     for level, text, remedy in found:
-        print(f"  {level:<8}" + text.replace("\n", "\n            "))
+        print(f"  {level:<8}" + "\n            ".join(text.splitlines()))
         if remedy:
             print(f"          remedy: {remedy}")
 
