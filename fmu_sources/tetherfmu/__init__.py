@@ -4,35 +4,15 @@ The public names are imported when they are first used, so that a part which nee
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
 from .runtime import __version__
-
-if TYPE_CHECKING:
-    from .energy import Energy, EnergyAudit
-    from .models import Flown, Outputs, StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-    from .runtime.parameters import Environment, Solver, Tether
 
 _HOMES = {
     "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight", "Flown", "Outputs", "StepRefused"),
     "runtime.parameters": ("Tether", "Environment", "Solver"),
     "energy": ("Energy", "EnergyAudit"),
 }
-__all__ = [
-    "Energy",
-    "EnergyAudit",
-    "Environment",
-    "Flown",
-    "Outputs",
-    "Solver",
-    "StepRefused",
-    "Tether",
-    "TetherCatenary",
-    "TetherDynamic",
-    "TetherQuasiSteady",
-    "TetherStraight",
-    "__version__",
-]
+__all__ = ["__version__", *(name for names in _HOMES.values() for name in names)]
 
 
 def __getattr__(name):

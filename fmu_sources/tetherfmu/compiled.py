@@ -23,67 +23,57 @@ def kernels(variant):
     return Kernels(*(prototype(_compiled(f"{variant}_{verb}").address) for verb, prototype in PROTOTYPES._asdict().items()))
 
 
-class Memory(NamedTuple):
-    """Arrays of one running tether, as `layout.py` has them; `before` is the copy of its state of before a step."""
+class Flown(NamedTuple):
+    """What a flight of many communication steps gave: one row for each step that was kept."""
 
-    parameters: np.ndarray
-    state: np.ndarray
-    before: np.ndarray
-    outputs: np.ndarray
-    work: np.ndarray
+    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
+    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
+    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
+    seconds: float = 0.0  # wall time of all steps [s]
 
+    @property
+    def kite_force(self):
+        """Force on the kite [N], array (rows, 3)."""
+        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
 
-class Rows(NamedTuple):
-    """What a flight keeps, one row each: outputs, largest |kite_force| [N] since the row before, node positions [m]."""
+    @property
+    def ground_force(self):
+        """Force on the ground station [N], array (rows, 3)."""
+        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
 
-    outputs: np.ndarray  # (rows, outputs)
-    peak: np.ndarray  # (rows,)
-    positions: np.ndarray  # (rows, 3 (segments + 1))
+    @property
+    def shape(self):
+        """Points of the tether [m], array (rows, points, 3)."""
+        points = (self.outputs.shape[1] - at.SHAPE) // 3
+        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
 
 
 @njit
-def fly(advance, observe, n, points, memory, inputs, step, every, peaks, rows):
+def fly(advance, observe, n, points, parameters, inputs, step, state, before, outputs, work, every, peaks, rows):
     """All communication steps of a flight, until one is refused; nothing is allocated.
 
-    Parameters
-    ----------
-    advance, observe : entry points of `kernel_library.Kernels`
-    n, points : int
-        Number of segments, and of points of the output `shape`.
-    memory : Memory
-        Modified. A refused step leaves the state of before it.
-    inputs : (steps, INPUTS) array
-    step : float
-        Communication step [s].
-    every : int
-        A row is kept after every so many steps; 0 for none.
-    peaks : bool
-        Whether the outputs are computed after each step, not only where a row is kept.
-    rows : Rows
-        Modified.
+    advance, observe : of `kernel_library.Kernels`.  n, points : number of segments, and of points of the output `shape`.
+    parameters, state, before, outputs, work : arrays of `Instance`, the last four modified; a refused step leaves the state
+    of before it.  inputs, step, every, peaks : see `TetherModel.fly`.  rows : `Flown`, modified.
 
-    Returns
-    -------
-    int, int
-        Status of the step that was refused (OK if none was), and how many steps were done.
+    Returns the status of the step that was refused (OK if none was), and how many steps were done.
     """
-    state, outputs = memory.state, memory.outputs
     largest = 0.0
     for k in range(len(inputs)):
         kept = every > 0 and (k + 1) % every == 0
-        memory.before[:] = state
-        result = advance(n, memory.parameters.ctypes, inputs[k].ctypes, step, state.ctypes, memory.work.ctypes)
+        before[:] = state
+        result = advance(n, parameters.ctypes, inputs[k].ctypes, step, state.ctypes, work.ctypes)
         if result == status.OK and (kept or peaks):
-            result = observe(n, memory.parameters.ctypes, state.ctypes, points, outputs.ctypes, memory.work.ctypes)
+            result = observe(n, parameters.ctypes, state.ctypes, points, outputs.ctypes, work.ctypes)
             force = outputs[at.KITE_FORCE : at.KITE_FORCE + 3]
             largest = max(largest, np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2))
         if result != status.OK:
-            state[:] = memory.before
+            state[:] = before
             return result, k
         if kept:
             row = k // every
             rows.outputs[row] = outputs
             rows.peak[row] = largest
-            rows.positions[row] = state[at.STATE_HEADER : at.STATE_HEADER + 3 * (n + 1)]
+            rows.positions[row] = state[at.STATE_HEADER : at.STATE_HEADER + 3 * (n + 1)].reshape(n + 1, 3)
             largest = 0.0
     return status.OK, len(inputs)

@@ -21,35 +21,18 @@ from tetherfmu.runtime import layout as at
 
 @dataclass(frozen=True)
 class Energy:
-    """Energies [J] of a tether and the powers [W] that change them, SI units. Theory: docs/theory.md, "Energy".
+    """Energies [J] of a tether and the powers [W] that change them. Theory: docs/theory.md, "Energy"."""
 
-    Attributes
-    ----------
-    kinetic, elastic, potential : float
-        kinetic: of the nodes that move freely; the half particle at a driven end belongs to what drives it. elastic: of the
-        springs. potential: weight times height over z = 0, with both half particles.
-    ground_power, kite_power : float
-        What the holder of an end puts into the tether, - end force . end velocity; at a free kite end: load . velocity.
-    winch_power : float
-        Work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt.
-    material_power : float
-        Kinetic, elastic and potential energy that new material brings with it; negative while reeling in.
-    wind_power : float
-        Drag force . wind velocity.
-    damping_loss, drag_loss : float
-        Heat in the dampers and in the air, drag force . (wind - tether velocity); at least 0 with the strain-rate law.
-    """
-
-    kinetic: float
-    elastic: float
-    potential: float
-    ground_power: float
-    kite_power: float
-    winch_power: float
-    material_power: float
-    wind_power: float
-    damping_loss: float
-    drag_loss: float
+    kinetic: float  # of the nodes that move freely; the half particle at a driven end belongs to what drives it
+    elastic: float  # of the springs
+    potential: float  # weight times height over z = 0, with both half particles
+    ground_power: float  # what the holder of the end puts into the tether, - end force . end velocity
+    kite_power: float  # the same at the kite; at a free kite end: load . velocity
+    winch_power: float  # work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt
+    material_power: float  # kinetic, elastic and potential energy that new material brings; negative while reeling in
+    wind_power: float  # drag force . wind velocity
+    damping_loss: float  # heat in the dampers; at least 0 with the strain-rate law
+    drag_loss: float  # heat in the air, drag force . (wind - tether velocity); at least 0
 
     @property
     def total(self):
@@ -99,14 +82,8 @@ def _sums(chain, x, v, mass):
 def account(n, parameters, state, reel_out_speed, wind, kite_load):
     """`Energy` of the chain in a state.
 
-    Parameters
-    ----------
-    n : int
-        Segments.
-    parameters, state : ndarray
-        Flat arrays, see `layout.py`.
-    reel_out_speed, wind, kite_load : float, (3,), (3,)
-        Rate of the unstretched length [m/s], wind at the reference height [m/s], force on a free kite end [N].
+    n : segments.  parameters, state : flat arrays, see `layout.py`.  reel_out_speed : rate of the unstretched length [m/s].
+    wind : (3,) at the reference height [m/s].  kite_load : (3,) force on a free kite end [N].
     """
     flat = state[at.STATE_HEADER :].reshape(2, -1)
     x, v = flat.reshape(2, n + 1, 3)

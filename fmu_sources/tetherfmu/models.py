@@ -2,11 +2,11 @@
 
 from collections import namedtuple
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
 from tetherfmu import compiled
+from tetherfmu.compiled import Flown
 from tetherfmu.runtime import kernel_library, status
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
@@ -21,36 +21,10 @@ Outputs = namedtuple(
     "ground_force kite_force ground_tension kite_tension max_tension tether_length ground_elevation ground_azimuth "
     "slack_segments kite_end_mass kite_stiffness kite_damping wave_time sag shape",
 )
-Outputs.__doc__ = (
-    """Outputs of a tether (docs/interface.md), SI units; forces are arrays of 3, `shape` has one row per node or point."""
-)
+Outputs.__doc__ = "Outputs of a tether (docs/interface.md), SI units; forces are arrays of 3, `shape` has one row per point."
 
 _NOTHING = (0.0, 0.0, 0.0)
-
-
-class Flown(NamedTuple):
-    """What a flight of many communication steps gave: one row for each step that was kept."""
-
-    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
-    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
-    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
-    seconds: float  # wall time of all steps [s]
-
-    @property
-    def kite_force(self):
-        """Force on the kite [N], array (rows, 3)."""
-        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
-
-    @property
-    def ground_force(self):
-        """Force on the ground station [N], array (rows, 3)."""
-        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
-
-    @property
-    def shape(self):
-        """Points of the tether [m], array (rows, points, 3)."""
-        points = (self.outputs.shape[1] - at.SHAPE) // 3
-        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
+_INPUT_STARTS = (at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY, at.REEL_OUT_SPEED, at.WIND_VELOCITY, at.KITE_LOAD)
 
 
 class StepRefused(ValueError):
@@ -112,15 +86,13 @@ class TetherModel:
         masses = _checked(point_masses, sum(each.segments for each in tethers))
         self._kernels = kernel_library.load(library, self.variant) if library else compiled.kernels(self.variant)
         self._points = points
-        self._instance = Instance(self._kernels, points)
-        self._instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
-        self.segments = self._instance.segments
-        values = np.frombuffer(self._instance.values)  # views of the arrays of the instance
+        self._instance = instance = Instance(self._kernels, points)
+        instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
+        self.segments = instance.segments
+        arrays = instance.values, instance.parameters, instance.state, instance.before, instance.work
+        values, self._parameters, self._state, self._before, self._work = map(np.frombuffer, arrays)  # views
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
-        names = ("parameters", "state", "before", "work")
-        self._parameters, self._state, self._before, self._work = (
-            np.frombuffer(getattr(self._instance, name)) for name in names
-        )
+        self._each_input = np.split(self._inputs, _INPUT_STARTS)
 
     def initialize(
         self,
@@ -138,7 +110,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
         )
-        return self._outputs_unless(self._instance.start())
+        return self._outputs_after(self._instance.start())
 
     def step(
         self,
@@ -159,7 +131,7 @@ class TetherModel:
         self._set_inputs(
             kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
         )
-        return self._outputs_unless(self._instance.advance(step))
+        return self._outputs_after(self._instance.advance(step))
 
     def fly(self, inputs, step, every=1, peaks=True):
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
@@ -193,13 +165,10 @@ class TetherModel:
             raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
         if every < 0:
             raise ValueError(f"every is {every!r}; it must be at least 0")
-        count = len(inputs) // every if every else 0
-        rows = compiled.Rows(
-            np.zeros((count, len(self._outputs))), np.zeros(count), np.zeros((count, 3 * (self.segments + 1)))
-        )
-        memory = compiled.Memory(self._parameters, self._state, self._before, self._outputs, self._work)
-        before = self._kernels.advance, self._kernels.observe, self.segments, self._points, memory
-        after = float(step), int(every), bool(peaks), rows
+        rows = len(inputs) // every if every else 0
+        kept = Flown(np.zeros((rows, len(self._outputs))), np.zeros(rows), np.zeros((rows, self.segments + 1, 3)))
+        before = self._kernels.advance, self._kernels.observe, self.segments, self._points, self._parameters
+        after = float(step), self._state, self._before, self._outputs, self._work, int(every), bool(peaks), kept
         compiled.fly(*before, inputs[:0], *after)  # no step: what is measured contains no compilation
         began = perf_counter()
         result, done = compiled.fly(*before, inputs, *after)
@@ -208,7 +177,7 @@ class TetherModel:
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
         if result != status.OK:
             raise StepRefused(f"step {done + 1} of {len(inputs)}: {self._instance.sentence(result, step)}")
-        return Flown(rows.outputs, rows.peak, rows.positions.reshape(count, self.segments + 1, 3), seconds)
+        return kept._replace(seconds=seconds)
 
     def get_state(self):
         """Copy of the whole state, one flat array; see `layout.py`."""
@@ -224,7 +193,7 @@ class TetherModel:
     def outputs(self):
         """`Outputs` that belong to the present state."""
         self._instance.observe()
-        return self._collected()
+        return self._outputs_after(None)
 
     def energy(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
@@ -244,15 +213,18 @@ class TetherModel:
             inputs[at.KITE_LOAD : at.KITE_LOAD + 3] if kite_load is None else kite_load,
         )
 
-    def _collected(self):
-        values = self._outputs
+    def _outputs_after(self, problem):
+        """`Outputs` after a start or a step; StepRefused if there was a problem."""
+        if problem:
+            raise StepRefused(problem)
+        values = self._outputs.copy()
         return Outputs(
-            values[at.GROUND_FORCE : at.GROUND_FORCE + 3].copy(),
-            values[at.KITE_FORCE : at.KITE_FORCE + 3].copy(),
+            values[at.GROUND_FORCE : at.KITE_FORCE],
+            values[at.KITE_FORCE : at.GROUND_TENSION],
             *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
             int(values[at.SLACK_SEGMENTS]),
             *values[at.SLACK_SEGMENTS + 1 : at.SHAPE].tolist(),
-            values[at.SHAPE :].reshape(-1, 3).copy(),
+            values[at.SHAPE :].reshape(-1, 3),
         )
 
     @property
@@ -268,27 +240,13 @@ class TetherModel:
     @property
     def counters(self):
         """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
-        return {
-            "steps": int(self._state[at.STEPS]),
-            "rejections": int(self._state[at.REJECTIONS]),
-            "iterations": int(self._state[at.ITERATIONS]),
-        }
+        places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
+        return {name: int(self._state[place]) for name, place in places.items()}
 
-    def _set_inputs(self, kite, kite_velocity, ground, ground_velocity, reel_out_speed, wind, load):
-        inputs = self._inputs
-        inputs[at.KITE_POSITION : at.KITE_POSITION + 3] = kite
-        inputs[at.KITE_VELOCITY : at.KITE_VELOCITY + 3] = kite_velocity
-        inputs[at.GROUND_POSITION : at.GROUND_POSITION + 3] = ground
-        inputs[at.GROUND_VELOCITY : at.GROUND_VELOCITY + 3] = ground_velocity
-        inputs[at.REEL_OUT_SPEED] = reel_out_speed
-        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-        inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = load
-
-    def _outputs_unless(self, problem):
-        """`Outputs` after a start or a step; StepRefused if there was a problem."""
-        if problem:
-            raise StepRefused(problem)
-        return self._collected()
+    def _set_inputs(self, *inputs):
+        """Set all inputs, in the order of `layout.py`."""
+        for place, value in zip(self._each_input, inputs, strict=True):
+            place[:] = value
 
 
 class TetherDynamic(TetherModel):

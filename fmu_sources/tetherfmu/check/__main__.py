@@ -108,10 +108,7 @@ def largest_values(reference):
 def show(found):
     """Print findings."""
     for level, text, remedy in found:
-        first, *others = text.splitlines()
-        print(f"  {level:<8}{first}")
-        for line in others:
-            print(f"            {line}")
+        print(f"  {level:<8}" + "\n            ".join(text.splitlines()))
         if remedy:
             print(f"          remedy: {remedy}")
 

@@ -62,12 +62,15 @@ def description(path):
     """Whether the model description obeys the XML schema of FMI 2.0 and FMPy's validation."""
     from fmpy.validation import validate_fmu
 
-    problems = [Finding(PROBLEM, f"FMPy's validation: {problem}") for problem in validate_fmu(str(path))]
     schema = schema_problems(path)
+    problems = [f"FMPy's validation: {problem}" for problem in validate_fmu(str(path))]
+    problems += [f"XML schema of FMI 2.0: {problem}" for problem in schema or ()]
+    if problems:
+        return [Finding(PROBLEM, problem) for problem in problems]
+    validity = "valid by the XML schema of FMI 2.0, and FMPy finds no problem"
     if schema is None:
-        return problems or [Finding(OK, "model description: FMPy finds no problem (not FMI 2.0: no schema check)")]
-    problems += [Finding(PROBLEM, f"XML schema of FMI 2.0: {problem}") for problem in schema]
-    return problems or [Finding(OK, "model description: valid by the XML schema of FMI 2.0, and FMPy finds no problem")]
+        validity = "FMPy finds no problem (not FMI 2.0: no schema check)"
+    return [Finding(OK, f"model description: {validity}")]
 
 
 def schema_problems(path):
@@ -126,16 +129,12 @@ def hosts_that_are_not_python():
     """What a host that is no Python program needs for an FMU made by PythonFMU."""
     if sys.platform != "linux":
         return []
-    found = shared_python()
-    if found is None:
-        return [
-            Finding(
-                NOTE,
-                "this Python has no shared library, so hosts that are not Python cannot run the FMU with it",
-                f"install libpython{sysconfig.get_python_version()} or a Python that is built with --enable-shared",
-            )
-        ]
-    return [Finding(NOTE, "hosts that are not Python need the Python library", f"start them with LD_PRELOAD={found}")]
+    library = shared_python()
+    if library:
+        return [Finding(NOTE, "hosts that are not Python need the Python library", f"start them with LD_PRELOAD={library}")]
+    text = "this Python has no shared library, so hosts that are not Python cannot run the FMU with it"
+    remedy = f"install libpython{sysconfig.get_python_version()} or a Python that is built with --enable-shared"
+    return [Finding(NOTE, text, remedy)]
 
 
 def shared_python():

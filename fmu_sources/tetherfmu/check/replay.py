@@ -1,6 +1,6 @@
 """Run an FMU with its evidence set in this process: `python -m tetherfmu.check.replay FILE.fmu RESULT.json`; needs FMPy.
 
-`check.py` starts it as a process of its own, so that a crash of the FMU is a finding and not the end of the check.
+`tetherfmu.check` starts it as a process of its own, so that a crash of the FMU is a finding and not the end of the check.
 """
 
 import csv
@@ -17,15 +17,11 @@ OPTIONS = ("StartTime", "StopTime", "StepSize", "RelTol", "AllowedDeviation")
 
 
 class Evidence(NamedTuple):
-    """The evidence set of an FMU.
+    """The evidence set of an FMU."""
 
-    inputs : text of the input file.  reference : dict of name to list of numbers, "time" among them.  options : dict of
-    name to number.
-    """
-
-    inputs: str
-    reference: dict
-    options: dict
+    inputs: str  # text of the input file
+    reference: dict  # name to list of numbers, "time" among them
+    options: dict  # name to number
 
 
 def evidence_of(path):
@@ -41,8 +37,7 @@ def evidence_of(path):
     head, *rows = csv.reader(io.StringIO(files["ref.csv"]))
     columns = zip(*rows, strict=True)
     reference = {name: [float(text) for text in column] for name, column in zip(head, columns, strict=True)}
-    pairs = csv.reader(io.StringIO(files["ref.opt"]), skipinitialspace=True)
-    given = {name: float(value) for name, value in pairs}
+    given = {name: float(value) for name, value in csv.reader(io.StringIO(files["ref.opt"]), skipinitialspace=True)}
     return Evidence(files["in.csv"], reference, {name: given[name] for name in OPTIONS})
 
 

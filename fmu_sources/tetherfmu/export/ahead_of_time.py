@@ -4,7 +4,7 @@ numba compiles each entry point to LLVM's intermediate code. There every functio
 the code is optimized again: all that refers to Python is then dead and vanishes. llvmlite makes an object file for each
 platform, and Zig's C compiler (package `ziglang`) links it, whatever machine this runs on.
 
-    python -m tetherfmu.export.ahead_of_time FOLDER PLATFORM [PLATFORM ...]     writes the object files (run by `libraries`)
+    python -m tetherfmu.export.ahead_of_time FOLDER PLATFORM,... VARIANT,...     writes the object files (run by `libraries`)
 """
 
 import os
@@ -16,8 +16,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+from tetherfmu.runtime.kernel_library import Kernels, file_name
+
 SOURCES = Path(__file__).resolve().parents[2]
-VERBS = ("initialize", "advance", "observe")
 MATHEMATICS = {"sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "memset", "memcpy"}
 # the plainest processor of each kind, so that the library runs on all of them
 PLAIN_CPU = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
@@ -40,29 +41,27 @@ TARGETS = {
 }
 
 
-def module_for(ir, names, target, machine):
+def module_for(ir, target, machine):
     """LLVM module of several entry points for a target, with nothing but them exported.
 
     ir : dict of exported name to (intermediate code, name there).  Returns the module and the names it still needs.
     """
     import llvmlite.binding as llvm
 
-    linked = None
-    for name in names:
-        code, inner_name = ir[name]
+    modules = []
+    for name, (code, inner_name) in ir.items():
         code = re.sub(r"^target triple = .*$", f'target triple = "{target.triple}"', code, flags=re.M)
         code = re.sub(r"^target datalayout = .*$", f'target datalayout = "{machine.target_data}"', code, flags=re.M)
         if not target.triple.startswith("x86"):
             code = re.sub(r'"target-(cpu|features)"="[^"]*"', "", code)
-        module = llvm.parse_assembly(code)
-        module.get_function(inner_name).name = name
-        if linked is None:
-            linked = module
-        else:
-            linked.link_in(module)
+        modules.append(llvm.parse_assembly(code))
+        modules[-1].get_function(inner_name).name = name
+    linked, *others = modules
+    for module in others:
+        linked.link_in(module)
     linked.verify()
     for item in [*linked.global_variables, *linked.functions]:
-        if not item.is_declaration and item.name not in names:
+        if not item.is_declaration and item.name not in ir:
             item.linkage = "internal"
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
     tuning.slp_vectorization = True  # two statements in one instruction; numba leaves it out
@@ -79,7 +78,7 @@ def intermediate_code(variant):
     from tetherfmu.kernels.compilation import compile_entry_point
 
     ir = {}
-    for verb in VERBS:
+    for verb in Kernels._fields:
         name = f"{variant}_{verb}"
         function = compile_entry_point(getattr(entry_points, name), on_disk=False)
         ir[name] = (function._library.get_llvm_str(), function._wrapper_name)
@@ -99,7 +98,7 @@ def write_objects(folder, platforms, variants):
             machine = llvm.Target.from_triple(target.triple).create_target_machine(
                 cpu=target.cpu, opt=3, reloc="pic", codemodel="small"
             )
-            module, needed = module_for(ir, list(ir), target, machine)
+            module, needed = module_for(ir, target, machine)
             if not needed <= MATHEMATICS:
                 raise RuntimeError(f"the kernels of {variant} need {sorted(needed - MATHEMATICS)}: see compilation.py")
             (folder / f"{variant}-{platform}.o").write_bytes(machine.emit_object(module))
@@ -121,31 +120,28 @@ def libraries(folder, platforms, variants):
     folder : Path, named by the content of the sources.  platforms : names in `TARGETS`.  RuntimeError if the compiler or the
     linker fails.
     """
-    from tetherfmu.runtime.kernel_library import file_name
-
     folder.mkdir(parents=True, exist_ok=True)
     pairs = [(each, platform) for each in variants for platform in platforms]
     missing = [pair for pair in pairs if not (folder / file_name(*pair)).exists()]
     if not missing:
         return
-    new_variants, new_platforms = (sorted(set(names)) for names in zip(*missing, strict=True))
+    variants, platforms = (sorted(set(names)) for names in zip(*missing, strict=True))
     with tempfile.TemporaryDirectory() as temporary:
         objects = Path(temporary)
-        command = [sys.executable, "-m", "tetherfmu.export.ahead_of_time", temporary]
-        command += [",".join(new_platforms), ",".join(new_variants)]
+        command = [sys.executable, "-m", __spec__.name, temporary, ",".join(platforms), ",".join(variants)]
         environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": str(SOURCES)}  # the child compiles this very package
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"compiling the kernels failed: {done.stderr.strip()}")
 
         def link_platform(platform):
-            for variant in new_variants:
+            for variant in variants:
                 partial = objects / file_name(variant, platform)
                 link(objects, variant, platform, partial)
                 (folder / partial.name).write_bytes(partial.read_bytes())
 
         with ThreadPoolExecutor(max_workers=2) as pool:
-            list(pool.map(link_platform, new_platforms))
+            list(pool.map(link_platform, platforms))
 
 
 if __name__ == "__main__":

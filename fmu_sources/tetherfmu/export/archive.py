@@ -36,7 +36,7 @@ from {package}.workarounds import hold
 hold(globals())
 """
 DATE = (2026, 1, 1, 0, 0, 0)
-DATE_TEXT = "2026-01-01T00:00:00Z"
+DESCRIPTION = "modelDescription.xml"
 
 
 class Trim(NamedTuple):
@@ -51,32 +51,12 @@ class Trim(NamedTuple):
 
 
 def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
-    """Build one FMU.
+    """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
-    Parameters
-    ----------
-    name : str
-        One of `SLAVES`.
-    folder : Path
-        Where the FMU goes; made if missing.
-    segments : int
-        Start value of the parameter `segments`.
-    shape_points : int
-        Points of the output `shape`; 0 leaves it out.
-    platforms : sequence of str
-        Names in `ahead_of_time.TARGETS` for which kernels are put in.
-    scene : Trim
-        For an FMU of one scene: what it starts with, what it goes without, and its documentation.
-
-    Returns
-    -------
-    Path
-        Of the FMU. The groups of variables for the Open Simulation Platform are written beside it (`osp.py`).
-
-    Raises
-    ------
-    RuntimeError
-        If the compiler or the linker fails.
+    name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
+    Platform are written beside it (`osp.py`).  segments : start value of the parameter `segments`.  shape_points : points of
+    the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in.
+    scene : `Trim` for an FMU of one scene: what it starts with, what it goes without, and its documentation.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -95,7 +75,7 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = _unpacked(_pack(resources, shipped, Path(temporary)))
     file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
-    description = ElementTree.fromstring(files["modelDescription.xml"]).get("description")
+    description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
     if not scene:
         (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
@@ -124,14 +104,13 @@ def _write_package(resources, name):
     script, _ = SLAVES[name]
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
     sources[script] = (PACKAGE.parent / script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
-    digest = hashlib.sha256(json.dumps(sources, sort_keys=True).encode("utf-8"))
-    digest.update(str(kernels_folder().name).encode("utf-8"))
-    package = resources / f"tetherfmu_{digest.hexdigest()[:12]}"
+    content = json.dumps(sources, sort_keys=True) + kernels_folder().name
+    digest = hashlib.sha256(content.encode("utf-8")).hexdigest()[:12]
+    package, module = resources / f"tetherfmu_{digest}", Path(script).stem
     package.mkdir(parents=True)
     for file, text in sources.items():
         (package / file).write_text(text, encoding="utf-8", newline="\n")
-    module = Path(script).stem
-    launcher = resources / f"{module}_{digest.hexdigest()[:12]}.py"
+    launcher = resources / f"{module}_{digest}.py"
     text = LAUNCHER.format(package=package.name, module=module, name=name)
     launcher.write_text(text, encoding="utf-8", newline="\n")
     return launcher, package
@@ -141,10 +120,9 @@ def _pack(resources, shipped, folder):
     """Let PythonFMU make the archive; leaves no trace of the hashed modules in this process. Returns its path."""
     script, package = shipped
     path = list(sys.path)
+    beside = [package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
     try:
-        return FmuBuilder.build_FMU(
-            script, dest=folder, project_files=[package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
-        )
+        return FmuBuilder.build_FMU(script, dest=folder, project_files=beside)
     finally:
         sys.path[:] = path
         for module in [name for name in sys.modules if name.split(".")[0] in (script.stem, package.name)]:
@@ -160,16 +138,13 @@ def _unpacked(archive):
 
 def _write(files, target):
     """Write an FMU with a guid from its content, fixed dates and sorted entries."""
-    description = files["modelDescription.xml"].decode("utf-8")
-    description = _replace_attribute(description, "generationDateAndTime", DATE_TEXT)
+    description = files.pop(DESCRIPTION).decode("utf-8")
+    description = _replace_attribute(description, "generationDateAndTime", "2026-01-01T00:00:00Z")
     description = _replace_attribute(description, "guid", "")
     digest = hashlib.sha256(description.encode("utf-8"))
     for name in sorted(files):
-        if name != "modelDescription.xml":
-            digest.update(name.encode("utf-8"))
-            digest.update(files[name])
-    description = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}")
-    files = {**files, "modelDescription.xml": description.encode("utf-8")}
+        digest.update(name.encode("utf-8") + files[name])
+    files[DESCRIPTION] = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}").encode("utf-8")
     with zipfile.ZipFile(target, "w") as archive:
         for name in sorted(files):
             item = zipfile.ZipInfo(name, DATE)

@@ -36,9 +36,11 @@ def documents(name, variant, description, options, platforms, scene_page=None):
         "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
         osp_file: osp.model_description(table),
     }
-    evidence_set = {} if scene_page else evidence.files(name, options["segments"])
-    for file, text in evidence_set.items():
-        texts[f"{EVIDENCE_FOLDER}/{file}"] = text
+    if not scene_page:
+        for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
+            texts[f"{EVIDENCE_FOLDER}/{file}"] = _filled(asset, name=name, **evidence.facts(variant))
+        for file, text in evidence.files(name, options["segments"]).items():
+            texts[f"{EVIDENCE_FOLDER}/{file}"] = text
     return {
         "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
@@ -54,9 +56,9 @@ def page(name, variant, description, table, osp_file):
         version=__version__,
         description=escape(description),
         physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
-        inputs=_rows(table, INPUT, lambda each: (unit(each), start(each), meaning(each))),
-        outputs=_rows(table, OUTPUT, lambda each: (unit(each), meaning(each))),
-        parameters=_rows(table, PARAMETER, lambda each: (unit(each), start(each), allowed(each), meaning(each))),
+        inputs=_rows(table, INPUT, unit, start, meaning),
+        outputs=_rows(table, OUTPUT, unit, meaning),
+        parameters=_rows(table, PARAMETER, unit, start, allowed, meaning),
         osp=osp_file,
     )
 
@@ -65,8 +67,7 @@ def folded(listed):
     """Pairs (name, variables) with the components of a vector in one pair, and the whole shape in another."""
     found = {}
     for variable in listed:
-        name = variable.name.partition("[")[0]
-        found.setdefault(name, []).append(variable)
+        found.setdefault(variable.name.partition("[")[0], []).append(variable)
     indices = {1: "", 3: "[1..3]"}
     return [(name + indices.get(len(each), "[1..K,1..3]"), each) for name, each in found.items()]
 
@@ -92,11 +93,11 @@ def meaning(each):
     return text if len(each) == 1 else re.sub(r"^point 1 of \d+", "points", text.removesuffix(", x"))
 
 
-def _rows(table, causality, columns):
-    """Rows of an HTML table of the variables of a causality."""
+def _rows(table, causality, *columns):
+    """Rows of an HTML table of the variables of a causality; columns : functions that give a text of a variable."""
     rows = []
     for name, each in folded([variable for variable in table if variable.causality == causality]):
-        cells = "".join(f"<td>{escape(text)}</td>" for text in columns(each))
+        cells = "".join(f"<td>{escape(text_of(each))}</td>" for text_of in columns)
         rows.append(f"<tr><td><code>{name}</code></td>{cells}</tr>")
     return "\n".join(rows)
 

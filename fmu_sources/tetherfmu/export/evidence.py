@@ -48,7 +48,7 @@ def inputs_at(time):
 
 
 def files(name, segments):
-    """The evidence set of an FMU: dict of file name to text.
+    """Inputs and reference of an FMU: dict of file name to text.
 
     name : of the FMU and of its class in `models`.  segments : start value of `segments` in the FMU.
     """
@@ -57,15 +57,13 @@ def files(name, segments):
     return {
         f"{name}_in.csv": _table(_names(INPUT), [_flat(inputs, _names(INPUT)) for inputs in scene], INPUT_DIGITS),
         f"{name}_ref.csv": _table(_names(OUTPUT), reference(model, segments, scene), OUTPUT_DIGITS),
-        f"{name}_ref.opt": _options(ALLOWED[model.variant]),
-        "README.txt": README.format(
-            name=name,
-            step=STEP,
-            tolerance=DEFAULT_TOLERANCE,
-            reference_tolerance=REFERENCE_TOLERANCE,
-            allowed=ALLOWED[model.variant],
-        ),
     }
+
+
+def facts(variant):
+    """Numbers in assets/evidence.opt, the options of the run, and in its description assets/evidence.txt."""
+    tolerances = {"tolerance": DEFAULT_TOLERANCE, "reference_tolerance": REFERENCE_TOLERANCE}
+    return {"step": STEP, "stop": STEP * STEPS, "allowed": ALLOWED[variant], **tolerances}
 
 
 def reference(model, segments, scene):
@@ -110,38 +108,3 @@ def _table(names, rows, digits):
     for k, row in enumerate(rows):
         lines.append(",".join([f"{k * STEP:.10g}", *(text_of(value, digits) for value in row)]))
     return "\n".join(lines) + "\n"
-
-
-def _options(allowed):
-    """Options of the run as FMI's cross-check wants them, and the allowed deviation."""
-    options = {
-        "StartTime": 0.0,
-        "StopTime": STEP * STEPS,
-        "StepSize": STEP,
-        "RelTol": DEFAULT_TOLERANCE,
-        "OutputIntervalLength": STEP,
-        "AllowedDeviation": allowed,
-    }
-    return "".join(f"{name}, {value!r}\n" for name, value in options.items())
-
-
-README = """Evidence set of {name}, in the files of FMI's cross-check rules
-
-{name}_in.csv    inputs over time: the kite flies into a part of a circle and outwards, the wind rises, the tether pays out
-                 and becomes taut. All other variables keep their start values.
-{name}_ref.csv   reference: the outputs that belong to the end of each step
-{name}_ref.opt   options of the run
-
-Run the FMU with a communication step of {step} s and a relative tolerance of {tolerance:g}; give the inputs of a row at the
-start of the step that begins at its time. Each output must stay within {allowed:g} of the largest value that the reference
-has for it (for a vector: the largest of its components).
-
-The reference does not come from the FMU. It is the solution of the Python class {name} of this project, compiled on
-another way, with a relative tolerance of {reference_tolerance:g} of its solver (of those tethers that have one) and the same
-steps. It shows that an importer gets the numbers of the exporter; how the equations compare with formulas, with other codes
-and with refined solutions is shown by the tests and the manual of the project.
-
-    python -m tetherfmu.check {name}.fmu
-
-runs all this and tells what else it finds. Building the FMU writes the set anew.
-"""

@@ -6,7 +6,6 @@ libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system 
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
-AXES = ("x", "y", "z")
 
 
 def file_name(name):
@@ -21,32 +20,29 @@ def model_description(table):
     the LinearVelocity groups `wind` and `reel_out`. libcosim connects a group with one of the same make: groups in groups in
     the same order, with the same number of variables. What an FMU for one scene goes without is left out.
 
-    table : of `interface.Variable`.
+    table : of `variables.Variable`.
     """
     units = {variable.name: variable.quantity.unit for variable in table}
     root = Element("OspModelDescription", xmlns=NAMESPACE, version="1.0")
     groups = SubElement(root, "VariableGroups")
     for end in ("kite", "ground"):
-        port = SubElement(groups, "Generic", name=end)
-        _vector(port, "Force", f"{end}_force", units)
-        _vector(port, "LinearVelocity", f"{end}_velocity", units)
-        _vector(port, "LinearDisplacement", f"{end}_position", units)
-    _vector(groups, "LinearVelocity", "wind_velocity", units, group="wind")
+        port = Element("Generic", name=end)
+        for kind, what in (("Force", "force"), ("LinearVelocity", "velocity"), ("LinearDisplacement", "position")):
+            _vector(port, kind, f"{end}_{what}", units, f"{end}_{what}")
+        if len(port):
+            groups.append(port)
+    _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     if "reel_out_speed" in units:
         reel_out = SubElement(groups, "LinearVelocity", name="reel_out")
         SubElement(reel_out, "Variable", ref="reel_out_speed", unit=units["reel_out_speed"])
-    for port in groups.findall("Generic"):
-        if len(port) == 0:
-            groups.remove(port)
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
-def _vector(parent, kind, vector, units, group=None):
+def _vector(parent, kind, group, units, vector):
     """Add a group of the three components of a vector, if the FMU has it (`parent` is modified)."""
-    if f"{vector}[1]" not in units:
-        return
-    element = SubElement(parent, kind, name=group or vector)
-    for number, axis in enumerate(AXES, start=1):
-        name = f"{vector}[{number}]"
-        SubElement(element, "Variable", ref=name, unit=units[name], axis=axis)
+    if f"{vector}[1]" in units:
+        element = SubElement(parent, kind, name=group)
+        for number, axis in enumerate("xyz", start=1):
+            name = f"{vector}[{number}]"
+            SubElement(element, "Variable", ref=name, unit=units[name], axis=axis)

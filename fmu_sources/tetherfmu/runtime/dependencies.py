@@ -1,7 +1,6 @@
 """What each output depends on when initialization ends: the `dependencies` of FMI's InitialUnknowns.
 
-A test sets every input and parameter to another value and looks which outputs change. Standard library only: finished FMUs
-ship this file.
+A test sets every input and parameter to another value and looks which outputs change.
 """
 
 
@@ -50,7 +49,7 @@ def depends_on(variant, name, shape_points, ignored):
     """Names of the inputs and parameters that an output depends on when initialization ends.
 
     variant : "dynamic", "quasi_steady", "catenary" or "straight".  name : of the output.  shape_points : number of points of
-    the output `shape`.  ignored : parameters that the variant ignores.
+    the output `shape`.  ignored : inputs and parameters without effect.
     """
     names = {**_EVERY_TETHER, **_BY_VARIANT[variant]}.get(name, _FORCE)
     if name.startswith("shape"):

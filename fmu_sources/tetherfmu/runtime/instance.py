@@ -1,6 +1,6 @@
 """One running tether: the entry points of its variant, its flat arrays (`layout.py`), and what it says when it refuses.
 
-The FMI slave and the Python API both run it. Standard library only: finished FMUs ship this file.
+The FMI slave and the Python API both run it.
 """
 
 from array import array
@@ -59,25 +59,13 @@ class Instance:
     def set_up(self, tethers, environment, solver, tolerance=0.0, point_masses=(), free_ends=(False, False)):
         """Pack the parameters, make the arrays; it is to be started next.
 
-        Parameters
-        ----------
-        tethers : sequence of Tether
-            In series from the ground to the kite, as the variant knows them (`variants.effective`).
-        environment, solver : Environment, Solver
-        tolerance : float
-            The importer's relative tolerance [-], for a solver without one of its own; 0 for none.
-        point_masses, free_ends
-            See `parameters.pack`.
-
-        Raises
-        ------
-        ValueError
-            If the tethers do not fit together or their segments are too short.
+        tethers : as the variant knows them (`variants.effective`).  tolerance : the importer's relative tolerance [-], for a
+        solver without one of its own; 0 for none.  The others : see `parameters.pack`.  ValueError if the tethers do not fit
+        together or their segments are too short.
         """
         tolerance = solver.relative_tolerance or tolerance or DEFAULT_TOLERANCE
         self.parameters = pack(tethers, environment, solver, tolerance, point_masses, free_ends)
-        self._tolerance = tolerance
-        self._fixed_step = solver.fixed_step
+        self._tolerance, self._fixed_step = tolerance, solver.fixed_step
         segments = sum(tether.segments for tether in tethers)
         if segments != self.segments:
             self.segments = segments
@@ -95,13 +83,9 @@ class Instance:
         result = self.kernels.initialize(
             self.segments, self._parameters_address, self._inputs_address, self._state_address, self._work_address
         )
-        if result == status.OK:
-            result = self.observe()
-        if result == status.OK:
-            return None
-        problem = self.sentence(result, 0.0)  # with the length that was tried
-        self.state[:] = self.before
-        self.values[OUTPUTS_AT : self.parameters_at] = outputs
+        problem = self._observed(result, 0.0)
+        if problem:
+            self.values[OUTPUTS_AT : self.parameters_at] = outputs
         return problem
 
     def advance(self, step):
@@ -110,25 +94,24 @@ class Instance:
         result = self.kernels.advance(
             self.segments, self._parameters_address, self._inputs_address, step, self._state_address, self._work_address
         )
+        problem = self._observed(result, step)
+        if problem:
+            self.observe()
+        return problem
+
+    def _observed(self, result, step):
+        """Compute the outputs if a start or a step was done; else the state of before. Returns what is wrong, or None."""
+        result = self.observe() if result == status.OK else result
         if result == status.OK:
-            result = self.observe()
-            if result == status.OK:
-                return None
-        problem = self.sentence(result, step)
+            return None
+        problem = self.sentence(result, step)  # with the length that was tried
         self.state[:] = self.before
-        self.observe()
         return problem
 
     def observe(self):
         """Compute the outputs that belong to the state; returns the status."""
-        return self.kernels.observe(
-            self.segments,
-            self._parameters_address,
-            self._state_address,
-            self.points,
-            self._outputs_address,
-            self._work_address,
-        )
+        state, outputs = self._state_address, self._outputs_address
+        return self.kernels.observe(self.segments, self._parameters_address, state, self.points, outputs, self._work_address)
 
     def sentence(self, result, step):
         """What a status says about a step [s] with the inputs and the unstretched length of now."""

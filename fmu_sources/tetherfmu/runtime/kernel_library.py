@@ -1,9 +1,7 @@
 """The entry points as ctypes functions, and the compiled library that an FMU carries.
 
 Each variant has three: initialize(n, parameters, inputs, state, work), advance(n, parameters, inputs, step, state, work) and
-observe(n, parameters, state, shape_points, outputs, work); arrays are passed by their addresses. See `entry.py`.
-
-Standard library only: finished FMUs ship this file.
+observe(n, parameters, state, shape_points, outputs, work); arrays are passed by addresses. See `kernels/entry_points.py`.
 """
 
 import platform

@@ -10,7 +10,7 @@ All arrays hold 64-bit floats. Three-vectors take three consecutive places (x, y
 `work`         scratch space of the kernels; its content has no meaning between calls
 =============  ======================================================================
 
-Standard library only: finished FMUs ship this file, the kernels freeze its numbers.
+The kernels freeze these numbers.
 """
 
 # parameters: scalars
@@ -117,12 +117,5 @@ def outputs_size(shape_points):
 
 def work_size(segments):
     """Length of the `work` array [-] of a tether with so many segments."""
-    nodes = segments + 1
-    return (
-        STATE_HEADER
-        + (2 + NODE_ARRAYS) * 3 * nodes
-        + BLOCK_ARRAYS * 9 * nodes
-        + SEGMENT_RECORD * nodes
-        + 2 * nodes
-        + segments
-    )
+    of_a_node = 3 * (2 + NODE_ARRAYS) + 9 * BLOCK_ARRAYS + SEGMENT_RECORD + 2
+    return STATE_HEADER + of_a_node * (segments + 1) + segments

@@ -1,41 +1,29 @@
 """Complete PythonFMU's model description: variables with units, limits and enumerations, and the model structure."""
 
+from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-BASE_UNITS = {
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "m/s2": {"m": 1, "s": -2},
-    "s": {"s": 1},
-    "kg": {"kg": 1},
-    "kg/m3": {"kg": 1, "m": -3},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "N.s": {"kg": 1, "m": 1, "s": -1},
-    "N/m": {"kg": 1, "s": -2},
-    "N.s/m": {"kg": 1, "s": -1},
-    "rad": {"rad": 1},
+UNITS = {  # quantity, exponents of the base units, nominal value of an input or output
+    "m": ("Length", {"m": 1}, 100.0),
+    "m/s": ("Velocity", {"m": 1, "s": -1}, 10.0),
+    "m/s2": ("Acceleration", {"m": 1, "s": -2}, 1.0),
+    "s": ("Time", {"s": 1}, 1.0),
+    "kg": ("Mass", {"kg": 1}, 1.0),
+    "kg/m3": ("Density", {"kg": 1, "m": -3}, 1.0),
+    "N": ("Force", {"kg": 1, "m": 1, "s": -2}, 100.0),
+    "N.s": ("AxialDamping", {"kg": 1, "m": 1, "s": -1}, 1.0),
+    "N/m": ("TranslationalSpringConstant", {"kg": 1, "s": -2}, 1000.0),
+    "N.s/m": ("TranslationalDampingConstant", {"kg": 1, "s": -1}, 1.0),
+    "rad": ("Angle", {"rad": 1}, 1.0),
 }
-QUANTITIES = {
-    "m": "Length",
-    "m/s": "Velocity",
-    "m/s2": "Acceleration",
-    "s": "Time",
-    "kg": "Mass",
-    "kg/m3": "Density",
-    "N": "Force",
-    "N.s": "AxialDamping",
-    "N/m": "TranslationalSpringConstant",
-    "N.s/m": "TranslationalDampingConstant",
-    "rad": "Angle",
-}
-NOMINAL = {"m": 100.0, "m/s": 10.0, "N": 100.0, "N/m": 1000.0}
+INITIAL = {"output": "calculated", "parameter": "exact"}
 
 
 def complete(root, table, references):
     """Write units, types, variables and model structure of a table of variables into the description (modified).
 
     root : Element of the model description, with PythonFMU's ModelVariables and ModelStructure.  table : of
-    `interface.Variable`.  references : their value references.
+    `variables.Variable`.  references : their value references.
     """
     for name in ("ModelVariables", "ModelStructure"):
         root.remove(root.find(name))
@@ -57,7 +45,7 @@ def _units(table):
     element = Element("UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
-        SubElement(unit, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[name].items()})
+        SubElement(unit, "BaseUnit", {base: str(power) for base, power in UNITS[name][1].items()})
         shown = {variable.quantity.display for variable in table if variable.quantity.unit == name} - {()}
         for display_name, factor in sorted(shown):
             SubElement(unit, "DisplayUnit", name=display_name, factor=repr(factor))
@@ -75,37 +63,38 @@ def _types(table):
     return element
 
 
+def _variability(variable):
+    if variable.causality == "parameter":
+        return "fixed"
+    return "continuous" if variable.kind == "Real" else "discrete"
+
+
 def _variable(variable, reference):
     attributes = {
         "name": variable.name,
         "valueReference": str(reference),
         "description": variable.quantity.meaning,
         "causality": variable.causality,
+        "variability": _variability(variable),
     }
-    variability = "fixed" if variable.causality == "parameter" else "continuous"
-    attributes["variability"] = variability if variable.kind == "Real" or variability == "fixed" else "discrete"
-    if variable.causality == "output":
-        attributes["initial"] = "calculated"
-    elif variable.causality == "parameter":
-        attributes["initial"] = "exact"
+    if variable.causality in INITIAL:
+        attributes["initial"] = INITIAL[variable.causality]
     scalar = Element("ScalarVariable", attributes)
     typed = SubElement(scalar, variable.kind)
     declared = variable.quantity
     if variable.kind == "Enumeration":
         typed.set("declaredType", variable.name)
     if variable.kind == "Real" and declared.unit:
-        typed.set("quantity", QUANTITIES[declared.unit])
+        quantity, _, nominal = UNITS[declared.unit]
+        typed.set("quantity", quantity)
         typed.set("unit", declared.unit)
         if declared.display:
             typed.set("displayUnit", declared.display[0])
         if variable.causality != "parameter":
-            typed.set("nominal", repr(NOMINAL.get(declared.unit, 1.0)))
-    if abs(declared.minimum) < float("inf"):
-        typed.set("min", number(declared.minimum))
-    if abs(declared.maximum) < float("inf"):
-        typed.set("max", number(declared.maximum))
-    if variable.start is not None:
-        typed.set("start", number(variable.start))
+            typed.set("nominal", repr(nominal))
+    for name, value in (("min", declared.minimum), ("max", declared.maximum), ("start", variable.start)):
+        if value is not None and abs(value) < inf:
+            typed.set(name, number(value))
     return scalar
 
 
@@ -115,10 +104,9 @@ def _structure(table):
     unknowns = SubElement(element, "InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
     for variable in table:
-        if variable.causality != "output":
-            continue
-        index = str(positions[variable.name])
-        SubElement(outputs, "Unknown", index=index, dependencies="")
-        dependencies = " ".join(str(place) for place in sorted(positions[name] for name in variable.depends_on))
-        SubElement(unknowns, "Unknown", index=index, dependencies=dependencies)
+        if variable.causality == "output":
+            index = str(positions[variable.name])
+            places = sorted(positions[name] for name in variable.depends_on)
+            SubElement(outputs, "Unknown", index=index, dependencies="")
+            SubElement(unknowns, "Unknown", index=index, dependencies=" ".join(map(str, places)))
     return element

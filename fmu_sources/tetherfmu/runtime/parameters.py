@@ -1,6 +1,6 @@
 """Constant records of a tether and its surroundings, and the flat array that the kernels read.
 
-Standard library only: finished FMUs ship this file.
+Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its choices).
 """
 
 from array import array
@@ -11,35 +11,28 @@ from . import layout as at
 from .quantities import check, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
+OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 
 
 @dataclass(frozen=True)
 class Tether:
     """A uniform tether. Numbers in SI units; ValueError if one is out of range."""
 
-    segments: int = quantity(20, "", "number of segments", minimum=1, maximum=at.MAX_SEGMENTS)
-    initial_length: float = quantity(
-        505.0, "m", "unstretched length at the start", minimum=at.MIN_SEGMENT_LENGTH, maximum=1e5
-    )
-    diameter: float = quantity(0.004, "m", "diameter", minimum=1e-6, maximum=10.0, display=("mm", 1000.0))
-    density: float = quantity(724.0, "kg/m3", "density of the tether material", minimum=1e-3, maximum=1e5)
-    axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", minimum=1e-3, maximum=1e12)
-    axial_damping: float = quantity(
-        473.0, "N.s", "damping constant times length: force per strain rate", minimum=0.0, maximum=1e9
-    )
-    slack_stiffness_ratio: float = quantity(
-        0.01, "", "stiffness of a slack segment relative to a taut one", minimum=0.0, maximum=1.0
-    )
-    slack_damping_ratio: float = quantity(
-        1.0, "", "damping of a slack segment relative to a taut one", minimum=0.0, maximum=1.0
-    )
+    segments: int = quantity(20, "", "number of segments", 1, at.MAX_SEGMENTS)
+    initial_length: float = quantity(505.0, "m", "unstretched length at the start", at.MIN_SEGMENT_LENGTH, 1e5)
+    diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0))
+    density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e5)
+    axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", 1e-3, 1e12)
+    axial_damping: float = quantity(473.0, "N.s", "damping constant times length: force per strain rate", 0.0, 1e9)
+    slack_stiffness_ratio: float = quantity(0.01, "", "stiffness of a slack segment relative to a taut one", 0.0, 1.0)
+    slack_damping_ratio: float = quantity(1.0, "", "damping of a slack segment relative to a taut one", 0.0, 1.0)
     damping_law: int = quantity(
         1,
         "",
         "what the damper sees: the rate of strain (physical) or of stretch (as Tethers.jl, for comparison)",
         choices=("strain_rate", "stretch_rate"),
     )
-    drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", minimum=0.0, maximum=100.0)
+    drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
 
     def __post_init__(self):
         check(self)
@@ -49,26 +42,20 @@ class Tether:
 class Environment:
     """Air, wind profile and gravity. Numbers in SI units; ValueError if one is out of range."""
 
-    air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", minimum=0.0, maximum=1e4)
+    air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", 0.0, 1e4)
     air_density_scale_height: float = quantity(
-        0.0,
-        "m",
-        "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere",
-        minimum=0.0,
-        maximum=1e9,
+        0.0, "m", "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere", 0.0, 1e9
     )
-    gravity: float = quantity(9.81, "m/s2", "gravity along -z", minimum=0.0, maximum=1000.0)
+    gravity: float = quantity(9.81, "m/s2", "gravity along -z", 0.0, 1000.0)
     wind_profile: int = quantity(
         1,
         "",
         "growth of the wind with the height z: uniform; (z/h)^alpha; ln(z/z0)/ln(h/z0); log + (log - power)",
         choices=("uniform", "power_law", "logarithmic", "explog"),
     )
-    wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", minimum=1e-3, maximum=1e5)
-    wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", minimum=0.0, maximum=2.0)
-    surface_roughness: float = quantity(
-        0.0002, "m", "roughness z0 of the logarithmic law of the wind", minimum=1e-9, maximum=100.0
-    )
+    wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
+    wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", 0.0, 2.0)
+    surface_roughness: float = quantity(0.0002, "m", "roughness z0 of the logarithmic law of the wind", 1e-9, 100.0)
 
     def __post_init__(self):
         check(self)
@@ -84,14 +71,10 @@ class Solver:
     """How the motion is computed; ValueError if a number is out of range."""
 
     relative_tolerance: float = quantity(
-        0.0,
-        "",
-        "of the internal solver; 0: the importer's tolerance where it passes one, else 1e-4",
-        minimum=0.0,
-        maximum=LOOSEST_TOLERANCE,
+        0.0, "", "of the internal solver; 0: the importer's tolerance where it passes one, else 1e-4", 0.0, LOOSEST_TOLERANCE
     )
     fixed_step: float = quantity(
-        0.0, "s", "0: adaptive; greater: the solver takes exactly these internal steps (real time)", minimum=0.0, maximum=1e3
+        0.0, "s", "0: adaptive; greater: the solver takes exactly these internal steps (real time)", 0.0, 1e3
     )
     initial_shape: int = quantity(
         1,
@@ -108,7 +91,7 @@ def check_series(tethers):
     """Check tethers that are joined in series, ground first; ValueError if they do not fit together or are too fine."""
     first = tethers[0]
     for tether in tethers[1:]:
-        for name in ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law"):
+        for name in OF_THE_WHOLE_CHAIN:
             if getattr(tether, name) != getattr(first, name):
                 raise ValueError(f"{name} must be the same for all tethers in series")
     n = sum(tether.segments for tether in tethers)
@@ -125,37 +108,25 @@ def check_series(tethers):
 def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(False, False)):
     """The `parameters` array of the kernels (array of doubles, see `layout.py`).
 
-    Parameters
-    ----------
-    tethers : sequence of Tether
-        In series from the ground to the kite. All reel in proportion to their lengths.
-    environment, solver : Environment, Solver
-    tolerance : float
-        Relative tolerance of the solver [-].
-    point_masses : pairs (node, mass)
-        Extra masses [kg] at nodes, counted from 0 at the ground.
-    free_ends : (bool, bool)
-        Whether the ground end and the kite end move freely.
+    tethers : in series from the ground to the kite; all reel in proportion to their lengths.  tolerance : relative tolerance
+    of the solver [-].  point_masses : pairs (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends :
+    whether the ground end and the kite end move freely.
     """
     check_series(tethers)
     n = sum(tether.segments for tether in tethers)
     length = sum(tether.initial_length for tether in tethers)
     flat = array("d", bytes(8 * at.parameters_size(n)))
-    flat[at.GRAVITY] = environment.gravity
-    flat[at.AIR_DENSITY] = environment.air_density
-    flat[at.AIR_DENSITY_SCALE_HEIGHT] = environment.air_density_scale_height
-    flat[at.WIND_PROFILE] = environment.wind_profile
-    flat[at.WIND_REFERENCE_HEIGHT] = environment.wind_reference_height
-    flat[at.WIND_EXPONENT] = environment.wind_exponent
-    flat[at.SURFACE_ROUGHNESS] = environment.surface_roughness
-    flat[at.SLACK_STIFFNESS_RATIO] = tethers[0].slack_stiffness_ratio
-    flat[at.SLACK_DAMPING_RATIO] = tethers[0].slack_damping_ratio
-    flat[at.DAMPING_LAW] = tethers[0].damping_law
-    flat[at.RELATIVE_TOLERANCE] = tolerance
-    flat[at.FIXED_STEP] = solver.fixed_step
-    flat[at.INITIAL_SHAPE] = solver.initial_shape
-    flat[at.INITIAL_LENGTH] = length
-    flat[at.GROUND_IS_FREE], flat[at.KITE_IS_FREE] = free_ends
+    scalars = {
+        **vars(environment),
+        **vars(solver),
+        **{name: getattr(tethers[0], name) for name in OF_THE_WHOLE_CHAIN},
+        "relative_tolerance": tolerance,
+        "initial_length": length,
+        "ground_is_free": free_ends[0],
+        "kite_is_free": free_ends[1],
+    }
+    for name, value in scalars.items():
+        flat[getattr(at, name.upper())] = value  # a place has the name of its quantity
     s = 0
     for tether in tethers:
         properties = {
@@ -165,10 +136,10 @@ def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(Fa
             at.LINE_DENSITY: tether.density * pi * tether.diameter**2 / 4.0,
             at.DRAG_WIDTH: tether.drag_coefficient * tether.diameter,
         }
-        for _ in range(tether.segments):
-            for place, value in properties.items():
-                flat[at.PARAMETER_SCALARS + place * n + s] = value
-            s += 1
+        for place, value in properties.items():
+            start = at.PARAMETER_SCALARS + place * n + s
+            flat[start : start + tether.segments] = array("d", [value] * tether.segments)
+        s += tether.segments
     for node, mass in point_masses:
         flat[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + node] = mass
     return flat

@@ -1,7 +1,4 @@
-"""Declaration of a physical quantity: unit, meaning, default, limits. Each is declared once; all else is made from it.
-
-Standard library only: finished FMUs ship this file.
-"""
+"""Declaration of a physical quantity: unit, meaning, default, limits. Each is declared once; all else is made from it."""
 
 from dataclasses import dataclass, field, fields
 from math import inf, isfinite
@@ -9,19 +6,14 @@ from math import inf, isfinite
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number with its meaning.
+    """One number with its meaning."""
 
-    unit : of the number; "" for none.  meaning : one line for people.  minimum, maximum : allowed range, both included.
-    choices : names of an enumeration, in the order of its numbers 1, 2, ...  display : (unit, factor) for people: shown
-    value = factor times value.
-    """
-
-    unit: str
-    meaning: str
-    minimum: float = -inf
+    unit: str  # "" for none
+    meaning: str  # one line for people
+    minimum: float = -inf  # allowed, as the maximum
     maximum: float = inf
-    choices: tuple = ()
-    display: tuple = ()
+    choices: tuple = ()  # names of an enumeration, in the order of its numbers 1, 2, ...
+    display: tuple = ()  # (unit, factor) for people: shown value = factor times value
 
     def range(self):
         """The allowed range in words."""
@@ -40,11 +32,9 @@ class Quantity:
             number = float(value)
         except (TypeError, ValueError):
             return False
-        if not isfinite(number):
-            return False
         if self.choices:
             return number in range(1, len(self.choices) + 1)
-        return self.minimum <= number <= self.maximum
+        return isfinite(number) and self.minimum <= number <= self.maximum
 
 
 def checked(name, value, quantity):
@@ -54,9 +44,9 @@ def checked(name, value, quantity):
     return value
 
 
-def quantity(default, unit, meaning, **limits):
-    """Field of a record of quantities, with its default."""
-    return field(default=default, metadata={"quantity": Quantity(unit, meaning, **limits)})
+def quantity(default, unit, meaning, *limits, **more):
+    """Field of a record of quantities: default, unit, meaning, minimum, maximum, and more of `Quantity`."""
+    return field(default=default, metadata={"quantity": Quantity(unit, meaning, *limits, **more)})
 
 
 def quantities(record):
@@ -67,7 +57,7 @@ def quantities(record):
 def check(record):
     """Check every quantity of a record; ValueError names the first one out of range."""
     for name, declared in quantities(record):
-        checked(name, getattr(record, name), declared)
+        value = checked(name, getattr(record, name), declared)
         whole = declared.choices or isinstance(record.__dataclass_fields__[name].default, int)
-        if whole and int(getattr(record, name)) != getattr(record, name):
-            raise ValueError(f"{name} is {getattr(record, name)!r}; it must be a whole number")
+        if whole and int(value) != value:
+            raise ValueError(f"{name} is {value!r}; it must be a whole number")

@@ -1,7 +1,4 @@
-"""What the builder puts into the resources of an FMU beside this package: compiled kernels and build options.
-
-Standard library only: finished FMUs ship this file.
-"""
+"""What the builder puts into the resources of an FMU beside this package: compiled kernels and build options."""
 
 import json
 from functools import lru_cache

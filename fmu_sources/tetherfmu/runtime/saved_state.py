@@ -1,7 +1,4 @@
-"""A saved state as bytes: header, facts, all FMI values, and the state array once the tether is initialized.
-
-Standard library only: finished FMUs ship this file.
-"""
+"""A saved state as bytes: header, facts, all FMI values, and the state array once the tether is initialized."""
 
 import struct
 import zlib

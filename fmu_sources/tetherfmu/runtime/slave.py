@@ -97,17 +97,12 @@ class TetherSlave(Fmi2Slave):
         if 0.0 < tolerance <= LOOSEST_TOLERANCE:
             self._importer_tolerance = tolerance
         else:
-            self._say(
-                f"the importer's tolerance {tolerance} is not used; allowed is up to {LOOSEST_TOLERANCE}",
-                Fmi2Status.warning,
-            )
+            problem = f"the importer's tolerance {tolerance} is not used; allowed is up to {LOOSEST_TOLERANCE}"
+            self._say(problem, Fmi2Status.warning)
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""
-        if self._phase == BEFORE:
-            self._phase = INITIALIZING
-        else:
-            self._refuse(f"initialization mode cannot be entered {_PHASES[self._phase]}")
+        self._change_phase(BEFORE, INITIALIZING, "initialization mode cannot be entered")
 
     def exit_initialization_mode(self):
         """Check the parameters and find the first shape; the only place where an exception leaves the slave."""
@@ -133,10 +128,13 @@ class TetherSlave(Fmi2Slave):
 
     def terminate(self):
         """No step can follow, but values can still be read; an instance holds memory only."""
-        if self._phase == STEPPING:
-            self._phase = TERMINATED
+        self._change_phase(STEPPING, TERMINATED, "the tether cannot be terminated")
+
+    def _change_phase(self, before, after, refusal):
+        if self._phase == before:
+            self._phase = after
         else:
-            self._refuse(f"the tether cannot be terminated {_PHASES[self._phase]}")
+            self._refuse(f"{refusal} {_PHASES[self._phase]}")
 
     # --- values
 
@@ -165,17 +163,15 @@ class TetherSlave(Fmi2Slave):
         """There are no Boolean variables."""
         return [bool(value) for value in self._get(vrs, frozenset())]
 
-    def set_boolean(self, vrs, values):
-        """There are no Boolean variables."""
-        self._set_parameters(vrs, values, frozenset())
-
     def get_string(self, vrs):
         """There are no String variables."""
         return [str(value) for value in self._get(vrs, frozenset())]
 
-    def set_string(self, vrs, values):
-        """There are no String variables."""
+    def set_boolean(self, vrs, values):
+        """There are no Boolean variables, and no String variables."""
         self._set_parameters(vrs, values, frozenset())
+
+    set_string = set_boolean
 
     def _get(self, vrs, allowed):
         if not allowed.issuperset(vrs):

@@ -1,7 +1,6 @@
 """Status codes of the kernels, and the sentence that each of them says.
 
 A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input, for example).
-Standard library only: finished FMUs ship this file.
 """
 
 from . import layout as at

@@ -1,7 +1,7 @@
 """The plug: the table of FMI variables, made from the records. One table for every tether.
 
-A variable lives at one place of the flat arrays (`layout.py`): an input, an output, or a parameter of a record. Its value
-reference is its place in `variables()`. Standard library only: finished FMUs ship this file.
+A variable lives at one place of the flat arrays (`layout.py`), which has its name: an input, an output, or a parameter of a
+record. Its value reference is its place in `Instance.values`.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -21,110 +21,71 @@ DEGREES = ("deg", degrees(1.0))
 
 @dataclass(frozen=True)
 class Variable:
-    """One FMI variable.
-
-    name, causality : as in the model description.  kind : "Real", "Integer" or "Enumeration".  quantity : unit, meaning,
-    limits.  place : in the `inputs` or `outputs` array; of a parameter, its number.  start : of inputs and parameters.
-    depends_on : of an output, names of what it depends on when initialization ends.
-    """
+    """One FMI variable."""
 
     name: str
-    causality: str
-    kind: str
+    causality: str  # INPUT, OUTPUT or PARAMETER
+    kind: str  # "Real", "Integer" or "Enumeration"
     quantity: Quantity
-    place: int
-    start: float | None = None
-    depends_on: tuple | None = None
+    place: int  # in the `inputs` or `outputs` array; of a parameter, its number
+    start: float | None = None  # of inputs and parameters
+    depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends
 
 
-def _vector(name, causality, place, unit, meaning, start=(0.0, 0.0, 0.0)):
-    axes = ("x", "y", "z")
-    starts = start if causality == INPUT else (None, None, None)
+def _vector(name, causality, unit, meaning, start=(None, None, None)):
+    place = getattr(at, name.upper())
     return [
-        Variable(f"{name}[{i + 1}]", causality, "Real", Quantity(unit, f"{meaning}, {axes[i]}"), place + i, starts[i])
-        for i in range(3)
+        Variable(f"{name}[{i + 1}]", causality, "Real", Quantity(unit, f"{meaning}, {axis}"), place + i, start[i])
+        for i, axis in enumerate("xyz")
     ]
 
 
 def _input_variables():
     reel_out = Quantity("m/s", "rate of change of the unstretched length; positive pays out")
+    zero = (0.0, 0.0, 0.0)
     return [
-        *_vector("kite_position", INPUT, at.KITE_POSITION, "m", "position of the kite attachment point", KITE_AT_START),
-        *_vector("kite_velocity", INPUT, at.KITE_VELOCITY, "m/s", "velocity of the kite attachment point"),
-        *_vector("ground_position", INPUT, at.GROUND_POSITION, "m", "position of the ground end"),
-        *_vector("ground_velocity", INPUT, at.GROUND_VELOCITY, "m/s", "velocity of the ground end"),
+        *_vector("kite_position", INPUT, "m", "position of the kite attachment point", KITE_AT_START),
+        *_vector("kite_velocity", INPUT, "m/s", "velocity of the kite attachment point", zero),
+        *_vector("ground_position", INPUT, "m", "position of the ground end", zero),
+        *_vector("ground_velocity", INPUT, "m/s", "velocity of the ground end", zero),
         Variable("reel_out_speed", INPUT, "Real", reel_out, at.REEL_OUT_SPEED, 0.0),
-        *_vector("wind_velocity", INPUT, at.WIND_VELOCITY, "m/s", "wind at wind_reference_height"),
+        *_vector("wind_velocity", INPUT, "m/s", "wind at wind_reference_height", zero),
     ]
 
 
-def _scalar_output(name, place, unit, meaning, kind="Real", **limits):
-    return Variable(name, OUTPUT, kind, Quantity(unit, meaning, **limits), place)
+_AZIMUTH = "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above"
+_SCALAR_OUTPUTS = {  # unit, meaning, minimum, maximum
+    "ground_tension": Quantity("N", "tension of the first segment"),
+    "kite_tension": Quantity("N", "tension of the last segment"),
+    "max_tension": Quantity("N", "largest tension of all segments now"),
+    "tether_length": Quantity("m", "unstretched length now", 0.0),
+    "ground_elevation": Quantity(
+        "rad", "elevation at which the tether leaves the ground end", -pi / 2.0, pi / 2.0, display=DEGREES
+    ),
+    "ground_azimuth": Quantity("rad", _AZIMUTH, -pi, pi, display=DEGREES),
+    "slack_segments": Quantity("", "number of segments that are shorter than unstretched", 0, at.MAX_SEGMENTS),
+    "kite_end_mass": Quantity("kg", "tether mass lumped at the kite end", 0.0),
+    "kite_stiffness": Quantity("N/m", "stiffness along the tether that the kite feels, all segments taut", 0.0),
+    "kite_damping": Quantity("N.s/m", "damping along the tether that the kite feels, all segments taut", 0.0),
+    "wave_time": Quantity("s", "travel time of a transverse wave over the tether", 0.0),
+    "sag": Quantity("m", "largest distance of the tether from its chord", 0.0),
+}
 
 
 def _output_variables(shape_points):
-    vector_outputs = [
-        *_vector("ground_force", OUTPUT, at.GROUND_FORCE, "N", "force of the tether on the ground station"),
-        *_vector("kite_force", OUTPUT, at.KITE_FORCE, "N", "force of the tether on the kite"),
+    outputs = [
+        *_vector("ground_force", OUTPUT, "N", "force of the tether on the ground station"),
+        *_vector("kite_force", OUTPUT, "N", "force of the tether on the kite"),
     ]
-    scalar = _scalar_output
-    points = []
-    for k in range(shape_points):
-        for i, axis in enumerate(("x", "y", "z")):
-            meaning = f"point {k + 1} of {shape_points} on the tether at equal unstretched length, {axis}"
-            points.append(scalar(f"shape[{k + 1},{i + 1}]", at.SHAPE + 3 * k + i, "m", meaning))
-    return [
-        *vector_outputs,
-        scalar("ground_tension", at.GROUND_TENSION, "N", "tension of the first segment"),
-        scalar("kite_tension", at.KITE_TENSION, "N", "tension of the last segment"),
-        scalar("max_tension", at.MAX_TENSION, "N", "largest tension of all segments now"),
-        scalar("tether_length", at.TETHER_LENGTH, "m", "unstretched length now", minimum=0.0),
-        scalar(
-            "ground_elevation",
-            at.GROUND_ELEVATION,
-            "rad",
-            "elevation at which the tether leaves the ground end",
-            minimum=-pi / 2.0,
-            maximum=pi / 2.0,
-            display=DEGREES,
-        ),
-        scalar(
-            "ground_azimuth",
-            at.GROUND_AZIMUTH,
-            "rad",
-            "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above",
-            minimum=-pi,
-            maximum=pi,
-            display=DEGREES,
-        ),
-        scalar(
-            "slack_segments",
-            at.SLACK_SEGMENTS,
-            "",
-            "number of segments that are shorter than unstretched",
-            kind="Integer",
-            minimum=0,
-            maximum=at.MAX_SEGMENTS,
-        ),
-        scalar("kite_end_mass", at.KITE_END_MASS, "kg", "tether mass lumped at the kite end", minimum=0.0),
-        scalar(
-            "kite_stiffness",
-            at.KITE_STIFFNESS,
-            "N/m",
-            "stiffness along the tether that the kite feels, all segments taut",
-            minimum=0.0,
-        ),
-        scalar(
-            "kite_damping",
-            at.KITE_DAMPING,
-            "N.s/m",
-            "damping along the tether that the kite feels, all segments taut",
-            minimum=0.0,
-        ),
-        scalar("wave_time", at.WAVE_TIME, "s", "travel time of a transverse wave over the tether", minimum=0.0),
-        scalar("sag", at.SAG, "m", "largest distance of the tether from its chord", minimum=0.0),
-        *points,
-    ]
+    for name, quantity in _SCALAR_OUTPUTS.items():
+        kind = "Integer" if name == "slack_segments" else "Real"
+        outputs.append(Variable(name, OUTPUT, kind, quantity, getattr(at, name.upper())))
+    for k in range(1, shape_points + 1):
+        for i, axis in enumerate("xyz", start=1):
+            meaning = f"point {k} of {shape_points} on the tether at equal unstretched length, {axis}"
+            place = at.SHAPE + 3 * (k - 1) + i - 1
+            outputs.append(Variable(f"shape[{k},{i}]", OUTPUT, "Real", Quantity("m", meaning), place))
+    return outputs
 
 
 def parameter_names():
@@ -135,14 +96,9 @@ def parameter_names():
 INPUT_NAMES = {variable.place: variable.name for variable in _input_variables()}
 
 
-_SOLVER = "there is no motion to integrate"
-_NO_WAVES = "this tether has no waves"
 _IGNORED_WITHOUT_WAVES = {
-    "axial_damping": _NO_WAVES,
-    "slack_damping_ratio": _NO_WAVES,
-    "damping_law": _NO_WAVES,
-    "relative_tolerance": _SOLVER,
-    "fixed_step": _SOLVER,
+    **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
+    **dict.fromkeys(("relative_tolerance", "fixed_step"), "there is no motion to integrate"),
     "initial_shape": "this tether is in equilibrium from the start",
 }
 _IGNORED_WITHOUT_NODES = {
@@ -172,23 +128,22 @@ def _parameter_variables(variant, starts):
 
 
 _NO_DAMPING = {"kite_damping": "damping along the tether that the kite feels: 0, this tether has none"}
+_ONE_LINE = {
+    **_NO_DAMPING,
+    "ground_tension": "tension at the ground end",
+    "kite_tension": "tension at the kite end",
+    "max_tension": "larger one of the tensions at the ends",
+    "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
+    "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
+}
 NOTES = {  # meanings of outputs where they differ from the dynamic tether's
     "dynamic": {},
     "quasi_steady": _NO_DAMPING,
-    "catenary": {
-        **_NO_DAMPING,
-        "ground_tension": "tension at the ground end",
-        "kite_tension": "tension at the kite end",
-        "max_tension": "larger one of the tensions at the ends",
-        "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
-        "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
-    },
+    "catenary": _ONE_LINE,
     "straight": {
-        **_NO_DAMPING,
+        **_ONE_LINE,
         "ground_tension": "force along the tether at the ground end",
         "kite_tension": "force along the tether at the kite end",
-        "max_tension": "larger one of the tensions at the ends",
-        "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
         "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
         "sag": "largest distance of the tether from its chord: 0, this tether is straight",
     },
@@ -209,15 +164,12 @@ def variables(variant, shape_points, starts=(), left_out=()):
         replace(
             variable,
             quantity=replace(variable.quantity, meaning=NOTES[variant].get(variable.name, variable.quantity.meaning)),
-            depends_on=depends_on(variant, variable.name, shape_points, IGNORED[variant]),
+            depends_on=depends_on(variant, variable.name, shape_points, (*IGNORED[variant], *left_out)),
         )
         for variable in _output_variables(shape_points)
     ]
-    return tuple(
-        replace(variable, depends_on=tuple(name for name in variable.depends_on or () if name not in left_out))
-        for variable in (*inputs, *outputs, *_parameter_variables(variant, first))
-        if variable.name not in left_out
-    )
+    table = (*inputs, *outputs, *_parameter_variables(variant, first))
+    return tuple(variable for variable in table if variable.name not in left_out)
 
 
 def table_of(variant, options):

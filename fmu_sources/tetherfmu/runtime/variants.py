@@ -1,7 +1,4 @@
-"""The variants of the tether, and how people spell them.
-
-Standard library only: finished FMUs ship this file.
-"""
+"""The variants of the tether, and how people spell them."""
 
 from dataclasses import replace
 

@@ -1,7 +1,4 @@
-"""What PythonFMU's library leaves undone (docs/fmi.md): references that it gives away, and the end of a process.
-
-Standard library only: finished FMUs ship this file.
-"""
+"""What PythonFMU's library leaves undone (docs/fmi.md): references that it gives away, and the end of a process."""
 
 import ctypes
 import os
