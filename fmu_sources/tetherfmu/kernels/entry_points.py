@@ -9,7 +9,6 @@ from numba import carray, types
 from tetherfmu.runtime.layout import INPUTS
 
 from .arrays import outputs_size, parameters_size, state_size, work_size
-from .communication.outputs import check_outputs
 from .compilation import view
 from .variants import catenary, dynamic, quasi_steady, straight
 
@@ -54,9 +53,7 @@ def dynamic_advance(n, parameters, inputs, step, state, work):
 def dynamic_observe(n, parameters, state, shape_points, outputs, work):
     """Outputs (modified) of a dynamic tether; see `dynamic.observe`."""
     p, s, w = _chain_arrays(n, parameters, state, work)
-    o = carray(outputs, outputs_size(shape_points))
-    dynamic.observe(n, p, s, shape_points, o, w)
-    return check_outputs(o)
+    return dynamic.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
 
 @_entry_point(_INITIALIZE)
@@ -77,9 +74,7 @@ def quasi_steady_advance(n, parameters, inputs, step, state, work):
 def quasi_steady_observe(n, parameters, state, shape_points, outputs, work):
     """Outputs (modified) of a quasi-steady tether; see `quasi_steady.observe`."""
     p, s, w = _chain_arrays(n, parameters, state, work)
-    o = carray(outputs, outputs_size(shape_points))
-    quasi_steady.observe(n, p, s, shape_points, o, w)
-    return check_outputs(o)
+    return quasi_steady.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
 
 @_entry_point(_INITIALIZE)
@@ -100,9 +95,7 @@ def catenary_advance(n, parameters, inputs, step, state, work):
 def catenary_observe(n, parameters, state, shape_points, outputs, work):
     """Outputs (modified) of a catenary; see `catenary.observe`."""
     p, s, w = _chain_arrays(n, parameters, state, work)
-    o = carray(outputs, outputs_size(shape_points))
-    catenary.observe(n, p, s, shape_points, o, w)
-    return check_outputs(o)
+    return catenary.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
 
 @_entry_point(_INITIALIZE)
@@ -123,6 +116,4 @@ def straight_advance(n, parameters, inputs, step, state, work):
 def straight_observe(n, parameters, state, shape_points, outputs, work):
     """Outputs (modified) of a straight line; see `straight.observe`."""
     p, s, w = _chain_arrays(n, parameters, state, work)
-    o = carray(outputs, outputs_size(shape_points))
-    straight.observe(n, p, s, shape_points, o, w)
-    return check_outputs(o)
+    return straight.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)

@@ -90,7 +90,7 @@ def shape(chain, x, shape_points, outputs):
 
 @kernel
 def observe_chain(chain, x, v, shape_points, outputs, mass):
-    """Write all outputs (modified) of a chain with the node positions x [m] and velocities v [m/s].
+    """Write all outputs (modified) of a chain with the node positions x [m] and velocities v [m/s]; returns a status.
 
     `mass` (modified) holds n + 1 numbers.
     """
@@ -106,6 +106,7 @@ def observe_chain(chain, x, v, shape_points, outputs, mass):
     outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
     survey(chain, x, v, outputs)
     shape(chain, x, shape_points, outputs)
+    return check_outputs(outputs)
 
 
 @kernel

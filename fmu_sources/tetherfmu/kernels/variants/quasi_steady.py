@@ -80,9 +80,9 @@ def advance(n, parameters, inputs, step, state, work):
 
 @kernel
 def observe(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state."""
+    """Write all outputs (modified) that belong to a state; returns a status: OK or OUTPUT_NOT_FINITE."""
     trial = trial_state(n, work)
     copy(state, trial)
     body = body_of(n, parameters, trial)
     newton.rigid_velocity(body)
-    observe_chain(body.chain, body.x, body.v, shape_points, outputs, newton.balance(n, work).mass)
+    return observe_chain(body.chain, body.x, body.v, shape_points, outputs, newton.balance(n, work).mass)
