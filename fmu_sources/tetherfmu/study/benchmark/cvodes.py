@@ -16,6 +16,7 @@ from tetherfmu.study.measuring.reference import free_state, right_hand_side
 from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
 
 LINEAR_SOLVER = "csparse"  # the fastest of CasADi's for these scenes
+COMPILER = shutil.which("gcc") or shutil.which("cc")  # of C, that CasADi can use, or None
 RANDOM_STATES = 20
 
 
@@ -76,16 +77,11 @@ def equations(scene, exact_path):
     return {"t": time, "x": y, "p": p, "ode": slope(scene, time, y, kite, velocity)}
 
 
-def compiler():
-    """A C compiler that CasADi can use, or None."""
-    return shutil.which("gcc") or shutil.which("cc")
-
-
 def options(tolerance, compiled):
     """Options of the integrator; `compiled`: equations and Jacobian as compiled C instead of CasADi's interpreter."""
     common = {"abstol": tolerance, "reltol": tolerance, "linear_solver": LINEAR_SOLVER, "max_num_steps": 10**7}
     if compiled:
-        common |= {"jit": True, "compiler": "shell", "jit_options": {"flags": "-O3", "compiler": compiler()}}
+        common |= {"jit": True, "compiler": "shell", "jit_options": {"flags": "-O3", "compiler": COMPILER}}
     return common
 
 

@@ -19,18 +19,9 @@ AXES = {  # label, edges of the cells; by column of the results as `report.prepa
     "slack_percent": ("slack [%]", np.linspace(-1.0, 90.0, EDGES)),
     "wind": ("wind [m/s]", np.linspace(0.0, 60.0, EDGES)),
 }
-PAIRS = {
-    "length": "axial_stiffness",
-    "step": "axial_stiffness",
-    "segment_length": "step",
-    "slack_percent": "wind",
-}
-FIXED_PAIRS = {
-    "length": "axial_stiffness",
-    "frequency": "fixed_step",
-    "segment_length": "fixed_step",
-    "slack_percent": "wind",
-}
+ENDS = {"length": "axial_stiffness"}, {"slack_percent": "wind"}
+PAIRS = ENDS[0] | {"step": "axial_stiffness", "segment_length": "step"} | ENDS[1]
+FIXED_PAIRS = ENDS[0] | {"frequency": "fixed_step", "segment_length": "fixed_step"} | ENDS[1]
 
 
 class Row(NamedTuple):

@@ -62,17 +62,10 @@ def name_of(message):
 
 def model_of(point, refinement):
     """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
-    tether = Tether(
-        segments=point.segments,
-        initial_length=point.length,
-        axial_stiffness=point.axial_stiffness,
-        axial_damping=point.axial_damping,
-    )
-    solver = Solver(
-        relative_tolerance=point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2),
-        fixed_step=point.fixed_step / refinement,
-        initial_shape=point.initial_shape,
-    )
+    material = {"axial_stiffness": point.axial_stiffness, "axial_damping": point.axial_damping}
+    tether = Tether(segments=point.segments, initial_length=point.length, **material)
+    tolerance = point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2)
+    solver = Solver(tolerance, fixed_step=point.fixed_step / refinement, initial_shape=point.initial_shape)
     model = MODELS[point.variant.removesuffix("_fixed_step")]
     return model(tether, Environment(gravity=point.gravity), solver, shape_points=2)
 

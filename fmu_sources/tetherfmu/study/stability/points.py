@@ -19,14 +19,9 @@ LONGEST_SEGMENT = 1000.0  # [m]
 VARIANTS = ("dynamic", "dynamic_fixed_step", "quasi_steady", "catenary", "straight")
 
 
-def fewest_segments(p):
-    """So many that none is longer than `LONGEST_SEGMENT`, as a number that need not be whole."""
-    return max(1.0, p.length / LONGEST_SEGMENT)
-
-
-def most_segments(p):
-    """So many that a tether may have them, as a number that need not be whole."""
-    return min(MAX_SEGMENTS, p.length / MIN_SEGMENT_LENGTH)
+def segments_of(p):
+    """Fewest and most segments for the length of a point, as numbers that need not be whole."""
+    return max(1.0, p.length / LONGEST_SEGMENT), min(MAX_SEGMENTS, p.length / MIN_SEGMENT_LENGTH)
 
 
 def fastest(p):
@@ -49,7 +44,7 @@ def fixed_steps(p):
 AXES = {
     "variant": ("choice", VARIANTS, (0.4, 0.3, 0.15, 0.075, 0.075)),
     "length": ("log", 1.0, 1e4),
-    "segments": ("log", fewest_segments, lambda p: most_segments(p) + 1.0),
+    "segments": ("log", lambda p: segments_of(p)[0], lambda p: segments_of(p)[1] + 1.0),
     "slack": ("linear", -0.01, 0.9, (0.5, ("linear", -0.01, 0.05))),  # L/d - 1 for the distance d of the ends
     "step": ("log", 1e-4, 1.0),  # communication step
     "cone": ("linear", pi / 18.0, pi / 4.0),  # half angle of the circle
@@ -100,7 +95,8 @@ def point(seed, number):
     random, p = np.random.default_rng((seed, number)), SimpleNamespace(seed=seed, number=number)
     for name, axis in AXES.items():
         setattr(p, name, draw(random, p, *axis))
-    p.segments = max(ceil(fewest_segments(p)), min(int(most_segments(p)), int(p.segments)))
+    fewest, most = segments_of(p)
+    p.segments = max(ceil(fewest), min(int(most), int(p.segments)))
     return MapPoint(**vars(p))
 
 

@@ -79,9 +79,10 @@ def by_variant(results):
     return counted(results, "variant", results.variant, pd.Categorical(["all"] * len(results)))
 
 
-def by_region(results, variant, regions):
+def by_region(results, variant):
     """Table of one variant with a row per band of each of the regions, and per start."""
     mine = results[results.variant == variant]
+    regions = FIXED_STEPS | REGIONS if variant == "dynamic, fixed step" else REGIONS
     bands = [
         pd.cut(mine[column], limits, right=False, labels=[f"{name} {a:g} to {b:g} {unit}" for a, b in pairwise(limits)])
         for column, (name, limits, unit) in regions.items()
@@ -114,13 +115,11 @@ def common(results, before):
     return {"before": prepared(before.merge(results[points])), "now": prepared(results.merge(before[points]))}
 
 
-def compared(results, before):
-    """Table of a version before and of now, by variant, on the points of both (tables of results)."""
-    tables = [
-        by_variant(found).assign(variant=lambda rows, when=when: rows.variant + f", {when}")
-        for when, found in common(results, before).items()
-    ]
-    return pd.concat(tables).sort_index(kind="stable")
+def compared(both):
+    """Table of a version before and of now, by variant, on the points of `common`."""
+    tables = {when: by_variant(found) for when, found in both.items()}
+    named = [table.assign(variant=table.variant + f", {when}") for when, table in tables.items()]
+    return pd.concat(named).sort_index(kind="stable")
 
 
 def figures(results, both, folder):
@@ -141,23 +140,12 @@ def write(results, before, folder, with_figures):
     results, before : tables of results, of now and of another version (which may be empty).
     """
     folder.mkdir(parents=True, exist_ok=True)
-    points = prepared(results)
+    points, both = prepared(results), common(results, before) if len(before) else {}
     core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
-    overview, held = by_variant(points), 100.0 * core.verdict.isin(("converged", "stable")).mean()
-    text = page(
-        PAGE,
-        figures=figures(points, common(results, before) if len(before) else {}, folder) if with_figures else {},
-        all_points=overview,
-        core=by_variant(core),
-        core_points=len(core),
-        held=held,
-        refusals=refusals(points),
-        compared=compared(results, before) if len(before) else None,
-        dynamic=by_region(points, "dynamic, adaptive", REGIONS),
-        fixed_step=by_region(points, "dynamic, fixed step", FIXED_STEPS | REGIONS),
-        worst=worst(points),
-        amplification=AMPLIFICATION,
-        longest_call=LONGEST_CALL,
-    )
+    held = f"Converged or stable: {100.0 * core.verdict.isin(('converged', 'stable')).mean():.1f} % of {len(core)} points."
+    tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
+    bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
+    drawn = figures(points, both, folder) if with_figures else {}
+    text = page(PAGE, figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
     (folder / "stability.md").write_text(text, encoding="utf-8")
-    return f"{markdown(overview)}\nConverged or stable: {held:.1f} % of {len(core)} points."
+    return f"{markdown(by_variant(points))}\n{held}"
