@@ -20,13 +20,8 @@ COMPILER = shutil.which("gcc") or shutil.which("cc")  # of C, that CasADi can us
 RANDOM_STATES = 20
 
 
-def lengths_of(vectors):
-    """Lengths of the columns of a (3, count) matrix, as three equal rows."""
-    return casadi.repmat(casadi.sqrt(casadi.sum1(vectors * vectors)), 3, 1)
-
-
 def along(vectors, directions):
-    """Components of the columns along directions, as three equal rows."""
+    """Scalar products of the columns of two (3, count) matrices, as three equal rows."""
     return casadi.repmat(casadi.sum1(vectors * directions), 3, 1)
 
 
@@ -34,7 +29,7 @@ def segment_forces(x, v, rest, rest_rate, scene):
     """Tension vectors T e and half drags F = 1/4 rho cd d l |w| w [N] of all segments, from the nodes; (3, segments)."""
     tether, air = scene.tether, scene.environment
     r, u = casadi.diff(x, 1, 1), casadi.diff(v, 1, 1)
-    length = lengths_of(r)
+    length = casadi.sqrt(along(r, r))
     e, taut = r / length, length > rest
     k = tether.axial_stiffness / rest * casadi.if_else(taut, 1.0, tether.slack_stiffness_ratio)
     c = tether.axial_damping / rest * casadi.if_else(taut, 1.0, tether.slack_damping_ratio)
