@@ -15,7 +15,7 @@ from tetherfmu.study.__main__ import main
 from tetherfmu.study.stability.flight import MapFlight, fly
 from tetherfmu.study.stability.points import VARIANTS, kite, point
 from tetherfmu.study.stability.pool import judge_all, key, read, table
-from tetherfmu.study.stability.report import compared
+from tetherfmu.study.stability.report import common, compared
 from tetherfmu.study.stability.verdict import Verdict, judge
 
 POINTS = [point(1, number) for number in range(400)]
@@ -182,6 +182,6 @@ def test_the_quick_map_holds(quick_map):
 def test_before_and_now_are_compared_on_the_points_of_both():
     now = results_of(POINTS[:40], Verdict("converged", 0.0))
     before = results_of([*POINTS[20:60], POINTS[0]._replace(length=2.0)], Verdict("wrong"))
-    rows = compared(now, before).set_index("variant")
+    rows = compared(common(now, before)).set_index("variant")
     assert tuple(rows.loc["all, before", ["points", "wrong"]]) == (20, 20)
     assert tuple(rows.loc["all, now", ["points", "wrong"]]) == (20, 0)

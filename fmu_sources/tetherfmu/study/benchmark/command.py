@@ -6,13 +6,13 @@ and a work-precision diagram. Peers come with the extra `benchmark`; those that 
 
 import importlib
 import os
+import shutil
 import tempfile
-import zipfile
 from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.runtime.slave import KERNELS_FOLDER
+from tetherfmu.runtime.resources import KERNELS_FOLDER
 from tetherfmu.study.measuring.tables import circumstances, page
 from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
 from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
@@ -42,15 +42,6 @@ def peer(module, package):
     except ModuleNotFoundError:
         print(f"{package} is not installed: its rows are left out (pip install {package})")
         return None
-
-
-def unpack_libraries(paths, folder):
-    """Copy the compiled libraries out of the FMUs."""
-    for path in paths.values():
-        with zipfile.ZipFile(path) as archive:
-            for entry in archive.namelist():
-                if f"/{KERNELS_FOLDER}/" in entry and not entry.endswith("/"):
-                    (folder / Path(entry).name).write_bytes(archive.read(entry))
 
 
 def host_table(paths, quick):
@@ -88,20 +79,19 @@ def write(tables, folder, figure, slopes):
 
 def run(options):
     """Measure, print and store; returns 0."""
+    tables, quick, flights = {}, options.quick, options.flights
     cvodes = None if options.no_peers else peer("cvodes", "casadi")
-    moordyn = None if options.no_peers or options.flights else peer("moordyn_line", "moordyn")
-    tables, quick = {}, options.quick
+    moordyn = None if options.no_peers or flights else peer("moordyn_line", "moordyn")
     with tempfile.TemporaryDirectory() as temporary:
-        libraries = Path(temporary) / "libraries"
-        libraries.mkdir()
         paths = fmus_in(options.fmus or temporary)
-        unpack_libraries(paths, libraries)
-        if not options.flights:
+        for path in paths.values():
+            shutil.unpack_archive(path, temporary, "zip")
+        libraries = Path(temporary) / "resources" / KERNELS_FOLDER
+        if not flights:
             tables["Kernels"] = kernel_table(libraries, **(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
-        raced = scenes(quick, options.flights)
-        compiled_too, repeats = not (quick or options.flights), 1 if quick else 3
-        runs = pd.concat([race(libraries, scene, cvodes, quick, compiled_too, repeats) for scene in raced])
+        raced = scenes(quick, flights)
+        runs = pd.concat([race(libraries, scene, cvodes, quick, not (quick or flights)) for scene in raced])
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
         tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:

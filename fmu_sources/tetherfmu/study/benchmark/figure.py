@@ -31,12 +31,11 @@ def draw(runs, path):
             place = each.error, 1e3 * each.seconds
             axis.annotate("default", place, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
         axis.set_title(f"{TITLES[scene]}, {n} segments", fontsize=11)
-        axis.set_xlabel("error of the node positions, rms [m]")
+        axis.set(xlabel="error of the node positions, rms [m]", axisbelow=True)
         axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.yaxis.set_major_formatter("{x:g}")
         axis.yaxis.set_minor_formatter(NullFormatter())
         axis.grid(which="major", color="0.9")
-        axis.set_axisbelow(True)
         axis.margins(0.12)
         axis.invert_xaxis()
     axes[0].set_ylabel("time for the run [ms]")

@@ -32,14 +32,13 @@ INPUT = Path(__file__).with_name("moordyn.txt.j2")
 def silence():
     """Send what a library prints to nowhere."""
     kept = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
     try:
         yield
     finally:
         os.dup2(kept, 1)
         os.close(kept)
-        os.close(nowhere)
 
 
 def ends(scene, time):
@@ -53,28 +52,19 @@ def ends(scene, time):
 def moordyn_flight(scene, scheme, step):
     """The circle in MoorDyn after its initial relaxation, as a function that flies so many communication steps more."""
     tether, air = scene.tether, scene.environment
-    text = page(
-        INPUT,
-        tether=tether,
-        air=air,
-        scheme=scheme,
-        step=step,
-        depth=DEPTH,
-        line_density=tether.density * np.pi * tether.diameter**2 / 4.0,
-        gravity=air.gravity * tether.density / (tether.density - air.air_density),
-        kite=ends(scene, 0.0)[0][3:],
-    )
-    motion = [(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))]
+    line_density = tether.density * np.pi * tether.diameter**2 / 4.0
+    gravity = air.gravity * tether.density / (tether.density - air.air_density)
+    facts = {"tether": tether, "air": air, "line_density": line_density, "gravity": gravity, "kite": ends(scene, 0.0)[0][3:]}
+    motion = iter([(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))])
     with silence(), tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "line.txt"
-        file.write_text(text)
+        file.write_text(page(INPUT, scheme=scheme, step=step, depth=DEPTH, **facts))
         system = moordyn.Create(str(file))
-        moordyn.Init(system, *motion[0][:2])
-    ahead = iter(motion)
+        moordyn.Init(system, *ends(scene, 0.0))
 
     def fly(steps):
         for _ in range(steps):
-            moordyn.Step(system, *next(ahead))
+            moordyn.Step(system, *next(motion))
 
     return fly
 
@@ -92,6 +82,5 @@ def moordyn_table(libraries, quick):
         jobs[f"MoorDyn {scheme}, {1000 * step:.3g} ms"] = partial(fly, PART)
     jobs[OURS] = our_run(libraries, circle_scene(20, PART * STEP), STEP, DEFAULT, {})
     times = pd.Series(interleaved(jobs, 2 if quick else 20)[0])
-    return (
-        pd.DataFrame({"us per step": 1e6 * times / PART, "ratio": times / times[OURS]}).rename_axis("solver").reset_index()
-    )
+    table = pd.DataFrame({"us per step": 1e6 * times / PART, "ratio": times / times[OURS]})
+    return table.rename_axis("solver").reset_index()

@@ -15,11 +15,12 @@ from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
 OURS, WHOLE, RESTARTED = "TetherDynamic", "CVODES, one call", "CVODES, restarted"
 COMPILED = ", compiled C"
 DEFAULT = 1e-4  # tolerance
-LADDERS = (
+LADDERS = (  # tolerances of our tether, of CVODES in one call, of CVODES restarted
     (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),
     (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9),
     (1e-4, 1e-6, 1e-8, 1e-11),
 )
+QUICK_LADDERS = LADDERS[0][::2], LADDERS[1][::3], LADDERS[2][:1]
 
 
 def our_run(folder, scene, step, tolerance, counters):
@@ -41,36 +42,26 @@ def our_run(folder, scene, step, tolerance, counters):
     return run
 
 
-def ladders(quick, scene):
-    """Tolerances of our tether, of CVODES in one call, of CVODES restarted."""
-    ours, whole, restarted = LADDERS
-    if quick:
-        ours, whole, restarted = ours[::2], whole[::3], restarted[:1]
-    return ours, whole, () if scene.kite_is_free else restarted
-
-
-def race(folder, scene, peers, quick, compiled_too, repeats):
+def race(folder, scene, peers, quick, compiled_too):
     """Table of all solvers in a scene.
 
     folder : with the library of the dynamic tether.  peers : the module `cvodes`, or None.  compiled_too : whether CVODES
     also gets its equations as compiled C.
     """
-    step = scene.every if scene.kite_is_free else STEP
-    ours, whole, restarted = ladders(quick, scene)
-    counters = {}
+    step, counters = scene.every if scene.kite_is_free else STEP, {}
+    ours, whole, restarted = QUICK_LADDERS if quick else LADDERS
     jobs = {(OURS, tolerance): our_run(folder, scene, step, tolerance, counters) for tolerance in ours}
     if peers:
-        kinds = ((False, ""), (True, COMPILED)) if peers.compiler() and compiled_too else ((False, ""),)
-        for compiled, suffix in kinds:
-            jobs |= {(WHOLE + suffix, tol): peers.whole_run(scene, tol, compiled) for tol in whole}
-            jobs |= {(RESTARTED + suffix, tol): peers.restarted_run(scene, tol, compiled) for tol in restarted}
+        for suffix in ("", COMPILED) if peers.COMPILER and compiled_too else ("",):
+            jobs |= {(WHOLE + suffix, each): peers.whole_run(scene, each, bool(suffix)) for each in whole}
+            if not scene.kite_is_free:
+                jobs |= {(RESTARTED + suffix, each): peers.restarted_run(scene, each, bool(suffix)) for each in restarted}
     expected = exact(scene)
-    times, results = interleaved(jobs, repeats)
-    rows = [(*run, error(results[run], expected), seconds, counters.get(run)) for run, seconds in times.items()]
-    runs = pd.DataFrame(rows, columns=("solver", "tolerance", "error", "seconds", "steps")).astype({"steps": "Int64"})
-    runs.insert(0, "scene", scene.name)
-    runs.insert(1, "segments", scene.tether.segments)
-    return runs
+    times, results = interleaved(jobs, 1 if quick else 3)
+    about = scene.name, scene.tether.segments
+    rows = [(*about, *run, error(results[run], expected), seconds, counters.get(run)) for run, seconds in times.items()]
+    columns = ("scene", "segments", "solver", "tolerance", "error", "seconds", "steps")
+    return pd.DataFrame(rows, columns=columns).astype({"steps": "Int64"})
 
 
 def seconds_at(runs, wanted):

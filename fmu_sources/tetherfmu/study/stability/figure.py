@@ -1,94 +1,57 @@
 """Heat maps of the stability map: one column per pair of axes, one row per quantity, a figure per group of variants."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from scipy.stats import binned_statistic_2d
-
-from .flight import LINE_DENSITY
 
 EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
-
-
-class Axis(NamedTuple):
-    """An axis: label, function of the results, edges of the cells, scale."""
-
-    label: str
-    values: object
-    edges: np.ndarray
-    scale: str = "log"
-
-
-def frequency(results):
-    """Axial frequency of a node between two taut segments [Hz]: sqrt(4 k/m)/(2 pi) = sqrt(EA/mu)/(pi l0)."""
-    return np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments)
-
-
-LENGTH = Axis("length [m]", lambda r: r.length, np.geomspace(1.0, 1e4, EDGES))
-SEGMENT = Axis("segment [m]", lambda r: r.length / r.segments, np.geomspace(0.01, 1000.0, EDGES))
-STIFFNESS = Axis("EA [N]", lambda r: r.axial_stiffness, np.geomspace(1e3, 1e9, EDGES))
-STEP = Axis("communication step [s]", lambda r: r.step, np.geomspace(1e-4, 1.0, EDGES))
-FIXED_STEP = Axis("fixed step [s]", lambda r: r.fixed_step, np.geomspace(1e-5, 1.0, EDGES))
-FREQUENCY = Axis("axial frequency [Hz]", frequency, np.geomspace(1.0, 1e6, EDGES))
-SLACK = Axis("slack [%]", lambda r: 100.0 * r.slack, np.linspace(-1.0, 90.0, EDGES), "linear")
-WIND = Axis("wind [m/s]", lambda r: r.wind, np.linspace(0.0, 60.0, EDGES), "linear")
-PAIRS = ((LENGTH, STIFFNESS), (STEP, STIFFNESS), (SEGMENT, STEP), (SLACK, WIND))
-FIXED_PAIRS = ((LENGTH, STIFFNESS), (FREQUENCY, FIXED_STEP), (SEGMENT, FIXED_STEP), (SLACK, WIND))
+AXES = {  # label, edges of the cells; by column of the results as `report.prepared` makes them
+    "length": ("length [m]", np.geomspace(1.0, 1e4, EDGES)),
+    "segment_length": ("segment [m]", np.geomspace(0.01, 1000.0, EDGES)),
+    "axial_stiffness": ("EA [N]", np.geomspace(1e3, 1e9, EDGES)),
+    "step": ("communication step [s]", np.geomspace(1e-4, 1.0, EDGES)),
+    "fixed_step": ("fixed step [s]", np.geomspace(1e-5, 1.0, EDGES)),
+    "frequency": ("axial frequency [Hz]", np.geomspace(1.0, 1e6, EDGES)),
+    "slack_percent": ("slack [%]", np.linspace(-1.0, 90.0, EDGES)),
+    "wind": ("wind [m/s]", np.linspace(0.0, 60.0, EDGES)),
+}
+ENDS = {"length": "axial_stiffness"}, {"slack_percent": "wind"}
+PAIRS = ENDS[0] | {"step": "axial_stiffness", "segment_length": "step"} | ENDS[1]
+FIXED_PAIRS = ENDS[0] | {"frequency": "fixed_step", "segment_length": "fixed_step"} | ENDS[1]
 
 
 class Row(NamedTuple):
-    """A row of heat maps: name, function of the results in a cell, colours and their bounds."""
+    """A row of heat maps."""
 
-    name: str
-    quantity: object
+    label: str
+    verdicts: tuple  # whose share it shows; empty: it shows the median of the error
     colours: str
     norm: Normalize
 
 
-def share(*verdicts):
-    """Function of the results in a cell: share of these verdicts [%]."""
-    return lambda results: 100.0 * results.verdict.isin(verdicts).mean()
-
-
-CONVERGED = Row("converged [%]", share("converged"), "viridis", Normalize(0.0, 100.0))
-REFUSED = Row("refused [%]", share("refused"), "magma_r", Normalize(0.0, 50.0))
-HELD = Row("converged or\nstable [%]", share("converged", "stable"), "magma", Normalize(50.0, 100.0))
-ERROR = Row(
-    "median difference from\nthe refinement [%]",
-    lambda results: 100.0 * results.error.median(),
-    "viridis_r",
-    LogNorm(1e-3, 1e2),
-)
+CONVERGED = Row("converged [%]", ("converged",), "viridis", Normalize(0.0, 100.0))
+REFUSED = Row("refused [%]", ("refused",), "magma_r", Normalize(0.0, 50.0))
+HELD = Row("converged or\nstable [%]", ("converged", "stable"), "magma", Normalize(50.0, 100.0))
+ERROR = Row("median difference from\nthe refinement [%]", (), "viridis_r", LogNorm(1e-3, 1e2))
+DYNAMIC, STATIC = ("dynamic, adaptive", "dynamic, fixed step"), ("quasi-steady", "catenary", "straight")
 FIGURES = {
-    "stability_dynamic": ("TetherDynamic, adaptive", ("dynamic",), PAIRS, (CONVERGED, REFUSED)),
-    "stability_fixed_step": ("TetherDynamic, fixed step", ("dynamic_fixed_step",), FIXED_PAIRS, (CONVERGED, ERROR)),
-    "stability_without_waves": (
-        "TetherQuasiSteady, TetherCatenary, TetherStraight",
-        ("quasi_steady", "catenary", "straight"),
-        PAIRS,
-        (CONVERGED, REFUSED),
-    ),
+    "dynamic": ("TetherDynamic, adaptive", DYNAMIC[:1], PAIRS, (CONVERGED, REFUSED)),
+    "fixed_step": ("TetherDynamic, fixed step", DYNAMIC[1:], FIXED_PAIRS, (CONVERGED, ERROR)),
+    "without_waves": ("TetherQuasiSteady, TetherCatenary, TetherStraight", STATIC, PAIRS, (CONVERGED, REFUSED)),
 }
-COMPARED = (
-    "dynamic (adaptive and fixed step) and quasi-steady",
-    ("dynamic", "dynamic_fixed_step", "quasi_steady"),
-    PAIRS,
-    (HELD,),
-)
+COMPARED = ("dynamic (adaptive and fixed step) and quasi-steady", (*DYNAMIC, STATIC[0]), PAIRS, (HELD,))
 
 
-def cells(results, across, up, quantity):
-    """Array of a quantity over two axes, nan where there are fewer than `FEWEST` points."""
-
-    def of_cell(rows):
-        return quantity(results.iloc[rows.astype(int)]) if len(rows) >= FEWEST else np.nan
-
-    numbers, edges = np.arange(float(len(results))), (up.edges, across.edges)
-    return binned_statistic_2d(up.values(results), across.values(results), numbers, of_cell, edges).statistic
+def cells(results, row, up, across):
+    """Array of the quantity of a row [%] over two axes, nan where there are fewer than `FEWEST` points."""
+    values = results.verdict.isin(row.verdicts) if row.verdicts else results.error
+    groups = values.groupby([pd.cut(results[axis], AXES[axis][1], right=False) for axis in (up, across)], observed=False)
+    quantity = groups.mean() if row.verdicts else groups.median()
+    return 100.0 * quantity.where(groups.size() >= FEWEST).unstack()
 
 
 def draw(results, figure_of, path, when=""):
@@ -98,11 +61,12 @@ def draw(results, figure_of, path, when=""):
     figure = Figure(figsize=(3.3 * len(pairs), 2.9 * len(rows)), layout="constrained")
     axes = figure.subplots(len(rows), len(pairs), squeeze=False)
     for line, row in zip(axes, rows, strict=True):
-        for panel, (across, up) in zip(line, pairs, strict=True):
-            values = cells(results, across, up, row.quantity)
-            mesh = panel.pcolormesh(across.edges, up.edges, values, norm=row.norm, cmap=row.colours)
-            panel.set(facecolor="0.9", xscale=across.scale, yscale=up.scale, xlabel=across.label, ylabel=up.label)
-        figure.colorbar(mesh, ax=line, label=row.name, extend="both" if row is ERROR else "neither", pad=0.01)
+        for panel, (across, up) in zip(line, pairs.items(), strict=True):
+            (xlabel, x), (ylabel, y) = AXES[across], AXES[up]
+            mesh = panel.pcolormesh(x, y, cells(results, row, up, across), norm=row.norm, cmap=row.colours)
+            xscale, yscale = ("log" if edges[0] > 0.0 else "linear" for edges in (x, y))
+            panel.set(facecolor="0.9", xscale=xscale, yscale=yscale, xlabel=xlabel, ylabel=ylabel)
+        figure.colorbar(mesh, ax=line, label=row.label, extend="both" if row is ERROR else "neither", pad=0.01)
     figure.suptitle(f"{when}{title}: {len(results)} points; grey: fewer than {FEWEST} points")
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=90, metadata={"Software": None})

@@ -13,6 +13,7 @@ for reflections and for the whip of a bend. Q is the load across the line: weigh
 root is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
 """
 
+from functools import partial
 from math import inf, pi, sqrt
 from time import process_time
 from typing import NamedTuple
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.linalg import norm
 
 from tetherfmu.models import StepRefused
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.study.scenes.standard import MODELS
@@ -40,14 +42,14 @@ class MapFlight(NamedTuple):
     """What became of a flight."""
 
     refusal: str  # name of its sentence, or ""
-    forces: np.ndarray  # both end forces [N] at the start and after each communication step, array (rows, 6)
-    peak: float  # largest tension [N]
-    bound: float  # what it may be [N]
-    fastest: float  # largest speed of a node [m/s], for dynamic tethers
-    speed_bound: float  # what it may be [m/s]
-    work: float  # segments times internal steps
-    longest: float  # call [s]
-    finite: bool
+    forces: np.ndarray = np.zeros((0, 6))  # both end forces [N] at the start and after each communication step
+    peak: float = 0.0  # largest tension [N]
+    bound: float = inf  # what it may be [N]
+    fastest: float = 0.0  # largest speed of a node [m/s], for dynamic tethers
+    speed_bound: float = inf  # what it may be [m/s]
+    work: float = 0.0  # segments times internal steps
+    longest: float = 0.0  # call [s]
+    finite: bool = True
 
 
 def name_of(message):
@@ -60,17 +62,10 @@ def name_of(message):
 
 def model_of(point, refinement):
     """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
-    tether = Tether(
-        segments=point.segments,
-        initial_length=point.length,
-        axial_stiffness=point.axial_stiffness,
-        axial_damping=point.axial_damping,
-    )
-    solver = Solver(
-        relative_tolerance=point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2),
-        fixed_step=point.fixed_step / refinement,
-        initial_shape=point.initial_shape,
-    )
+    material = {"axial_stiffness": point.axial_stiffness, "axial_damping": point.axial_damping}
+    tether = Tether(segments=point.segments, initial_length=point.length, **material)
+    tolerance = point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2)
+    solver = Solver(tolerance, fixed_step=point.fixed_step / refinement, initial_shape=point.initial_shape)
     model = MODELS[point.variant.removesuffix("_fixed_step")]
     return model(tether, Environment(gravity=point.gravity), solver, shape_points=2)
 
@@ -107,32 +102,32 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     """Fly a point; returns its `MapFlight`.
 
     refinement : divides the communication step too; see `model_of`.  calls : communication steps (of the unrefined flight).
-    most_work : see `MOST_WORK`.
     """
     step, model = point.step / refinement, model_of(point, refinement)
-    others = {"reel_out_speed": point.reel_out_speed, "wind_velocity": wind(point)}
-    outputs, ends, refusal, work, fastest, longest, finite = [], [], "", 0.0, 0.0, 0.0, True
+    outputs, states, refusal, work, longest = [], [], "", 0.0, 0.0
     for k in range(calls * refinement + 1):
         position, velocity = kite(point, max(0, k - 1) * step)
-        inputs = {"kite_position": position, "kite_velocity": velocity, **others}
+        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind(point)}
         started = process_time()
         try:
-            out = model.step(step, **inputs) if k else model.initialize(**inputs)
+            call = partial(model.step, step) if k else model.initialize
+            outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
         except StepRefused as error:
             refusal = name_of(str(error))
             break
         finally:
             longest = max(longest, process_time() - started)
-        velocities = model.velocities
-        outputs.append(out)
-        ends.append((*model.positions[-1], *velocities[-1], out.tether_length))
-        fastest = max(fastest, norm(velocities, axis=1).max()) if point.variant.startswith("dynamic") else 0.0
-        finite = finite and bool(np.isfinite(np.concatenate([model.get_state(), *map(np.ravel, out)])).all())
+        states.append(model.get_state())
         work = sum(model.counters.values()) * model.segments
         if work > most_work:
             break
-    path = np.array(ends)
-    tension, speed = bounds(point, *strain_and_speed(path[:, :3], path[:, 3:6], path[:, 6], step)) if ends else (inf, inf)
-    forces = np.array([(*out.ground_force, *out.kite_force) for out in outputs[::refinement]])
-    peak = max((out.max_tension for out in outputs), default=0.0)
-    return MapFlight(refusal, forces, peak, tension, fastest, speed, work, longest, finite)
+    if not outputs:
+        return MapFlight(refusal, longest=longest)
+    x, v = np.array(states)[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3).swapaxes(0, 1)
+    lengths = np.array([out.tether_length for out in outputs])
+    bound, speed_bound = bounds(point, *strain_and_speed(x[:, -1], v[:, -1], lengths, step))
+    numbers = np.array([np.hstack([*map(np.ravel, out)]) for out in outputs])
+    peak = max(out.max_tension for out in outputs)
+    fastest = norm(v, axis=2).max() if point.variant.startswith("dynamic") else 0.0
+    finite = bool(np.isfinite(states).all() and np.isfinite(numbers).all())
+    return MapFlight(refusal, numbers[::refinement, :6], peak, bound, fastest, speed_bound, work, longest, finite)

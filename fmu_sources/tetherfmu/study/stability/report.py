@@ -9,177 +9,143 @@ import pandas as pd
 from tetherfmu.study.measuring.tables import markdown, page
 
 from .figure import COMPARED, FIGURES, draw
-from .flight import AMPLIFICATION
-from .points import MapPoint
+from .flight import AMPLIFICATION, LINE_DENSITY
+from .points import VARIANTS, MapPoint
 from .verdict import LONGEST_CALL, VERDICTS
 
 PAGE = Path(__file__).with_name("page.md.j2")
-NAMES = {
-    "dynamic": "dynamic, adaptive",
-    "dynamic_fixed_step": "dynamic, fixed step",
-    "quasi_steady": "quasi-steady",
-    "catenary": "catenary",
-    "straight": "straight",
-}
-STARTS = {1: "start: static", 2: "start: quasi-steady", 3: "start: straight"}
+NAMES = ("dynamic, adaptive", "dynamic, fixed step", "quasi-steady", "catenary", "straight")  # of `VARIANTS`
+STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
 WORST = {
     "tension_ratio": "tension over its bound",
     "speed_ratio": "speed over its bound",
     "error": "error",
     "longest": "longest call [s]",
 }
+FACTS = {
+    "verdict": "verdict",
+    "number": "point",
+    "segments": "segments",
+    "length": "length m",
+    "axial_stiffness": "EA N",
+    "axial_damping": "damping N s",
+    "slack_percent": "slack %",
+    "step": "step s",
+}
+REGIONS = {  # by column: name, limits of the bands, unit
+    "segment_length": ("segment", (0.01, 0.1, 1.0, 10.0, 1000.0), "m"),
+    "axial_stiffness": ("EA", (1e3, 1e5, 1e7, 1e8, 1e9), "N"),
+    "axial_damping": ("damping", (0.0, 0.1, 10.0, 1e3, 1e5), "N s"),
+    "slack_percent": ("slack", (-1.0, 0.0, 5.0, 30.0, 90.0), "%"),
+    "step": ("communication step", (1e-4, 1e-3, 0.01, 0.1, 1.0), "s"),
+    "wind": ("wind", (0.0, 20.0, 40.0, 60.0), "m/s"),
+    "speed": ("kite", (0.0, 30.0, 80.0, 150.0), "m/s"),
+}
+FIXED_STEPS = {"fixed_step": ("fixed step", (1e-5, 1e-3, 5e-3, 0.02, 0.05, 0.2, 1.0), "s")}
 
 
 def prepared(results):
-    """Results with what the tables are grouped by: variants for people and verdicts in order, derived lengths and slack."""
+    """Results with variants, starts and verdicts in order and named for people, and with what follows from a point.
+
+    frequency : of a node between two taut segments, axially [Hz]: sqrt(4 k/m)/(2 pi) = sqrt(EA/mu)/(pi l0).
+    """
     return results.assign(
-        variant=pd.Categorical(results.variant.map(NAMES), NAMES.values()),
+        variant=pd.Categorical(results.variant, VARIANTS).rename_categories(NAMES),
         verdict=pd.Categorical(results.verdict, VERDICTS),
+        start=pd.Categorical(results.initial_shape, (1, 2, 3)).rename_categories(STARTS),
         segment_length=results.length / results.segments,
         slack_percent=100.0 * results.slack,
+        frequency=np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments),
     )
 
 
-def counted(results, labels):
-    """A row for each label of the points: their number, shares or numbers of the verdicts, error quantiles [%]."""
-    verdicts = pd.get_dummies(results.verdict).groupby(labels, observed=False)
-    errors = 100.0 * results.error.groupby(labels, observed=False).quantile([0.5, 0.9]).unstack()
-    return pd.concat(
-        [
-            verdicts.size().rename("points"),
-            100.0 * verdicts.mean().iloc[:, :3].add_suffix(" %"),
-            verdicts.sum().iloc[:, 3:],
-            errors.set_axis(["error, median %", "90th %"], axis=1),
-        ],
-        axis=1,
-    )
+def counted(results, name, *labellings):
+    """Table with a row for each label of the points, of one labelling after the other; the column of labels has a name.
 
-
-def by_label(results, name, *labellings):
-    """Table of `counted` with the rows of each labelling below each other; the column of labels has a name."""
-    tables = [counted(results, labels) for labels in labellings]
+    Number of points, shares or numbers of the verdicts, quantiles of the error [%].
+    """
+    tables = []
+    for labels in labellings:
+        verdicts = pd.get_dummies(results.verdict).groupby(labels, observed=False)
+        errors = 100.0 * results.error.groupby(labels, observed=False).quantile([0.5, 0.9]).unstack()
+        shares, numbers = 100.0 * verdicts.mean().iloc[:, :3].add_suffix(" %"), verdicts.sum().iloc[:, 3:]
+        errors = errors.set_axis(["error, median %", "90th %"], axis=1)
+        tables.append(pd.concat([verdicts.size().rename("points"), shares, numbers, errors], axis=1))
     return pd.concat(tables).rename_axis(name).reset_index()
 
 
 def by_variant(results):
     """Table with a row per variant and one for all."""
-    return by_label(results, "variant", results.variant, pd.Categorical(["all"] * len(results)))
-
-
-def bands(name, values, limits, unit):
-    """Label of the band between some limits in which each value lies."""
-    return pd.cut(values, limits, right=False, labels=[f"{name} {a:g} to {b:g} {unit}" for a, b in pairwise(limits)])
-
-
-def regions(results):
-    """The labels of the regions, one axis after the other."""
-    damping = bands("damping", results.axial_damping, (0.0, 0.1, 10.0, 1e3, 1e5), "N s")
-    return (
-        bands("segment", results.segment_length, (0.01, 0.1, 1.0, 10.0, 1000.0), "m"),
-        bands("EA", results.axial_stiffness, (1e3, 1e5, 1e7, 1e8, 1e9), "N"),
-        damping.cat.rename_categories({"damping 0 to 0.1 N s": "without damping"}),
-        bands("slack", results.slack_percent, (-1.0, 0.0, 5.0, 30.0, 90.0), "%"),
-        bands("communication step", results.step, (1e-4, 1e-3, 0.01, 0.1, 1.0), "s"),
-        bands("wind", results.wind, (0.0, 20.0, 40.0, 60.0), "m/s"),
-        bands("kite", results.speed, (0.0, 30.0, 80.0, 150.0), "m/s"),
-        pd.Categorical(results.initial_shape.map(STARTS), STARTS.values()),
-    )
+    return counted(results, "variant", results.variant, pd.Categorical(["all"] * len(results)))
 
 
 def by_region(results, variant):
-    """Table of one variant with a row per region."""
-    mine = results[results.variant == NAMES[variant]]
-    fixed_steps = bands("fixed step", mine.fixed_step, (1e-5, 1e-3, 5e-3, 0.02, 0.05, 0.2, 1.0), "s")
-    return by_label(mine, "region", *([fixed_steps] if variant == "dynamic_fixed_step" else []), *regions(mine))
+    """Table of one variant with a row per band of each of the regions, and per start."""
+    mine = results[results.variant == variant]
+    regions = FIXED_STEPS | REGIONS if variant == "dynamic, fixed step" else REGIONS
+    bands = [
+        pd.cut(mine[column], limits, right=False, labels=[f"{name} {a:g} to {b:g} {unit}" for a, b in pairwise(limits)])
+        for column, (name, limits, unit) in regions.items()
+    ]
+    return counted(mine, "region", *bands, mine.start).replace({"region": {"damping 0 to 0.1 N s": "without damping"}})
 
 
 def refusals(results):
     """Table of refusals by variant: when and with which sentence."""
-    refused = results[results.refusal != ""]
+    refused = results[results.refusal != ""].rename(columns={"refusal": "sentence"})
     when = np.where(refused.calls == 0, "at the start", "in flight")
-    rows = refused.assign(when=when).groupby(["variant", "refusal", "when"], observed=True).size()
-    return rows.rename("points").reset_index().rename(columns={"refusal": "sentence"})
+    rows = refused.assign(when=when).groupby(["variant", "sentence", "when"], observed=True).size()
+    return rows.rename("points").reset_index()
 
 
 def worst(results):
-    """Table of the points with the largest tension over its bound, the largest error, and the longest call, per variant."""
-    tables = []
-    for column, name in WORST.items():
-        values = results[column].fillna(0.0)
-        rows = results.loc[values.groupby(results.variant, observed=True).idxmax()]
-        facts = {
-            "largest": name,
-            "variant": rows.variant,
-            "value": values[rows.index].map("{:.2g}".format),
-            "verdict": rows.verdict,
-            "point": rows.number,
-            "segments": rows.segments,
-            "length m": rows.length,
-            "EA N": rows.axial_stiffness,
-            "damping N s": rows.axial_damping,
-            "slack %": rows.slack_percent,
-            "step s": rows.step,
-        }
-        tables.append(pd.DataFrame(facts))
-    return pd.concat(tables)
+    """Table of the points with the largest of each of `WORST`, per variant."""
+    facts = results.rename(columns=WORST).melt(["variant", *FACTS], [*WORST.values()], "largest")
+    facts["largest"] = pd.Categorical(facts.largest, [*WORST.values()])
+    values = facts.value.fillna(0.0)
+    rows = facts.loc[values.groupby([facts.largest, facts.variant], observed=True).idxmax()]
+    rows["value"] = values[rows.index].map("{:.2g}".format)
+    return rows[["largest", "variant", "value", *FACTS]].rename(columns=FACTS)
 
 
 def common(results, before):
-    """The points that are in both tables of results: these points in the first, and in the second."""
+    """The points that are in both tables of results, as found before, and now; prepared."""
     points = list(MapPoint._fields)
     before = before.drop_duplicates(points, keep="last")
-    return results.merge(before[points]), before.merge(results[points])
+    return {"before": prepared(before.merge(results[points])), "now": prepared(results.merge(before[points]))}
 
 
-def compared(results, before):
-    """Table of a version before and of now, by variant, on the points of both (tables of results)."""
-    now, earlier = common(results, before)
-    both = prepared(pd.concat([earlier.assign(when="before"), now.assign(when="now")], ignore_index=True))
-    variants, every = (
-        pd.Categorical(names + ", " + both.when, [f"{name}, {when}" for name in ordered for when in ("before", "now")])
-        for names, ordered in ((both.variant.astype(str), NAMES.values()), ("all", ["all"]))
-    )
-    return by_label(both, "variant", variants, every)
+def compared(both):
+    """Table of a version before and of now, by variant, on the points of `common`."""
+    tables = {when: by_variant(found) for when, found in both.items()}
+    named = [table.assign(variant=table.variant + f", {when}") for when, table in tables.items()]
+    return pd.concat(named).sort_index(kind="stable")
 
 
-def figures(results, before, folder):
+def figures(results, both, folder):
     """Draw the heat maps into a folder; returns their paths, as seen from it, by title."""
-    drawn = {}
-    for name, figure in FIGURES.items():
-        drawn[f"{figure[0]}: heat maps"] = path = f"figures/{name}.png"
-        draw(results, figure, folder / path)
-    if len(before):
-        for when, found in zip(("before", "now"), reversed(common(results, before)), strict=True):
-            drawn[f"Heat maps, {when}"] = path = f"figures/stability_{when}.png"
-            draw(found, COMPARED, folder / path, f"{when}: ")
-    return drawn
+    drawn = {
+        f"{figure[0]}: heat maps": (f"figures/stability_{name}.png", results, figure) for name, figure in FIGURES.items()
+    }
+    for when, found in both.items():
+        drawn[f"Heat maps, {when}"] = (f"figures/stability_{when}.png", found, COMPARED, f"{when}: ")
+    for path, found, figure, *when in drawn.values():
+        draw(found, figure, folder / path, *when)
+    return {title: path for title, (path, *_) in drawn.items()}
 
 
 def write(results, before, folder, with_figures):
-    """Write stability.md, and its figures if asked for, to a folder; returns the summary as text.
+    """Write stability.md, and its figures if asked for, to a folder (Path); returns the summary as text.
 
     results, before : tables of results, of now and of another version (which may be empty).
     """
-    folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    all_points = prepared(results)
-    core = all_points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
-    overview = by_variant(all_points)
-    held = 100.0 * core.verdict.isin(("converged", "stable")).mean()
-    text = page(
-        PAGE,
-        figures=figures(results, before, folder) if with_figures else {},
-        all_points=overview,
-        core=by_variant(core),
-        core_points=len(core),
-        held=held,
-        refusals=refusals(all_points),
-        compared=compared(results, before) if len(before) else None,
-        dynamic=by_region(all_points, "dynamic"),
-        fixed_step=by_region(all_points, "dynamic_fixed_step"),
-        worst=worst(all_points),
-        amplification=AMPLIFICATION,
-        longest_call=LONGEST_CALL,
-    )
+    points, both = prepared(results), common(results, before) if len(before) else {}
+    core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
+    held = f"Converged or stable: {100.0 * core.verdict.isin(('converged', 'stable')).mean():.1f} % of {len(core)} points."
+    tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
+    bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
+    drawn = figures(points, both, folder) if with_figures else {}
+    text = page(PAGE, figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
     (folder / "stability.md").write_text(text, encoding="utf-8")
-    return f"{markdown(overview)}\nConverged or stable: {held:.1f} % of {len(core)} points."
+    return f"{markdown(by_variant(points))}\n{held}"

@@ -43,19 +43,15 @@ def difference(point, flight, refined):
 def judge(point):
     """Fly a point, and its refinement where that makes sense; returns its `Verdict`."""
     flight = fly(point)
-    facts = {
-        "refusal": flight.refusal,
-        "calls": len(flight.forces),
-        "tension_ratio": float(flight.peak / flight.bound),
-        "speed_ratio": float(flight.fastest / flight.speed_bound),
-        "work": flight.work,
-        "longest": flight.longest,
-    }
+    calls, ratios = len(flight.forces), (float(flight.peak / flight.bound), float(flight.fastest / flight.speed_bound))
+    error = None
     if flight.longest > LONGEST_CALL:
-        return Verdict("hanging", **facts)
-    if not flight.finite or max(facts["tension_ratio"], facts["speed_ratio"]) > 1.0:
-        return Verdict("wrong", **facts)
-    if flight.refusal:
-        return Verdict("refused", **facts)
-    error = difference(point, flight, fly(point, refinement=2, calls=len(flight.forces) - 1, most_work=np.inf))
-    return Verdict("converged" if error is not None and error <= CONVERGED else "stable", error, **facts)
+        verdict = "hanging"
+    elif not flight.finite or max(ratios) > 1.0:
+        verdict = "wrong"
+    elif flight.refusal:
+        verdict = "refused"
+    else:
+        error = difference(point, flight, fly(point, refinement=2, calls=calls - 1, most_work=np.inf))
+        verdict = "converged" if error is not None and error <= CONVERGED else "stable"
+    return Verdict(verdict, error, flight.refusal, calls, *ratios, flight.work, flight.longest)
