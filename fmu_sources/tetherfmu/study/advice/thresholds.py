@@ -18,7 +18,7 @@ import pandas as pd
 
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.study.measuring.converged import converged
+from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.scenes.files import Scene, Wanted, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked

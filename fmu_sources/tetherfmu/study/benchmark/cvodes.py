@@ -16,6 +16,8 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.reference import free_state, right_hand_side
 from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
 
+if hasattr(casadi.GlobalOptions, "setNumpyMode"):  # from CasADi 3.8 on
+    casadi.GlobalOptions.setNumpyMode(1)  # numpy functions of symbols give symbols
 LINEAR_SOLVER = "csparse"  # the fastest of CasADi's for these scenes
 RANDOM_STATES = 20
 
@@ -50,8 +52,8 @@ def slope(scene, time, y, kite, kite_velocity):
     x = [casadi.DM.zeros(3), *(y[3 * i : 3 * i + 3] for i in range(free))]
     v = [casadi.DM.zeros(3), *(y[3 * (free + i) : 3 * (free + i) + 3] for i in range(free))]
     if not scene.kite_is_free:
-        x.append(casadi.vertcat(*kite))
-        v.append(casadi.vertcat(*kite_velocity))
+        x.append(kite)
+        v.append(kite_velocity)
     rest = (tether.initial_length + scene.reel_out_speed * time) / n
     half_mass = 0.5 * tether.density * np.pi * tether.diameter**2 / 4.0 * rest
     weight = casadi.DM([0.0, 0.0, -scene.environment.gravity])
@@ -77,11 +79,12 @@ def equations(scene, exact_path):
     if scene.kite_is_free:
         kite, velocity = None, None
     elif exact_path:
-        kite, velocity = scene.path(time, casadi.sin, casadi.cos)
+        kite = casadi.vertcat(*scene.flight.kite(time))
+        velocity = casadi.jacobian(kite, time)
     else:
         x0, v0, c2, c3 = (p[k : k + 3] for k in (0, 3, 6, 9))
-        kite = casadi.vertsplit(x0 + time * (v0 + time * (c2 + time * c3)))
-        velocity = casadi.vertsplit(v0 + time * (2.0 * c2 + 3.0 * time * c3))
+        kite = x0 + time * (v0 + time * (c2 + time * c3))
+        velocity = v0 + time * (2.0 * c2 + 3.0 * time * c3)
     return {"t": time, "x": y, "p": p, "ode": slope(scene, time, y, kite, velocity)}
 
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.runtime.quantities import check, quantities, quantity
+from tetherfmu.runtime.quantities import quantities, quantity
 
-from .flights import KINDS, Flight
+from .flights import KINDS, Checked, Flight
 from .series import Series
 from .units import in_si
 
@@ -34,15 +34,12 @@ class SceneError(ValueError):
 
 
 @dataclass(frozen=True)
-class Wind:
+class Wind(Checked):
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
     velocity: tuple = (0.0, 0.0, 0.0)
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
-
-    def __post_init__(self):
-        check(self)
 
     def at(self, time):
         """Wind [m/s], array (times, 3)."""
@@ -51,7 +48,7 @@ class Wind:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class Wanted(Checked):
     """What the user asks for; an error counts relative to the reference's own size (docs/how_much_tether.md, "Errors")."""
 
     outputs: tuple = ("kite_force",)
@@ -59,12 +56,9 @@ class Wanted:
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
 
-    def __post_init__(self):
-        check(self)
-
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Checked):
     """A scene; `digest` tells scenes apart by all that they hold."""
 
     name: str
@@ -75,9 +69,6 @@ class Scene:
     wind: Wind = field(default=None)
     wanted: Wanted = field(default=None)
     digest: str = ""
-
-    def __post_init__(self):
-        check(self)
 
     @property
     def every(self):
@@ -122,14 +113,11 @@ def load(path):
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
-        table = tomllib.loads(text)
+        return read(tomllib.loads(path.read_text(encoding="utf-8")), path, path.stem)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError(f"{path}: is no TOML file ({error})") from None
-    try:
-        return read(table, path, path.stem)
     except ValueError as error:
         message = str(error)
         raise SceneError(message if message.startswith(str(path)) else f"{path}: {message}") from None
@@ -137,23 +125,19 @@ def load(path):
 
 def read(table, path, name):
     """`Scene` from the table of a file; ValueError names the key."""
-    known = ("name", "duration", "flight", "tether", "environment", "wind", "wanted")
-    require(table, "", known)
+    require(table, "", ("name", "duration", "flight", "tether", "environment", "wind", "wanted"))
     flight = read_flight(table["flight"], path.parent)
-    tether = record(Tether, table["tether"], "tether", leave_out=("segments",))
-    environment = record(Environment, table.get("environment", {}), "environment")
+    kinds = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
+    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in kinds.items()}
     if "wind" in table and flight.wind(np.zeros(1)) is not None:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
-    wind = record(Wind, table.get("wind", {}), "wind")
-    wanted = record(Wanted, table["wanted"], "wanted")
-    name = table.get("name", name)
+    name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
     flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
-    digest = hashlib.sha256(repr((name, table)).encode() + flown)
-    duration = value_of(Scene, "duration", table["duration"], "")
+    digest = hashlib.sha256(repr((name, table)).encode() + flown).hexdigest()[:16]
     longest = getattr(flight, "duration", np.inf)
     if duration > longest + 1e-9:
         raise ValueError(f"duration is {duration!r}; it must be at most {longest:g} s, the length of the series")
-    return Scene(name, duration, flight, tether, environment, wind, wanted, digest.hexdigest()[:16])
+    return Scene(name, duration, flight, **records, digest=digest)
 
 
 def require(table, section, known):

@@ -4,6 +4,7 @@ A flight declares its numbers as quantities and says its path as a formula; velo
 Frame: z up, ground station at the origin at the start, azimuth from the x axis. SI units.
 """
 
+import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -45,11 +46,14 @@ def rate(function, time):
 
 
 def polar(distance, elevation, azimuth):
-    """Points [m] at a distance [m] and two angles [rad] from the origin, array (times, 3)."""
+    """Point [m] at a distance [m] and two angles [rad] from the origin: x, y, z."""
     across = distance * np.cos(elevation)
-    return np.stack(
-        np.broadcast_arrays(across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)), -1
-    )
+    return across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)
+
+
+def stacked(point):
+    """A point as array (times, 3)."""
+    return np.stack(np.broadcast_arrays(*point), -1)
 
 
 def swing(amplitude, period, time):
@@ -69,12 +73,19 @@ def ramp_integral(u):
     return np.where(np.real(u) > 1.0, u - 0.5, inside**4 * (inside * (inside - 3.0) + 2.5))
 
 
-@dataclass(frozen=True)
-class Flight:
-    """A flight by formulas. A kind overrides `kite`, and where they move, `ground` and `reeled`."""
+class Checked:
+    """A record of quantities that is checked as it is made."""
 
     def __post_init__(self):
         check(self)
+
+
+@dataclass(frozen=True)
+class Flight(Checked):
+    """A flight by formulas. A kind gives `kite`, and where they move, `ground` and `reeled`.
+
+    The formulas take numbers, arrays of them and CasADi symbols; points are triples x, y, z.
+    """
 
     def kite(self, time):
         """Position of the kite [m]."""
@@ -82,16 +93,16 @@ class Flight:
 
     def ground(self, time):
         """Position of the ground end [m]."""
-        return np.multiply.outer(time, np.zeros(3))
+        return 0.0 * time, 0.0 * time, 0.0 * time
 
     def reeled(self, time):
         """Length paid out since the start [m]."""
         return 0.0 * time
 
     def motion(self, time):
-        """`Motion` at an array of times [s]."""
-        pairs = [(f(time), rate(f, time)) for f in (self.kite, self.ground, self.reeled)]
-        return Motion(*(each for pair in pairs for each in pair))
+        """`Motion` at times [s]."""
+        ends = [lambda t, end=end: stacked(end(t)) for end in (self.kite, self.ground)]
+        return Motion(*(each for f in (*ends, self.reeled) for each in (f(time), rate(f, time))))
 
     def wind(self, time):
         """Wind [m/s] that a record brings with it, array (times, 3); None: that of the scene."""
@@ -108,9 +119,9 @@ class Circle(Flight):
 
     def kite(self, time):
         """A circle about z, tilted about x."""
-        x, y, z = np.moveaxis(polar(self.distance, np.pi / 2 - self.half_angle, self.rate * time), -1, 0)
+        x, y, z = polar(self.distance, np.pi / 2 - self.half_angle, self.rate * time)
         cos, sin = np.sin(self.axis_elevation), np.cos(self.axis_elevation)
-        return np.stack([x, cos * y - sin * z, sin * y + cos * z], -1)
+        return x, cos * y - sin * z, sin * y + cos * z
 
 
 @dataclass(frozen=True)
@@ -146,8 +157,7 @@ class Parked(Flight):
 
     def kite(self, time):
         """To and fro at constant distance."""
-        azimuth = swing(self.sway / self.distance, self.sway_period, time)
-        return polar(self.distance, self.elevation, azimuth)
+        return polar(self.distance, self.elevation, swing(self.sway / self.distance, self.sway_period, time))
 
 
 @dataclass(frozen=True)
@@ -201,12 +211,12 @@ class Towing(Flight):
     def ground(self, time):
         """The vehicle."""
         way = self.speed * self.ramp_time * ramp_integral(time / self.ramp_time)
-        return np.multiply.outer(way, [1.0, 0.0, 0.0])
+        return way, 0.0 * time, 0.0 * time
 
     def kite(self, time):
         """Behind the vehicle."""
-        azimuth = np.pi + swing(self.weave, self.weave_period, time)
-        return self.ground(time) + polar(self.distance, self.elevation, azimuth)
+        x, y, z = polar(self.distance, self.elevation, np.pi + swing(self.weave, self.weave_period, time))
+        return self.ground(time)[0] + x, y, z
 
 
 @dataclass(frozen=True)
@@ -229,16 +239,7 @@ class Reel(Flight):
 
     def kite(self, time):
         """As far as the tether has been paid out."""
-        azimuth = swing(self.weave, self.weave_period, time)
-        return polar(self.distance + self.reeled(time), self.elevation, azimuth)
+        return polar(self.distance + self.reeled(time), self.elevation, swing(self.weave, self.weave_period, time))
 
 
-KINDS = {
-    "circle": Circle,
-    "figure_of_eight": FigureOfEight,
-    "parked": Parked,
-    "launch": Launch,
-    "landing": Landing,
-    "towing": Towing,
-    "reel": Reel,
-}
+KINDS = {re.sub(r"\B([A-Z])", r"_\1", kind.__name__).lower(): kind for kind in Flight.__subclasses__()}
