@@ -5,7 +5,6 @@ Does the advisor keep its word? Its advice is measured against a finer reference
 
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -13,42 +12,20 @@ from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load
+from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
-from tetherfmu.study.scenes.units import spellings
 
 from .advise import advise
 from .figures import draw_scenes, draw_sweeps
-from .forecast import MARGIN, Advice, fast_advice
+from .forecast import MARGIN, fast_advice
 from .thresholds import read
-from .tradeoff import LEVELS, REFERENCE_ERROR, Measured, cheapest, measure, study
+from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
 TEMPLATE = Path(__file__).with_name("page.md.j2")
 NAMES = ("kite_force",)
 UNSEEN = 40
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
-
-
-class JudgedAdvice(NamedTuple):
-    """An advice for the force on the kite, and what is true."""
-
-    scene: str
-    allowed: float  # error [-]
-    advice: Advice  # without its finer model
-    point: Measured  # the advised configuration against a finer reference than the advisor's own
-    fast: Measured  # the configuration of the fast advice against the same
-    own_error: float  # of that reference
-
-    @property
-    def met(self):
-        """Whether the advice says so and its configuration meets what was asked."""
-        return self.advice.met and self.point.error(NAMES) <= self.allowed
-
-    @property
-    def fast_met(self):
-        """Whether the configuration of the fast advice meets it."""
-        return self.fast.error(NAMES) <= self.allowed
 
 
 def asking(scene, allowed):
@@ -57,14 +34,21 @@ def asking(scene, allowed):
 
 
 def judged(scene, reference):
-    """`JudgedAdvice` on the advice for a scene."""
-    advice = advise(scene)._replace(finer=None)
-    points = (measure(scene, config, reference.run.flown) for config in (advice.config, fast_advice(scene).config))
-    return JudgedAdvice(scene.name, scene.wanted.allowed_error, advice, *points, reference.own_error(NAMES))
+    """What is true of the advice for the force on the kite: a dict of texts and numbers.
+
+    Errors are measured against a finer reference than the advisor's own; `met` and `fast_met` say whether they are allowed.
+    """
+    advice, allowed = advise(scene), scene.wanted.allowed_error
+    point, fast = (measure(scene, each.config, reference.run.flown) for each in (advice, fast_advice(scene)))
+    error, fast_error = point.error(NAMES), fast.error(NAMES)
+    advised = {"advised": advice.config.words(), "cost": point.cost, "claimed": advice.met, "expected": advice.expected}
+    verdict = {"error": error, "fast_error": fast_error, "own_error": reference.own_error(NAMES)}
+    verdict |= {"met": advice.met and error <= allowed, "fast_met": fast_error <= allowed}
+    return {"scene": scene.name, "allowed": allowed, **advised, **verdict}
 
 
 def unseen(scene):
-    """`JudgedAdvice` on a scene with the error that it asks for; None if no reference can be flown."""
+    """`judged` in a scene with the error that it asks for; None if no reference can be flown."""
     try:
         return judged(scene, converged(scene, min(REFERENCE_ERROR, 0.1 * scene.wanted.allowed_error), NAMES))
     except StepRefused:
@@ -72,7 +56,7 @@ def unseen(scene):
 
 
 def at_all_levels(scene, reference):
-    """`JudgedAdvice` on a scene for each of the levels of the trade-off study."""
+    """`judged` in a scene for each of the levels of the trade-off study."""
     return [judged(asking(scene, level), reference) for level in LEVELS]
 
 
@@ -101,7 +85,7 @@ def how_much_tether(results, verdicts, work_precision):
         for scene, (_, points, verdicts) in results.items()
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
-    dearest = max(verdict.point.cost / best.cost for *_, best, verdict in cases if best is not None)
+    dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
     facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "work_precision": work_precision}
     return page(TEMPLATE, **declared(), **facts, results=results)
 

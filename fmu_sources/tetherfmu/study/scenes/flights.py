@@ -32,12 +32,9 @@ def declared(unit, minimum, maximum):
 
 
 metres = declared("m", 1e-3, 1e5)
-metres_or_none = declared("m", 0.0, 1e5)
 seconds = declared("s", 1e-3, 1e6)
 radians = declared("rad", -np.pi / 2, np.pi / 2)
-radians_per_second = declared("rad/s", -20.0, 20.0)
 metres_per_second = declared("m/s", -200.0, 200.0)
-part_of_one = declared("", 0.0, 1.0)
 
 
 def rate(function, time):
@@ -115,7 +112,7 @@ class Circle(Flight):
     distance: float = metres(500.0, "of the kite from the ground station")
     half_angle: float = radians(np.radians(10.0), "of the cone")
     axis_elevation: float = radians(np.radians(20.0), "of the axis of the cone above the horizon")
-    rate: float = radians_per_second(0.05, "angular rate of the circle")
+    rate: float = quantity(0.05, "rad/s", "angular rate of the circle", minimum=-20.0, maximum=20.0)
 
     def kite(self, time):
         """A circle about z, tilted about x."""
@@ -132,7 +129,7 @@ class FigureOfEight(Flight):
     elevation: float = radians(np.radians(30.0), "of the centre")
     lap: float = seconds(20.0, "of one figure")
     speed: float = metres_per_second(40.0, "mean speed of the kite (as on a plane)")
-    flatness: float = part_of_one(0.3, "height of a half figure over its width, f")
+    flatness: float = quantity(0.3, "", "height of a half figure over its width, f", minimum=0.0, maximum=1.0)
 
     def kite(self, time):
         """The curve on the sphere."""
@@ -184,7 +181,7 @@ class Landing(Flight):
     elevation: float = radians(np.radians(60.0), "at the start")
     final_elevation: float = radians(np.radians(10.0), "at the end")
     landing_time: float = seconds(20.0, "of the landing")
-    reeled_in: float = metres_or_none(20.0, "length that the winch takes in meanwhile")
+    reeled_in: float = quantity(20.0, "m", "length that the winch takes in meanwhile", minimum=0.0, maximum=1e5)
 
     def kite(self, time):
         """Down and nearer."""
