@@ -15,7 +15,7 @@ from tetherfmu.study.advice.forecast import fast_advice
 from tetherfmu.study.advice.thresholds import thresholds, write
 from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
 from tetherfmu.study.benchmark import command as benchmark
-from tetherfmu.study.measuring.costs import TABLE, measure_costs
+from tetherfmu.study.measuring.costs import measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
@@ -60,7 +60,7 @@ def parse(arguments):
     trade.add_argument("--dask", metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
     trade.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
     trade.add_argument("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
-    command(run_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
+    command(measure_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
     command(run_thresholds, "thresholds", "measure the thresholds anew (thresholds.csv of this package)")
     page = command(run_page, "page", "measure and write docs/how_much_tether.md and its figures")
     page.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
@@ -72,7 +72,7 @@ def parse(arguments):
 
 
 def run_advise(options):
-    """Print the advice for a scene; returns 0, or 1 if nothing meets what it asks for."""
+    """Print the advice for a scene; returns 1 if nothing meets what it asks for."""
     scene = load(options.scene)
     advice = fast_advice(scene) if options.fast else advise(scene)
     print(explain(scene, advice))
@@ -88,7 +88,7 @@ def fmpy_times(scene, points, folder):
 
 
 def run_tradeoff(options):
-    """Study a scene, write the report; returns 0."""
+    """Study a scene, write and print the report."""
     from tetherfmu.study.advice.scene_report import write
 
     scene = load(options.scene)
@@ -97,37 +97,27 @@ def run_tradeoff(options):
         reference, points = study(scene, store, executor, progress_bar(scene.name))
     through_fmpy = {} if options.no_fmpy else fmpy_times(scene, points, options.fmus)
     print(write(scene, reference, points, through_fmpy, store.folder))
-    return 0
 
 
-def run_costs(options):
-    """Measure the unit costs; returns 0."""
-    measure_costs()
-    print(TABLE.read_text(encoding="utf-8"), end="")
-    return 0
-
-
-def run_thresholds(options):
-    """Measure the thresholds; returns 0."""
+def run_thresholds(_):
+    """Measure and store the thresholds."""
     with executor_of() as executor:
         write(*thresholds(executor, progress_bar("thresholds")))
-    return 0
 
 
 def run_page(options):
-    """Write the page of the manual; returns 0."""
+    """Write the page of the manual."""
     from tetherfmu.study.advice.page import make
 
     with executor_of() as executor:
         make(options.scenes, options.out, options.store, executor, progress_bar)
-    return 0
 
 
 def main(arguments=None):
     """Do what the command line says; returns the exit status, 2 for a wrong file, 130 after Ctrl-C."""
     options = parse(arguments)
     try:
-        return options.run(options)
+        return options.run(options) or 0
     except (SceneError, OSError) as error:
         print(error, file=sys.stderr)
         return 2

@@ -8,7 +8,7 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.advise import advise
 from tetherfmu.study.advice.tradeoff import measure
-from tetherfmu.study.measuring.converged import converged
+from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.scenes.files import load
 
 NAMES = ("kite_force",)

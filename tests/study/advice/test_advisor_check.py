@@ -2,7 +2,7 @@
 
 import pytest
 
-from tetherfmu.study.advice.advisor_check import NAMES, unseen
+from tetherfmu.study.advice.page import unseen
 from tetherfmu.study.scenes.random_scenes import random_scenes
 
 QUICK = (3, 7, 9, 15, 31)  # a launch, a circle, a parked kite, a figure of eight, a launch
@@ -11,6 +11,6 @@ QUICK = (3, 7, 9, 15, 31)  # a launch, a circle, a parked kite, a figure of eigh
 @pytest.mark.parametrize("number", QUICK)
 def test_advice_for_an_unseen_scene(number):
     verdict = unseen(random_scenes(number + 1)[number])
-    assert verdict.own_error < 0.2 * verdict.allowed
-    assert verdict.met
-    assert verdict.point.error(NAMES) <= verdict.advice.expected + verdict.own_error
+    assert verdict["own_error"] < 0.2 * verdict["allowed"]
+    assert verdict["met"]
+    assert verdict["error"] <= verdict["expected"] + verdict["own_error"]

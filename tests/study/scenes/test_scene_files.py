@@ -81,7 +81,7 @@ def test_a_series_is_the_flight_that_it_samples(tmp_path):
     """A circle sampled every 0.2 s: a cubic spline is wrong by 5/384 h^4 |x''''| at most in the middle, more at its ends."""
     circle = load(written(tmp_path))
     time = 0.2 * np.arange(16)
-    rows = np.column_stack([time, circle.flight.kite(time)])
+    rows = np.column_stack([time, *circle.flight.kite(time)])
     text = HEAD + "\n".join(",".join(map(repr, row.tolist())) for row in rows)
     (tmp_path / "flight.csv").write_text(text, encoding="utf-8")
     series = load(written(tmp_path, SERIES, "series"))

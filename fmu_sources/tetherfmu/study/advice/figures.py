@@ -42,9 +42,8 @@ def draw(points, own_error, scene, path):
     for level in LEVELS:
         axis.axvline(100.0 * level, color="0.8", linewidth=0.8, zorder=0)
     axis.invert_xaxis()
-    axis.set_xlabel(f"error of {', '.join(scene.wanted.outputs)} [%]")
-    axis.set_ylabel("kernel time per simulated second [µs]")
-    axis.set_title(scene.name)
+    names = ", ".join(scene.wanted.outputs)
+    axis.set(xlabel=f"error of {names} [%]", ylabel="kernel time per simulated second [µs]", title=scene.name)
     axis.legend(frameon=False, fontsize=8)
     figure.savefig(path, dpi=100, metadata={"Software": None})
 

@@ -11,11 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.study.measuring.costs import cost
+from tetherfmu.study.measuring.errors import Reference
 from tetherfmu.study.measuring.runs import Config
 
-from .numbers import Numbers, lead_error, numbers
+from .numbers import lead_error, numbers
 from .thresholds import LEVELS, read
-from .tradeoff import ladder
+from .tradeoff import Measured, ladder
 
 GROUPS = ("weight", "drag", "slack", "wave")
 MARGIN = 0.5  # part of the allowed error that a forecast may use up
@@ -24,33 +25,33 @@ BEYOND = 10.0  # ... as does every larger one than this
 STEEPEST = 3.0  # exponent with which a forecast goes on beyond the last threshold
 
 
-class Forecast(NamedTuple):
-    """A configuration, and the errors that are expected of it, by group; "step" is that of the communication step."""
+class Advice(NamedTuple):
+    """What to use. The fast advice gives the errors that it forecasts by group, the other what it measured."""
 
     config: Config
-    errors: dict
-
-    @property
-    def error(self):
-        """Expected error of the force on the kite [-]."""
-        return sum(self.errors.values())
+    expected: float  # error: forecast, or measured against the finer model plus the finer model's own
+    met: bool  # whether that is allowed
+    forecast: dict | None = None  # see `forecast`
+    point: Measured | None = None  # errors against the finer model
+    finer: Reference | None = None
+    tried: int = 0  # configurations that were flown
 
 
 @cache
 def curves():
-    """Thresholds of each (group, variant, segments): DataFrames with a row for each stretch and a column for each level."""
-    tables = read().groupby(["group", "variant", "segments"])
-    return {key: table.pivot(index="stretch", columns="level", values="value") for key, table in tables}
+    """Thresholds: a row for each group, variant, number of segments and stretch, a column for each level."""
+    return read().set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
 
 
+@cache
 def thresholds_at(group, variant, segments, stretch):
-    """Numbers of a group at which a tether is wrong by `thresholds.LEVELS`, at a stretch [-]; None: it never is."""
+    """Numbers of a group at which a tether is wrong by `thresholds.LEVELS`, at a stretch [-]; infinite: it never is."""
     if group == "wave":
         variant = "catenary" if variant == "straight" else variant
-        segments = max((n for g, v, n in curves() if (g, v) == (group, variant)), default=0)
+        segments = curves().loc[group, variant].index[-1][0]
     elif variant == "dynamic":  # in equilibrium it is the same chain
         variant = "quasi_steady"
-    table = curves()[group, variant, segments]
+    table = curves().loc[group, variant, segments]
     if len(table) == 1:
         return table.to_numpy()[0]
     place = np.log(np.clip(stretch, table.index[0], table.index[-1]))
@@ -63,51 +64,39 @@ def group_error(group, config, found):
     values = np.minimum(thresholds_at(group, config.variant, config.segments, found.stretch), LARGEST)
     if x <= values[0]:
         return LEVELS[0] * (x / values[0]) ** 2
-    below = int(np.searchsorted(values, x, side="right")) - 1
-    if below + 1 < len(values):
-        part = np.log(x / values[below]) / np.log(values[below + 1] / values[below])
-        return float(LEVELS[below] * (LEVELS[below + 1] / LEVELS[below]) ** part)
+    if x < values[-1]:
+        return float(np.exp(np.interp(np.log(x), np.log(values), np.log(LEVELS))))
     return float(min(LEVELS[-1] * (x / values[-1]) ** STEEPEST, 1.0 / LEVELS[0]))
 
 
 def limit(group, config, found, level):
     """Number of a group at which a configuration is wrong by a level [-]; infinite if it never is."""
     values = thresholds_at(group, config.variant, config.segments, found.stretch)
-    finite = [(np.log(each), np.log(v)) for each, v in zip(LEVELS, values, strict=True) if v < BEYOND]
-    if not finite:
+    known, levels = values < BEYOND, np.log(LEVELS)
+    if not known.any() or (np.log(level) > levels[known][-1] + 1e-9 and not known.all()):
         return float("inf")
-    levels, logs = zip(*finite, strict=True)
-    if np.log(level) > levels[-1] + 1e-9 and len(finite) < len(LEVELS):
-        return float("inf")
-    return float(np.exp(np.interp(np.log(level), levels, logs)))
+    return float(np.exp(np.interp(np.log(level), levels[known], np.log(values[known]))))
 
 
-def forecast(scene, config, found, step_errors):
-    """`Forecast` of a configuration; `step_errors` maps communication steps to `numbers.lead_error`."""
-    groups = {group: group_error(group, config, found) for group in GROUPS}
-    return Forecast(config, {**groups, "step": step_errors[config.step]})
+def forecast(config, found, step_errors):
+    """Errors [-] expected of a configuration, by group; "step" is that of its communication step.
 
-
-class Fast(NamedTuple):
-    """Advice from numbers alone."""
-
-    forecast: Forecast
-    numbers: Numbers
-    met: bool
+    step_errors : maps communication steps to `numbers.lead_error`.
+    """
+    return {**{group: group_error(group, config, found) for group in GROUPS}, "step": step_errors[config.step]}
 
 
 def fast_advice(scene):
-    """The cheapest configuration whose forecast stays within half of the allowed error; `Fast`."""
-    found = numbers(scene)
-    allowed = scene.wanted.allowed_error
+    """`Advice`: the cheapest configuration whose forecast stays within half of the allowed error."""
+    found, allowed = numbers(scene), scene.wanted.allowed_error
     tolerance = 1e-3 if allowed >= 0.03 else 1e-4
     configs = [config for config in ladder(scene) if config.tolerance in (0.0, tolerance)]
     step_errors = {step: lead_error(scene, step, found) for step in {config.step for config in configs}}
-    forecasts = [forecast(scene, config, found, step_errors) for config in configs]
-    good = [each for each in forecasts if each.error <= MARGIN * allowed]
-    if not good:
-        return Fast(min(forecasts, key=lambda each: each.error), found, False)
-    return Fast(min(good, key=lambda each: least_cost(scene, each.config)), found, True)
+    forecasts = {config: forecast(config, found, step_errors) for config in configs}
+    expected = {config: sum(errors.values()) for config, errors in forecasts.items()}
+    good = [config for config in configs if expected[config] <= MARGIN * allowed]
+    config = min(good, key=lambda each: least_cost(scene, each)) if good else min(configs, key=expected.get)
+    return Advice(config, expected[config], bool(good), forecasts[config])
 
 
 def least_cost(scene, config):

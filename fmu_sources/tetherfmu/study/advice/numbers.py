@@ -72,12 +72,9 @@ def lead_error(scene, step, found):
     time = step * np.arange(1, round(scene.duration / step))
     before, now, after = (scene.flight.motion(time + shift) for shift in (-step, 0.0, step))
     chord = now.kite - now.ground
-    gaps = []
-    for place, speed in (("kite", "kite_velocity"), ("ground", "ground_velocity")):
-        v = getattr(now, speed)
-        led = getattr(now, place) + 1.5 * step * v - 0.5 * step * getattr(before, speed)
-        gaps.append(led - getattr(after, place))
-    gap = np.sum((gaps[0] - gaps[1]) * chord, -1) / size(chord)
+    speed, last_speed = (each.kite_velocity - each.ground_velocity for each in (now, before))
+    led = chord + 1.5 * step * speed - 0.5 * step * last_speed
+    gap = np.sum((led - (after.kite - after.ground)) * chord, -1) / size(chord)
     reeled = step * np.cumsum(now.reel_out_speed) - (after.reeled - now.reeled[0])
     stiffness = scene.tether.axial_stiffness / found.length / (1.0 + found.softening)
     wind = scene.wind_at(time)

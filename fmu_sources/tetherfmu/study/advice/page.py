@@ -1,27 +1,63 @@
-"""The page docs/how_much_tether.md: `python -m tetherfmu.study page --out docs`. Every number on it is measured here."""
+"""The page docs/how_much_tether.md: `python -m tetherfmu.study page --out docs`. Every number on it is measured here.
 
-from dataclasses import fields
+Does the advisor keep its word? Its advice is measured against a finer reference than the one it used itself.
+"""
+
+from dataclasses import replace
 from pathlib import Path
 
+from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.study.measuring.errors import worst
+from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load
+from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
-from tetherfmu.study.scenes.units import spellings
 
-from .advisor_check import NAMES, asking, at_all_levels, unseen
+from .advise import advise
 from .figures import draw_scenes, draw_sweeps
-from .forecast import MARGIN
+from .forecast import MARGIN, fast_advice
 from .thresholds import read
-from .tradeoff import LEVELS, cheapest, study
+from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
 TEMPLATE = Path(__file__).with_name("page.md.j2")
+NAMES = ("kite_force",)
 UNSEEN = 40
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
+
+
+def asking(scene, allowed):
+    """The scene, asking for the force on the kite within an allowed error."""
+    return replace(scene, wanted=replace(scene.wanted, outputs=NAMES, allowed_error=allowed))
+
+
+def judged(scene, reference):
+    """What is true of the advice for the force on the kite: a dict of texts and numbers.
+
+    Errors are measured against a finer reference than the advisor's own; `met` and `fast_met` say whether they are allowed.
+    """
+    advice, allowed = advise(scene), scene.wanted.allowed_error
+    point, fast = (measure(scene, each.config, reference.run.flown) for each in (advice, fast_advice(scene)))
+    error, fast_error = point.error(NAMES), fast.error(NAMES)
+    advised = {"advised": advice.config.words(), "cost": point.cost, "claimed": advice.met, "expected": advice.expected}
+    verdict = {"error": error, "fast_error": fast_error, "own_error": reference.own_error(NAMES)}
+    verdict |= {"met": advice.met and error <= allowed, "fast_met": fast_error <= allowed}
+    return {"scene": scene.name, "allowed": allowed, **advised, **verdict}
+
+
+def unseen(scene):
+    """`judged` in a scene with the error that it asks for; None if no reference can be flown."""
+    try:
+        return judged(scene, converged(scene, min(REFERENCE_ERROR, 0.1 * scene.wanted.allowed_error), NAMES))
+    except StepRefused:
+        return None
+
+
+def at_all_levels(scene, reference):
+    """`judged` in a scene for each of the levels of the trade-off study."""
+    return [judged(asking(scene, level), reference) for level in LEVELS]
 
 
 def threshold_rows():
@@ -32,57 +68,26 @@ def threshold_rows():
     return table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
 
 
-def keys_of(record, section, leave_out=()):
-    """Rows of a table of keys: every quantity of a record with its units, default and range."""
-    defaults = {item.name: item.default for item in fields(record)}
-    return [
-        (
-            f"`{section}.{name}`" if section else f"`{name}`",
-            spellings(declared.unit).replace("no unit", "-"),
-            f"{defaults[name]:.4g}",
-            declared.range(),
-            declared.meaning,
-        )
-        for name, declared in quantities(record)
-        if name not in leave_out
-    ]
-
-
-def scene_file_keys():
-    """Rows of the table of the keys of a scene file, from the declarations; those of its flight are apart."""
-    velocity = ("`wind.velocity`", "m/s, km/h, kn", "[0, 0, 0]", "each from -200 to 200 m/s", "mean wind, x, y, z")
-    outputs = ("`wanted.outputs`", "-", '["kite_force"]', "some of " + ", ".join(OUTPUTS), "what the allowed error is for")
-    tether = [*keys_of(Scene, ""), *keys_of(Tether, "tether", ("segments",)), *keys_of(Environment, "environment")]
-    return [*tether, velocity, *keys_of(Wind, "wind"), outputs, *keys_of(Wanted, "wanted")]
-
-
 def declared():
-    """What the page says that is not measured for it."""
-    flights = {kind: (flight.__doc__, keys_of(flight, "flight")) for kind, flight in KINDS.items()}
-    return {"thresholds": threshold_rows(), "keys": scene_file_keys(), "flights": flights}
+    """What the page says that is not measured for it; the keys of a scene file are the quantities of its records."""
+    records = {"": Scene, "tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
+    facts = {"thresholds": threshold_rows(), "records": records, "flights": KINDS, "outputs": OUTPUTS, "names": NAMES}
+    return facts | {"seed": SEED, "margin": MARGIN, "quantities": quantities, "spellings": spellings, "worst": worst}
 
 
-def how_much_tether(results, unseen_verdicts, work_precision):
-    """The page as Markdown; `results` maps scenes to (reference, table of points, verdicts on the advice by level)."""
+def how_much_tether(results, verdicts, work_precision):
+    """The page as Markdown.
+
+    results : maps scenes to (reference, table of points, verdicts on the advice by level).  verdicts : on unseen scenes.
+    """
     cases = [
         (scene, level, cheapest(points, level), verdict)
         for scene, (_, points, verdicts) in results.items()
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
-    return page(
-        TEMPLATE,
-        **declared(),
-        results=results,
-        names=NAMES,
-        worst=worst,
-        cases=cases,
-        met=sum(verdict.met for *_, verdict in cases),
-        dearest=max(verdict.point.cost / best.cost for *_, best, verdict in cases if best is not None),
-        unseen=unseen_verdicts,
-        seed=SEED,
-        margin=MARGIN,
-        work_precision=work_precision,
-    )
+    dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
+    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "work_precision": work_precision}
+    return page(TEMPLATE, **declared(), **facts, results=results)
 
 
 def make(scene_files, folder, store_folder, executor, progress):

@@ -19,14 +19,11 @@ from .advise import advise, explain
 from .scene_report import html
 
 __all__ = ["SceneError", "advised"]
-VECTORS = {  # outputs of the FMU that an output of a scene is made of
-    "kite_force": ("kite_force",),
-    "kite_direction": ("kite_force",),
-    "peak_force": ("kite_force",),
-    "ground_force": ("ground_force",),
-    "ground_direction": ("ground_force",),
-    "power": ("kite_force", "ground_tension"),
-    "shape": ("shape",),
+VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name
+    "kite_direction": {"kite_force"},
+    "peak_force": {"kite_force"},
+    "ground_direction": {"ground_force"},
+    "power": {"kite_force", "ground_tension"},
 }
 KEPT = ("kite_position", "kite_velocity")
 
@@ -49,13 +46,13 @@ def vector_of(name):
 
 def still(inputs):
     """Names of the inputs that are 0 all through a scene; `inputs` as `through_fmpy.by_name` gives them."""
-    moved = inputs.any().groupby(vector_of).any()
-    return [name for name in inputs if vector_of(name) not in KEPT and not moved[vector_of(name)]]
+    moved = inputs.any().groupby(vector_of).transform("any")
+    return [name for name in inputs if vector_of(name) not in KEPT and not moved[name]]
 
 
 def unasked(scene, shape_points):
     """Names of the outputs that a scene does not ask for."""
-    asked = {name for each in scene.wanted.outputs for name in VECTORS[each]}
+    asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
     names = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
     return [name for name in names if vector_of(name) not in asked]
 
@@ -78,7 +75,7 @@ def advised(path, shape_points):
         advice = advise(scene)
     except StepRefused as refusal:
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
-    config, text = advice.point.config, explain(scene, advice)
+    config, text = advice.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = by_name(scene.inputs(config.step))
     no_inputs, no_outputs = still(inputs), unasked(scene, points)

@@ -15,23 +15,17 @@ from .tradeoff import LEVELS, cheapest
 
 FOLDER = Path(__file__).parent
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
-HEAD = {  # names there that are not those of the table of points
-    "step": "step_s",
-    "seconds": "kernel_s_per_s",
-    "cost": "cost_s_per_s",
-    "host_cost": "with_fmpy_estimated_s_per_s",
-}
+SECONDS = {"seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}  # heads there
 
 
 def write_csv(points, reference, path):
     """All points; errors that are smaller than ten times the reference's own are not known better than that."""
     own = {name: reference.space[name] + reference.time[name] for name in OUTPUTS}
     work = {"calls": reference.run.calls, "work": reference.run.work, "refused": "reference: bounds of its own errors"}
-    first = pd.DataFrame([{**reference.config._asdict(), **own, **work}], columns=COLUMNS)
-    table = points[COLUMNS].copy()
-    for name in (*OUTPUTS, "seconds", "cost", "host_cost"):
-        table[name] = table[name].map("{:.3g}".format, na_action="ignore")
-    pd.concat([first.astype(object), table]).rename(columns=HEAD).to_csv(path, index=False, lineterminator="\r\n")
+    first = pd.DataFrame([{**reference.config._asdict(), **own, **work}], columns=COLUMNS).astype(object)
+    digits = {name: points[name].map("{:.3g}".format, na_action="ignore") for name in (*OUTPUTS, *SECONDS)}
+    table = pd.concat([first, points[COLUMNS].assign(**digits)]).rename(columns={"step": "step_s", **SECONDS})
+    table.to_csv(path, index=False, lineterminator="\r\n")
 
 
 def html(title, text):
@@ -39,29 +33,24 @@ def html(title, text):
     return page(FOLDER / "scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
 
 
-def report(scene, reference, points, through_fmpy):
-    """The page as Markdown; `through_fmpy` maps configurations to measured time per simulated second."""
-    names = scene.wanted.outputs
+def write(scene, reference, points, through_fmpy, folder):
+    """Write points.csv, pareto.png, report.md and report.html to a folder; returns the page as Markdown.
+
+    through_fmpy : maps configurations to measured time per simulated second.
+    """
+    folder, names = Path(folder), scene.wanted.outputs
+    write_csv(points, reference, folder / "points.csv")
+    draw(points, reference.own_error(names), scene, folder / "pareto.png")
     levels = sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)
-    return page(
+    text = page(
         FOLDER / "scene.md.j2",
         scene=scene,
         cheapest={level: cheapest(points, level) for level in levels},
         through_fmpy=through_fmpy,
         most_exact={variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)},
         reference=reference,
-        in_space=worst(reference.space, names),
-        in_time=worst(reference.time, names),
-        own=reference.own_error(names),
+        worst=worst,
     )
-
-
-def write(scene, reference, points, through_fmpy, folder):
-    """Write points.csv, pareto.png, report.md and report.html to a folder; returns the page."""
-    folder = Path(folder)
-    write_csv(points, reference, folder / "points.csv")
-    draw(points, reference.own_error(scene.wanted.outputs), scene, folder / "pareto.png")
-    text = report(scene, reference, points, through_fmpy)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text

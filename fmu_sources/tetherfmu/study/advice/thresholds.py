@@ -18,7 +18,7 @@ import pandas as pd
 
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.study.measuring.converged import converged
+from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.scenes.files import Scene, Wanted, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
@@ -80,10 +80,9 @@ def wave_scene(lap):
 
 def sweeps():
     """Triples (group, stretch, scene); the stretch is 0 where it does not count."""
-    scenes = [("weight", s, weight_scene(q, s)) for s in STRETCHES for q in LOADS]
-    scenes += [("drag", s, drag_scene(q, s)) for s in STRETCHES for q in LOADS]
-    scenes += [("slack", 0.0, slack_scene(x)) for x in SLACKS]
-    return scenes + [("wave", 0.0, wave_scene(lap)) for lap in LAPS]
+    loads = {"weight": weight_scene, "drag": drag_scene}
+    scenes = [(group, s, scene(q, s)) for group, scene in loads.items() for s in STRETCHES for q in LOADS]
+    return [*scenes, *(("slack", 0.0, slack_scene(x)) for x in SLACKS), *(("wave", 0.0, wave_scene(lap)) for lap in LAPS)]
 
 
 def configs(group):

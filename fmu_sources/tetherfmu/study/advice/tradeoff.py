@@ -4,16 +4,15 @@
 """
 
 import hashlib
-from itertools import product
+from itertools import chain, product, starmap
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from tetherfmu.models import StepRefused
-from tetherfmu.study.measuring.converged import converged
 from tetherfmu.study.measuring.costs import cost, host_cost
-from tetherfmu.study.measuring.errors import errors, worst
+from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import finished
 from tetherfmu.study.measuring.runs import Config, run
 from tetherfmu.study.measuring.store import package_digest
@@ -57,14 +56,13 @@ def steps(scene):
 
 def ladder(scene):
     """All configurations of the study; at short steps the tolerance does not matter: the solver takes one step in each."""
-    lines = [Config(variant, 0, 0.0, h) for variant, h in product(("straight", "catenary"), steps(scene))]
-    steady = [Config("quasi_steady", n, 0.0, h) for n, h in product(SEGMENTS, steps(scene))]
-    dynamic = [
-        Config("dynamic", n, tolerance, h)
-        for n, tolerance, h in product(SEGMENTS, TOLERANCES, steps(scene))
-        if h > SHORT_STEP or tolerance == TOLERANCES[-1]
-    ]
-    return lines + steady + dynamic
+    tethers = (
+        product(("straight", "catenary"), (0,), (0.0,), steps(scene)),
+        product(("quasi_steady",), SEGMENTS, (0.0,), steps(scene)),
+        product(("dynamic",), SEGMENTS, TOLERANCES, steps(scene)),
+    )
+    configs = starmap(Config, chain(*tethers))
+    return [each for each in configs if each.step > SHORT_STEP or each.tolerance <= TOLERANCES[-1]]
 
 
 def measure(scene, config, reference, repeats=1, exact=False):
@@ -88,7 +86,7 @@ def key(scene, config):
 
 
 def study(scene, store, executor, progress, configs=None, repeats=3):
-    """All points of a scene: its `Reference`, and the table of `table_of` with a row for each configuration.
+    """All points of a scene: its `Reference`, and the table of `table_of`.
 
     store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.  progress : as
     of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
@@ -99,21 +97,17 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
         store.add(key(scene, point.config), point._asdict())
-    return reference, table_of([stored_point(scene, store.points[key(scene, config)]) for config in configs], names)
+    return reference, table_of(scene, [store.points[key(scene, config)] for config in configs])
 
 
-def stored_point(scene, stored):
-    """`Measured` from what the store holds, its cost by the present unit costs."""
-    config = Config(*stored["config"])
-    return Measured(**{**stored, "config": config, "cost": cost(scene, config, stored["calls"], stored["work"])})
-
-
-def table_of(points, names):
-    """A row for each `Measured`: its fields, those of its `Config`, an error for each output, `host_cost`, and as `error`
-    the largest of the outputs `names`."""
-    rows = [{**point._asdict(), **point.config._asdict(), **point.errors, "error": point.error(names)} for point in points]
-    table = pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error"])
-    return table.assign(host_cost=[point.host_cost for point in points])
+def table_of(scene, stored):
+    """A row for each stored point: the fields of its `Measured`, with the cost by the present unit costs, those of its
+    `Config`, an error for each output, `host_cost`, and as `error` the largest of the outputs that the scene asks for."""
+    points = [Measured(**{**point, "config": Config(*point["config"])}) for point in stored]
+    points = [each._replace(cost=cost(scene, each.config, each.calls, each.work)) for each in points]
+    more = [{"error": each.error(scene.wanted.outputs), "host_cost": each.host_cost} for each in points]
+    rows = [each._asdict() | each.config._asdict() | each.errors | new for each, new in zip(points, more, strict=True)]
+    return pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
 
 
 def cheapest(table, level):

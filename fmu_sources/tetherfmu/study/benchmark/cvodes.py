@@ -15,6 +15,8 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.reference import free_state, right_hand_side
 from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
 
+if hasattr(casadi.GlobalOptions, "setNumpyMode"):  # from CasADi 3.8 on
+    casadi.GlobalOptions.setNumpyMode(1)  # numpy functions of symbols give symbols
 LINEAR_SOLVER = "csparse"  # the fastest of CasADi's for these scenes
 COMPILER = shutil.which("gcc") or shutil.which("cc")  # of C, that CasADi can use, or None
 RANDOM_STATES = 20
@@ -64,9 +66,10 @@ def equations(scene, exact_path):
     free = scene.tether.segments if scene.kite_is_free else scene.tether.segments - 1
     time, y, p = casadi.SX.sym("t"), casadi.SX.sym("y", 6 * free), casadi.SX.sym("p", 0 if exact_path else 12)
     kite = velocity = casadi.SX(3, 0)
-    if exact_path and scene.path:
-        kite, velocity = (casadi.vertcat(*each) for each in scene.path(time, casadi.sin, casadi.cos))
-    elif scene.path:
+    if exact_path and not scene.kite_is_free:
+        kite = casadi.vertcat(*scene.flight.kite(time))
+        velocity = casadi.jacobian(kite, time)
+    elif not scene.kite_is_free:
         x0, v0, c2, c3 = casadi.vertsplit(p, 3)
         kite, velocity = x0 + time * (v0 + time * (c2 + time * c3)), v0 + time * (2.0 * c2 + 3.0 * time * c3)
     return {"t": time, "x": y, "p": p, "ode": slope(scene, time, y, kite, velocity)}

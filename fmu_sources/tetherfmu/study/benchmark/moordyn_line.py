@@ -18,7 +18,7 @@ import pandas as pd
 
 from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.standard import STEP, circle, circle_scene
+from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .races import DEFAULT, OURS, our_run
 
@@ -43,7 +43,7 @@ def silence():
 
 def ends(scene, time):
     """Positions and velocities of both ends for MoorDyn, lists of six numbers."""
-    position, velocity = map(np.array, circle(time))
+    position, velocity = scene.path(time)
     drift = -np.array(scene.wind)
     below = np.array([0.0, 0.0, -DEPTH / 2.0]) + drift * time
     return [*below, *(below + position)], [*drift, *(velocity + drift)]

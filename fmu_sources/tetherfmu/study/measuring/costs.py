@@ -38,9 +38,9 @@ def regressors(config, calls, work):
 
 
 @cache
-def units(table=TABLE):
+def units():
     """Unit costs [s], a DataFrame with a row of `COLUMNS` for each variant and one for the host."""
-    return pd.read_csv(table, index_col="variant")
+    return pd.read_csv(TABLE, index_col="variant")
 
 
 def cost(scene, config, calls, work):
@@ -68,13 +68,13 @@ def fitted(scenes, variant):
     return nnls(np.array(rows), np.ones(len(rows)))[0]
 
 
-def measure_costs(table=TABLE):
-    """Measure all unit costs in random scenes and store them."""
+def measure_costs(_):
+    """Measure all unit costs in random scenes, store and print them; a command without options."""
     scenes = random_scenes(SCENES)
     rows = {variant: fitted(scenes, variant) for variant in VARIANTS} | {HOST: [host_seconds(), 0.0, 0.0, 0.0]}
     found = pd.DataFrame.from_dict(rows, orient="index", columns=COLUMNS).rename_axis("variant")
-    found.map("{:.3g}".format).to_csv(table, lineterminator="\r\n")
-    units.cache_clear()
+    found.map("{:.3g}".format).to_csv(TABLE, lineterminator="\r\n")
+    print(TABLE.read_text(encoding="utf-8"), end="")
 
 
 def host_seconds():

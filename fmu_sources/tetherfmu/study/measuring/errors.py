@@ -1,4 +1,4 @@
-"""Errors of a flight against a reference flight of the same scene; docs/how_much_tether.md, "Errors".
+"""Errors of a flight against a reference flight of the same scene, and the reference; docs/how_much_tether.md, "Errors".
 
 With F of a flight, R of the reference, rms over the output times after `settled`:
 
@@ -7,15 +7,27 @@ With F of a flight, R of the reference, rms over the output times after `settled
     peak_force        |max |F| - max |R|| / max |R|                over all communication points
     power             rms(F . v - R . v) / rms(R . v)              or of ground_tension times reel_out_speed, if larger
     shape             rms distance of points at equal unstretched length / mean unstretched length
+
+The reference is the dynamic tether, refined in space and in time until its own error is small enough. It is the only run
+that knows the mean reel-out speed of each step and the wind of its middle (`Scene.inputs`, exact).
 """
+
+from functools import cache
+from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.scenes.files import OUTPUTS
 
+from .runs import Config, Run, run
+
 SETTLING = 3.0  # wave times after which the start is forgotten ...
 LONGEST_SETTLING = 0.25  # ... at most this part of the scene
+FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
+LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
+TOLERANCE = 1e-6
 
 
 def size(vectors):
@@ -72,3 +84,42 @@ def errors(scene, flown, reference):
 def worst(found, names):
     """Largest error of some outputs."""
     return max(found[name] for name in names)
+
+
+class Reference(NamedTuple):
+    """A reference run and what is known of it."""
+
+    config: Config
+    run: Run
+    space: dict  # change of each output against half of the segments
+    time: dict  # change of each output against the double communication step and ten times the tolerance
+
+    def own_error(self, names):
+        """Bound of its own error in some outputs: both changes together; each is larger than what is left."""
+        return worst(self.space, names) + worst(self.time, names)
+
+
+def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
+    """`Reference` of a scene, refined until its `own_error` is at most `target` [-], or until the finest allowed.
+
+    names : outputs that count, of `scenes.files.OUTPUTS`.  first_segments : to begin with; doubled as needed.
+    """
+    n = first_segments
+    step = scene.every / (2 * ceil(scene.every / (2.0 * LONGEST_STEP) - 1e-6))  # an output interval is an even multiple
+
+    @cache
+    def fly(segments, h, tolerance):
+        return run(scene, Config("dynamic", segments, tolerance, h), exact=True)
+
+    while True:
+        finest = fly(n, step, TOLERANCE)
+        space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
+        time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
+        in_space, in_time = worst(space, names), worst(time, names)
+        finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
+        if in_space + in_time <= target or not any(finer):
+            return Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
+        if (in_space >= in_time and finer[0]) or not finer[1]:
+            n *= 2
+        else:
+            step /= 2.0

@@ -39,7 +39,7 @@ def right_hand_side(scene):
 
     def slope(t, y):
         x[3 : 3 + half], v[3 : 3 + half] = y[:half], y[half:]
-        if scene.path:
+        if not scene.kite_is_free:
             x[-3:], v[-3:] = scene.path(t)
         length = scene.tether.initial_length + reeling * t
         accelerations(n, x, v, length, reeling, scene.wind, parameters, mass, force)

@@ -3,6 +3,8 @@
 from dataclasses import asdict, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from tetherfmu.models import Flown, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver
@@ -45,8 +47,7 @@ def started(scene, config, first):
     tether = replace(scene.tether, segments=config.segments or 1)
     solver = Solver(relative_tolerance=config.tolerance, initial_shape=QUASI_STEADY_START)
     model = MODELS[config.variant](tether, scene.environment, solver, shape_points=SHAPE_POINTS)
-    places = (at.KITE_POSITION, at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY)
-    ends = [first[place : place + 3] for place in places]
+    ends = np.split(first[at.KITE_POSITION : at.GROUND_VELOCITY + 3], 4)
     model.initialize(*ends, first[at.REEL_OUT_SPEED], first[at.WIND_VELOCITY : at.WIND_VELOCITY + 3])
     return model
 

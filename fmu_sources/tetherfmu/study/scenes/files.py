@@ -13,12 +13,22 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.runtime.quantities import check, quantities, quantity
+from tetherfmu.runtime.quantities import quantities, quantity
 
-from .flights import KINDS, Flight
+from .flights import KINDS, Checked, Flight
 from .series import Series
-from .units import in_si
 
+UNITS = {  # unit of a quantity: what else it may be given in, and the factor to the unit
+    "": {"%": 0.01},
+    "m": {"mm": 1e-3, "cm": 1e-2, "km": 1e3},
+    "s": {"ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "rad": {"deg": 0.017453292519943295},
+    "rad/s": {"deg/s": 0.017453292519943295, "rpm": 0.10471975511965977},
+    "m/s": {"km/h": 1.0 / 3.6, "kn": 1852.0 / 3600.0},
+    "kg/m3": {"g/cm3": 1000.0},
+    "N": {"kN": 1e3, "MN": 1e6},
+    "N.s": {"kN.s": 1e3},
+}
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # time between two compared outputs [s], about
 REQUIRED = {
@@ -34,15 +44,12 @@ class SceneError(ValueError):
 
 
 @dataclass(frozen=True)
-class Wind:
+class Wind(Checked):
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
     velocity: tuple = (0.0, 0.0, 0.0)
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
-
-    def __post_init__(self):
-        check(self)
 
     def at(self, time):
         """Wind [m/s], array (times, 3)."""
@@ -51,7 +58,7 @@ class Wind:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class Wanted(Checked):
     """What the user asks for; an error counts relative to the reference's own size (docs/how_much_tether.md, "Errors")."""
 
     outputs: tuple = ("kite_force",)
@@ -59,12 +66,9 @@ class Wanted:
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
 
-    def __post_init__(self):
-        check(self)
-
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Checked):
     """A scene; `digest` tells scenes apart by all that they hold."""
 
     name: str
@@ -75,9 +79,6 @@ class Scene:
     wind: Wind = field(default=None)
     wanted: Wanted = field(default=None)
     digest: str = ""
-
-    def __post_init__(self):
-        check(self)
 
     @property
     def every(self):
@@ -122,14 +123,11 @@ def load(path):
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
-        table = tomllib.loads(text)
+        return read(tomllib.loads(path.read_text(encoding="utf-8")), path, path.stem)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError(f"{path}: is no TOML file ({error})") from None
-    try:
-        return read(table, path, path.stem)
     except ValueError as error:
         message = str(error)
         raise SceneError(message if message.startswith(str(path)) else f"{path}: {message}") from None
@@ -137,23 +135,19 @@ def load(path):
 
 def read(table, path, name):
     """`Scene` from the table of a file; ValueError names the key."""
-    known = ("name", "duration", "flight", "tether", "environment", "wind", "wanted")
-    require(table, "", known)
+    require(table, "", ("name", "duration", "flight", "tether", "environment", "wind", "wanted"))
     flight = read_flight(table["flight"], path.parent)
-    tether = record(Tether, table["tether"], "tether", leave_out=("segments",))
-    environment = record(Environment, table.get("environment", {}), "environment")
+    kinds = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
+    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in kinds.items()}
     if "wind" in table and flight.wind(np.zeros(1)) is not None:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
-    wind = record(Wind, table.get("wind", {}), "wind")
-    wanted = record(Wanted, table["wanted"], "wanted")
-    name = table.get("name", name)
+    name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
     flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
-    digest = hashlib.sha256(repr((name, table)).encode() + flown)
-    duration = value_of(Scene, "duration", table["duration"], "")
+    digest = hashlib.sha256(repr((name, table)).encode() + flown).hexdigest()[:16]
     longest = getattr(flight, "duration", np.inf)
     if duration > longest + 1e-9:
         raise ValueError(f"duration is {duration!r}; it must be at most {longest:g} s, the length of the series")
-    return Scene(name, duration, flight, tether, environment, wind, wanted, digest.hexdigest()[:16])
+    return Scene(name, duration, flight, **records, digest=digest)
 
 
 def require(table, section, known):
@@ -211,6 +205,28 @@ def value_of(kind, key, value, label):
     if not declared.allows(number):
         raise ValueError(f"{label}{key} is {value!r}; it must be {declared.range()}")
     return number
+
+
+def spellings(unit):
+    """Units in which a quantity may be given, in words."""
+    return ", ".join([unit or "no unit", *UNITS.get(unit, {})])
+
+
+def in_si(value, unit):
+    """A number, or a text like "4 mm", as a number in the unit of its quantity; ValueError says what is allowed."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"it must be a number, or a text with a unit ({spellings(unit)})")
+    if not isinstance(value, str):
+        return value
+    amount, _, spelled = value.strip().partition(" ")
+    factor = 1.0 if spelled.strip() == unit else UNITS.get(unit, {}).get(spelled.strip())
+    try:
+        number = float(amount)
+    except ValueError:
+        number = None
+    if factor is None or number is None:
+        raise ValueError(f"it must be a number with one of the units {spellings(unit)}")
+    return number * factor
 
 
 def velocity(value):

@@ -4,6 +4,7 @@ A flight declares its numbers as quantities and says its path as a formula; velo
 Frame: z up, ground station at the origin at the start, azimuth from the x axis. SI units.
 """
 
+import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -31,12 +32,9 @@ def declared(unit, minimum, maximum):
 
 
 metres = declared("m", 1e-3, 1e5)
-metres_or_none = declared("m", 0.0, 1e5)
 seconds = declared("s", 1e-3, 1e6)
 radians = declared("rad", -np.pi / 2, np.pi / 2)
-radians_per_second = declared("rad/s", -20.0, 20.0)
 metres_per_second = declared("m/s", -200.0, 200.0)
-part_of_one = declared("", 0.0, 1.0)
 
 
 def rate(function, time):
@@ -45,11 +43,14 @@ def rate(function, time):
 
 
 def polar(distance, elevation, azimuth):
-    """Points [m] at a distance [m] and two angles [rad] from the origin, array (times, 3)."""
+    """Point [m] at a distance [m] and two angles [rad] from the origin: x, y, z."""
     across = distance * np.cos(elevation)
-    return np.stack(
-        np.broadcast_arrays(across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)), -1
-    )
+    return across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)
+
+
+def stacked(point):
+    """A point as array (times, 3)."""
+    return np.stack(np.broadcast_arrays(*point), -1)
 
 
 def swing(amplitude, period, time):
@@ -69,12 +70,19 @@ def ramp_integral(u):
     return np.where(np.real(u) > 1.0, u - 0.5, inside**4 * (inside * (inside - 3.0) + 2.5))
 
 
-@dataclass(frozen=True)
-class Flight:
-    """A flight by formulas. A kind overrides `kite`, and where they move, `ground` and `reeled`."""
+class Checked:
+    """A record of quantities that is checked as it is made."""
 
     def __post_init__(self):
         check(self)
+
+
+@dataclass(frozen=True)
+class Flight(Checked):
+    """A flight by formulas. A kind gives `kite`, and where they move, `ground` and `reeled`.
+
+    The formulas take numbers, arrays of them and CasADi symbols; points are triples x, y, z.
+    """
 
     def kite(self, time):
         """Position of the kite [m]."""
@@ -82,16 +90,16 @@ class Flight:
 
     def ground(self, time):
         """Position of the ground end [m]."""
-        return np.multiply.outer(time, np.zeros(3))
+        return 0.0 * time, 0.0 * time, 0.0 * time
 
     def reeled(self, time):
         """Length paid out since the start [m]."""
         return 0.0 * time
 
     def motion(self, time):
-        """`Motion` at an array of times [s]."""
-        pairs = [(f(time), rate(f, time)) for f in (self.kite, self.ground, self.reeled)]
-        return Motion(*(each for pair in pairs for each in pair))
+        """`Motion` at times [s]."""
+        ends = [lambda t, end=end: stacked(end(t)) for end in (self.kite, self.ground)]
+        return Motion(*(each for f in (*ends, self.reeled) for each in (f(time), rate(f, time))))
 
     def wind(self, time):
         """Wind [m/s] that a record brings with it, array (times, 3); None: that of the scene."""
@@ -104,13 +112,13 @@ class Circle(Flight):
     distance: float = metres(500.0, "of the kite from the ground station")
     half_angle: float = radians(np.radians(10.0), "of the cone")
     axis_elevation: float = radians(np.radians(20.0), "of the axis of the cone above the horizon")
-    rate: float = radians_per_second(0.05, "angular rate of the circle")
+    rate: float = quantity(0.05, "rad/s", "angular rate of the circle", minimum=-20.0, maximum=20.0)
 
     def kite(self, time):
         """A circle about z, tilted about x."""
-        x, y, z = np.moveaxis(polar(self.distance, np.pi / 2 - self.half_angle, self.rate * time), -1, 0)
+        x, y, z = polar(self.distance, np.pi / 2 - self.half_angle, self.rate * time)
         cos, sin = np.sin(self.axis_elevation), np.cos(self.axis_elevation)
-        return np.stack([x, cos * y - sin * z, sin * y + cos * z], -1)
+        return x, cos * y - sin * z, sin * y + cos * z
 
 
 @dataclass(frozen=True)
@@ -121,7 +129,7 @@ class FigureOfEight(Flight):
     elevation: float = radians(np.radians(30.0), "of the centre")
     lap: float = seconds(20.0, "of one figure")
     speed: float = metres_per_second(40.0, "mean speed of the kite (as on a plane)")
-    flatness: float = part_of_one(0.3, "height of a half figure over its width, f")
+    flatness: float = quantity(0.3, "", "height of a half figure over its width, f", minimum=0.0, maximum=1.0)
 
     def kite(self, time):
         """The curve on the sphere."""
@@ -146,8 +154,7 @@ class Parked(Flight):
 
     def kite(self, time):
         """To and fro at constant distance."""
-        azimuth = swing(self.sway / self.distance, self.sway_period, time)
-        return polar(self.distance, self.elevation, azimuth)
+        return polar(self.distance, self.elevation, swing(self.sway / self.distance, self.sway_period, time))
 
 
 @dataclass(frozen=True)
@@ -174,7 +181,7 @@ class Landing(Flight):
     elevation: float = radians(np.radians(60.0), "at the start")
     final_elevation: float = radians(np.radians(10.0), "at the end")
     landing_time: float = seconds(20.0, "of the landing")
-    reeled_in: float = metres_or_none(20.0, "length that the winch takes in meanwhile")
+    reeled_in: float = quantity(20.0, "m", "length that the winch takes in meanwhile", minimum=0.0, maximum=1e5)
 
     def kite(self, time):
         """Down and nearer."""
@@ -201,12 +208,12 @@ class Towing(Flight):
     def ground(self, time):
         """The vehicle."""
         way = self.speed * self.ramp_time * ramp_integral(time / self.ramp_time)
-        return np.multiply.outer(way, [1.0, 0.0, 0.0])
+        return way, 0.0 * time, 0.0 * time
 
     def kite(self, time):
         """Behind the vehicle."""
-        azimuth = np.pi + swing(self.weave, self.weave_period, time)
-        return self.ground(time) + polar(self.distance, self.elevation, azimuth)
+        x, y, z = polar(self.distance, self.elevation, np.pi + swing(self.weave, self.weave_period, time))
+        return self.ground(time)[0] + x, y, z
 
 
 @dataclass(frozen=True)
@@ -229,16 +236,7 @@ class Reel(Flight):
 
     def kite(self, time):
         """As far as the tether has been paid out."""
-        azimuth = swing(self.weave, self.weave_period, time)
-        return polar(self.distance + self.reeled(time), self.elevation, azimuth)
+        return polar(self.distance + self.reeled(time), self.elevation, swing(self.weave, self.weave_period, time))
 
 
-KINDS = {
-    "circle": Circle,
-    "figure_of_eight": FigureOfEight,
-    "parked": Parked,
-    "launch": Launch,
-    "landing": Landing,
-    "towing": Towing,
-    "reel": Reel,
-}
+KINDS = {re.sub(r"\B([A-Z])", r"_\1", kind.__name__).lower(): kind for kind in Flight.__subclasses__()}

@@ -24,25 +24,25 @@ def read_columns(path):
         raise ValueError(f"{path}: is no CSV file with a head line ({str(error).strip()})") from None
     table = cells[1:].set_axis(cells.iloc[0].str.strip(), axis=1)
     numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
-    for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
-        place = f"row {row + 2}, column {table.columns[column]}"
-        raise ValueError(f"{path}: {place} is {table.iat[row, column]!r}; it must be a finite number")
+    for problem in problems(table, numbers):
+        raise ValueError(f"{path}: {problem}")
     return numbers
 
 
-def check_columns(table, path):
-    """ValueError unless the columns make a flight."""
-    for name in table:
-        if name not in COLUMNS:
-            raise ValueError(f"{path}: unknown column {name!r}; known are {', '.join(COLUMNS)}")
+def problems(table, numbers):
+    """What is wrong with the columns of a flight, texts; `numbers` are those of the texts of a table."""
+    for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
+        yield f"row {row + 2}, column {table.columns[column]} is {table.iat[row, column]!r}; it must be a finite number"
+    for name in table.columns.difference(COLUMNS, sort=False):
+        yield f"unknown column {name!r}; known are {', '.join(COLUMNS)}"
     given = {"kite_position", *(name.partition("[")[0] for name in table)}
     needed = {"time", *(vector + axis for vector in given.intersection(VECTORS) for axis in AXES)}
     for name in sorted(needed.difference(table)):
-        raise ValueError(f"{path}: the column {name} is missing")
+        yield f"the column {name} is missing"
     if len(table) < FEWEST_ROWS:
-        raise ValueError(f"{path}: has {len(table)} rows; it must have at least {FEWEST_ROWS}")
-    if not np.all(np.diff(table["time"]) > 0.0):
-        raise ValueError(f"{path}: time must grow from row to row")
+        yield f"has {len(table)} rows; it must have at least {FEWEST_ROWS}"
+    if not numbers["time"].is_monotonic_increasing or not numbers["time"].is_unique:
+        yield "time must grow from row to row"
 
 
 def curve(time, positions, velocities):
@@ -61,7 +61,6 @@ class Series:
 
     def __init__(self, path):
         table = read_columns(Path(path))
-        check_columns(table, path)
         time = table["time"].to_numpy() - table["time"].iloc[0]
         given = [vector for vector in VECTORS if f"{vector}[1]" in table]
         values = {vector: table[[vector + axis for axis in AXES]].to_numpy() for vector in given}
