@@ -6,6 +6,7 @@ The floors are those of the import contract in pyproject.toml, the arrows are re
 import ast
 import tomllib
 from pathlib import Path
+from textwrap import fill
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
@@ -106,7 +107,7 @@ def draw(path):
     from matplotlib.patches import FancyBboxPatch
 
     levels = floors()
-    figure = Figure(figsize=(9.5, 0.72 * len(levels)), layout="constrained")
+    figure = Figure(figsize=(9.5, 0.8 * len(levels)), layout="constrained")
     axis = figure.add_subplot()
     places = {}
     for level, rooms in enumerate(levels):
@@ -116,8 +117,9 @@ def draw(path):
             colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room == "runtime" else "#eeeeee"
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
-            axis.text(middle, -level + 0.1, room, ha="center", va="center", fontsize=11, weight="bold")
-            axis.text(middle, -level - 0.15, contents(room), ha="center", va="center", fontsize=8)
+            axis.text(middle, -level + 0.15, room, ha="center", va="center", fontsize=11, weight="bold")
+            text = fill(contents(room), int(140 * width))
+            axis.text(middle, -level - 0.13, text, ha="center", va="center", fontsize=8, linespacing=1.1)
     heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
     style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
     for start, end in sorted(without_detours(arrows())):

@@ -4,7 +4,7 @@ Rules of a kernel, so that its machine code can stand alone without Python: argu
 arrays; work space comes from the caller; a failure is a status code; other kernels are called by name only. Nothing
 is allocated, raised or received as a function.
 
-Kernels are compiled into the entry points (`entry.py`), and only those are cached on disk.
+Kernels are compiled into the entry points (`entry_points.py`), and only those are cached on disk.
 """
 
 from contextlib import contextmanager
@@ -36,6 +36,6 @@ def _cache_of_these_sources():
 
 
 def compile_entry_point(function, on_disk=True):
-    """Compile a function of `entry.py` to a numba.CFunc, or load it from the cache, if `on_disk`."""
+    """Compile a function of `entry_points.py` to a numba.CFunc, or load it from the cache, if `on_disk`."""
     with _cache_of_these_sources():
         return cfunc(function.signature, error_model="numpy", cache=on_disk)(function)
