@@ -108,7 +108,7 @@ def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
         time.sleep(0.005)
     os.killpg(process.pid, signal.SIGINT)
     said = process.communicate(timeout=TIMEOUT)[1]
-    assert process.returncode == 130
+    assert process.returncode == 130, said
     assert said.splitlines() == ["stopped; the finished points are kept, the same command goes on"]
 
 

@@ -2,7 +2,9 @@
 
 import signal
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from time import sleep
 
 from tqdm import tqdm
 
@@ -26,6 +28,9 @@ def executor_of(dask=None, processes=None):
         executor = ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently)
         try:
             yield executor
+        except BrokenProcessPool:
+            sleep(1.0)  # after Ctrl-C the processes may end before this one is told of it
+            raise
         finally:
             executor.shutdown(cancel_futures=True)
         return
