@@ -48,16 +48,28 @@ class Flown(NamedTuple):
         return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
 
 
+class Memory(NamedTuple):
+    """Numbers and arrays of a running tether, see `instance.Instance`; `n` is its number of segments."""
+
+    n: int
+    points: int
+    parameters: np.ndarray
+    state: np.ndarray
+    before: np.ndarray
+    outputs: np.ndarray
+    work: np.ndarray
+
+
 @njit
-def fly(advance, observe, n, points, parameters, inputs, step, state, before, outputs, work, every, peaks, rows):
+def fly(advance, observe, memory, inputs, step, every, peaks, rows):
     """All communication steps of a flight, until one is refused; nothing is allocated.
 
-    advance, observe : of `kernel_library.Kernels`.  n, points : number of segments, and of points of the output `shape`.
-    parameters, state, before, outputs, work : arrays of `Instance`, the last four modified; a refused step leaves the state
-    of before it.  inputs, step, every, peaks : see `TetherModel.fly`.  rows : `Flown`, modified.
+    advance, observe : of `kernel_library.Kernels`.  memory : `Memory`, modified; a refused step leaves the state of before
+    it.  inputs, step, every, peaks : see `TetherModel.fly`.  rows : `Flown`, modified.
 
     Returns the status of the step that was refused (OK if none was), and how many steps were done.
     """
+    n, points, parameters, state, before, outputs, work = memory
     largest = 0.0
     for k in range(len(inputs)):
         kept = every > 0 and (k + 1) % every == 0

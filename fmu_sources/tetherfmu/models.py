@@ -167,11 +167,12 @@ class TetherModel:
             raise ValueError(f"every is {every!r}; it must be at least 0")
         rows = len(inputs) // every if every else 0
         kept = Flown(np.zeros((rows, len(self._outputs))), np.zeros(rows), np.zeros((rows, self.segments + 1, 3)))
-        before = self._kernels.advance, self._kernels.observe, self.segments, self._points, self._parameters
-        after = float(step), self._state, self._before, self._outputs, self._work, int(every), bool(peaks), kept
-        compiled.fly(*before, inputs[:0], *after)  # no step: what is measured contains no compilation
+        arrays = self._parameters, self._state, self._before, self._outputs, self._work
+        tether = self._kernels.advance, self._kernels.observe, compiled.Memory(self.segments, self._points, *arrays)
+        how = float(step), int(every), bool(peaks), kept
+        compiled.fly(*tether, inputs[:0], *how)  # no step: what is measured contains no compilation
         began = perf_counter()
-        result, done = compiled.fly(*before, inputs, *after)
+        result, done = compiled.fly(*tether, inputs, *how)
         seconds = perf_counter() - began
         if len(inputs):
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
