@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import pytest
 
@@ -100,7 +101,10 @@ def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
     """All processes of the terminal get the signal, as Ctrl-C sends it; the finished points are kept."""
     command = [sys.executable, "-m", "tetherfmu.study", "tradeoff", str(written(tmp_path)), "--out", str(tmp_path / "out")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    process = subprocess.Popen(command, env=environment, start_new_session=True, stderr=subprocess.PIPE, text=True)
+    listening = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # also where the tests run in the background
+    process = subprocess.Popen(
+        command, env=environment, start_new_session=True, preexec_fn=listening, stderr=subprocess.PIPE, text=True
+    )
     points = tmp_path / "out" / "points.jsonl"
     deadline = time.monotonic() + TIMEOUT
     while not (points.exists() and points.read_bytes().count(b"\n") >= 3):
