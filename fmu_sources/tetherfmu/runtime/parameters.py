@@ -37,6 +37,11 @@ class Tether:
     def __post_init__(self):
         check(self)
 
+    @property
+    def line_density(self):
+        """Mass per unstretched length [kg/m]."""
+        return self.density * pi * self.diameter**2 / 4.0
+
 
 @dataclass(frozen=True)
 class Environment:
@@ -133,7 +138,7 @@ def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(Fa
             at.SHARE: tether.initial_length / tether.segments / length,
             at.STIFFNESS: tether.axial_stiffness,
             at.DAMPING: tether.axial_damping,
-            at.LINE_DENSITY: tether.density * pi * tether.diameter**2 / 4.0,
+            at.LINE_DENSITY: tether.line_density,
             at.DRAG_WIDTH: tether.drag_coefficient * tether.diameter,
         }
         for place, value in properties.items():

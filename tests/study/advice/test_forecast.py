@@ -9,7 +9,7 @@ import pytest
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.forecast import fast_advice, forecast, group_error, thresholds_at
-from tetherfmu.study.advice.numbers import lead_error, line_density, numbers
+from tetherfmu.study.advice.numbers import lead_error, numbers
 from tetherfmu.study.advice.thresholds import (
     LEVELS,
     SWEEPS,
@@ -62,7 +62,7 @@ def test_wave_number_grows_with_the_rate_of_the_flight():
 
 def test_line_density():
     """mu = rho pi d^2/4"""
-    assert line_density(wave_scene(60.0).tether) == pytest.approx(724.0 * np.pi * 0.004**2 / 4.0)
+    assert wave_scene(60.0).tether.line_density == pytest.approx(724.0 * np.pi * 0.004**2 / 4.0)
 
 
 def test_error_of_a_held_reel_is_forecast(tmp_path):

@@ -37,18 +37,13 @@ class Numbers(NamedTuple):
         return (self.weight**2 + self.drag**2) / (12.0 * max(self.stretch, 1e-12))
 
 
-def line_density(tether):
-    """Mass per unstretched length, mu [kg/m]."""
-    return tether.density * np.pi * tether.diameter**2 / 4.0
-
-
 def numbers(scene):
     """`Numbers` of a scene; StepRefused if a coarse quasi-steady tether cannot fly it."""
     flown = run(scene, Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
     motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
     tether, force = scene.tether, flown.kite_force
     tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
-    weight = line_density(tether) * scene.environment.gravity * length
+    weight = tether.line_density * scene.environment.gravity * length
     load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
     rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
     slack = length / size(motion.kite - motion.ground) - 1.0

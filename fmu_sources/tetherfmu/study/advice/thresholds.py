@@ -23,7 +23,7 @@ from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.scenes.files import Scene, Wanted, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
 
-from .numbers import line_density, numbers
+from .numbers import numbers
 from .tradeoff import SEGMENTS, measure
 
 NAMES = ("kite_force",)
@@ -53,7 +53,7 @@ def taut(distance, load, stretch):
 def weight_scene(load, stretch):
     """A kite at rest whose tether weighs `load` times its tension T = s EA: g = q s EA/(mu L)."""
     tether = Tether(initial_length=taut(LENGTH, load, stretch), density=10000.0, drag_coefficient=0.0)
-    gravity = load * stretch * tether.axial_stiffness / (line_density(tether) * LENGTH)
+    gravity = load * stretch * tether.axial_stiffness / (tether.line_density * LENGTH)
     return scene_of(Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0), tether, gravity, duration=2.0)
 
 

@@ -52,9 +52,8 @@ def ends(scene, time):
 def moordyn_flight(scene, scheme, step):
     """The circle in MoorDyn after its initial relaxation, as a function that flies so many communication steps more."""
     tether, air = scene.tether, scene.environment
-    line_density = tether.density * np.pi * tether.diameter**2 / 4.0
     gravity = air.gravity * tether.density / (tether.density - air.air_density)
-    facts = {"tether": tether, "air": air, "line_density": line_density, "gravity": gravity, "kite": ends(scene, 0.0)[0][3:]}
+    facts = {"tether": tether, "air": air, "gravity": gravity, "kite": ends(scene, 0.0)[0][3:]}
     motion = iter([(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))])
     with silence(), tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "line.txt"

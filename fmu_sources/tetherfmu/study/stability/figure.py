@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from scipy.stats import binned_statistic_2d
 
 EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
@@ -49,9 +49,14 @@ COMPARED = ("dynamic (adaptive and fixed step) and quasi-steady", (*DYNAMIC, STA
 def cells(results, row, up, across):
     """Array of the quantity of a row [%] over two axes, nan where there are fewer than `FEWEST` points."""
     values = results.verdict.isin(row.verdicts) if row.verdicts else results.error
-    groups = values.groupby([pd.cut(results[axis], AXES[axis][1], right=False) for axis in (up, across)], observed=False)
-    quantity = groups.mean() if row.verdicts else groups.median()
-    return 100.0 * quantity.where(groups.size() >= FEWEST).unstack()
+
+    def of_cell(places):
+        found = values.iloc[places.astype(int)]
+        return np.nan if len(found) < FEWEST else 100.0 * (found.mean() if row.verdicts else found.median())
+
+    places = np.arange(float(len(results)))  # scipy takes finite numbers only, and an error may be infinite
+    edges = [AXES[axis][1] for axis in (up, across)]
+    return binned_statistic_2d(results[up], results[across], places, of_cell, edges).statistic
 
 
 def draw(results, figure_of, path, when=""):

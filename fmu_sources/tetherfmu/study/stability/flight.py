@@ -14,7 +14,7 @@ root is the tension of an elastic parabola between fixed ends. No node may be fa
 """
 
 from functools import partial
-from math import inf, pi, sqrt
+from math import inf, sqrt
 from time import process_time
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
-LINE_DENSITY = DEFAULT.density * pi * DEFAULT.diameter**2 / 4.0  # [kg/m]
+LINE_DENSITY = DEFAULT.line_density  # [kg/m]
 REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
 
 
