@@ -4,8 +4,10 @@ import argparse
 import sys
 import traceback
 
-from tetherfmu.export.ahead_of_time import TARGETS, libraries
-from tetherfmu.export.archive import DEFAULT_PLATFORMS, SLAVES, build, contents, kernels_folder
+from tetherfmu.export.archive import SLAVES, build, contents
+from tetherfmu.libraries import ready
+from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.layout import MAX_SEGMENTS
 from tetherfmu.runtime.variants import class_name, variant_of
 
@@ -23,15 +25,15 @@ def parse(arguments):
     )
     parser.add_argument(
         "--platforms",
-        default=",".join(DEFAULT_PLATFORMS),
+        default=this_platform(),
         metavar="P,...",
-        help=f"platforms to compile for, of {', '.join(TARGETS)} (default: {','.join(DEFAULT_PLATFORMS)})",
+        help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
     )
     parser.add_argument(
         "--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs"
     )
     options = parser.parse_args(arguments)
-    options.platforms = options.platforms.split(",")
+    options.platforms = list(TARGETS) if options.platforms == "all" else options.platforms.split(",")
     for platform in options.platforms:
         if platform not in TARGETS:
             parser.error(f"no platform is called {platform}; choose from {', '.join(TARGETS)}")
@@ -70,7 +72,7 @@ def main(arguments=None):
         return build_for_scene(options)
     failed = 0
     names = options.names or list(SLAVES)
-    libraries(kernels_folder(), options.platforms, [SLAVES[name][1] for name in names])  # all at once is faster
+    ready.folders([SLAVES[name][1] for name in names], options.platforms)  # all at once is faster
     for name in names:
         try:
             path = build(name, options.out, options.segments, options.shape_points, options.platforms)

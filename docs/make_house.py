@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = Path(__file__).with_name("figures") / "house.png"
 ROOMS_OF_FILES = {  # modules that stand beside the folders
-    "Python API": ("models", "compiled", "energy"),
-    "kernels": ("kernels.arrays", "kernels.compilation", "kernels.sources"),
+    "Python API": ("models", "energy"),
+    "kernels": ("kernels.arrays", "kernels.compilation"),
 }
 
 

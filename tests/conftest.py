@@ -1,10 +1,6 @@
-"""Shared fixtures, and what is compiled once for all workers of a run.
-
-The kernels' disk cache is named by the sources (`compilation.py`), so it is never stale.
-"""
+"""Shared fixtures, and what is compiled once for all workers of a run."""
 
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -14,24 +10,15 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 LONGEST_BUILD = 600.0  # seconds
-JUST_IN_TIME = """
-from tetherfmu.compiled import kernels
-from tetherfmu.runtime.variants import VARIANTS
-
-for variant in VARIANTS:
-    kernels(variant)
-"""
 
 
 def compile_all():
-    """Fill the caches of the kernels, just in time and ahead of time, side by side; returns at once if they are full."""
-    from tetherfmu.export.ahead_of_time import libraries
-    from tetherfmu.export.archive import DEFAULT_PLATFORMS, kernels_folder
+    """Compile the kernels; returns at once if they are there."""
+    from tetherfmu.libraries import ready
+    from tetherfmu.runtime.kernel_library import this_platform
     from tetherfmu.runtime.variants import VARIANTS
 
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    with subprocess.Popen([sys.executable, "-c", JUST_IN_TIME], env=environment):
-        libraries(kernels_folder(), DEFAULT_PLATFORMS, VARIANTS)
+    ready.folders(VARIANTS, {this_platform(): None, "x86_64-windows": None})
 
 
 def pytest_configure(config):

@@ -1,13 +1,13 @@
 """The Python API: tethers without FMI. Five verbs: initialize, step, fly, get_state, set_state."""
 
 from collections import namedtuple
+from dataclasses import fields
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu import compiled
-from tetherfmu.compiled import Flown
-from tetherfmu.runtime import kernel_library, status
+from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -25,6 +25,31 @@ Outputs.__doc__ = "Outputs of a tether (docs/interface.md), SI units; forces are
 
 _NOTHING = (0.0, 0.0, 0.0)
 _INPUT_STARTS = (at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY, at.REEL_OUT_SPEED, at.WIND_VELOCITY, at.KITE_LOAD)
+
+
+class Flown(NamedTuple):
+    """What a flight of many communication steps gave: one row for each step that was kept."""
+
+    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
+    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
+    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
+    seconds: float = 0.0  # wall time of all steps [s]
+
+    @property
+    def kite_force(self):
+        """Force on the kite [N], array (rows, 3)."""
+        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
+
+    @property
+    def ground_force(self):
+        """Force on the ground station [N], array (rows, 3)."""
+        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
+
+    @property
+    def shape(self):
+        """Points of the tether [m], array (rows, points, 3)."""
+        points = (self.outputs.shape[1] - at.SHAPE) // 3
+        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
 
 
 class StepRefused(ValueError):
@@ -54,15 +79,15 @@ class TetherModel:
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
         Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
-    library : path or None
-        Folder with kernels compiled ahead of time (`runtime.kernel_library`); None compiles them just in time.
+    kernels : runtime.kernel_library.Kernels or None
+        Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
 
     Raises
     ------
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
-    OSError
-        If the folder `library` has no kernels of this variant for this platform.
+    RuntimeError
+        If the kernels of this installation have to be compiled and cannot.
     """
 
     variant = None
@@ -75,7 +100,7 @@ class TetherModel:
         *,
         point_masses=None,
         shape_points=None,
-        library=None,
+        kernels=None,
         _free_ends=(False, False),
     ):
         tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
@@ -84,7 +109,7 @@ class TetherModel:
             raise ValueError(f"{type(self).__name__} is one uniform line: it takes one Tether and no point_masses")
         tethers = tuple(effective(each, self.variant) for each in tethers)
         masses = _checked(point_masses, sum(each.segments for each in tethers))
-        self._kernels = kernel_library.load(library, self.variant) if library else compiled.kernels(self.variant)
+        self._kernels = kernels or ready.kernels(self.variant)
         self._points = points
         self._instance = instance = Instance(self._kernels, points)
         instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
@@ -165,20 +190,24 @@ class TetherModel:
             raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
         if every < 0:
             raise ValueError(f"every is {every!r}; it must be at least 0")
-        rows = len(inputs) // every if every else 0
-        kept = Flown(np.zeros((rows, len(self._outputs))), np.zeros(rows), np.zeros((rows, self.segments + 1, 3)))
-        arrays = self._parameters, self._state, self._before, self._outputs, self._work
-        tether = self._kernels.advance, self._kernels.observe, compiled.Memory(self.segments, self._points, *arrays)
-        how = float(step), int(every), bool(peaks), kept
-        compiled.fly(*tether, inputs[:0], *how)  # no step: what is measured contains no compilation
+        size, nodes = len(self._outputs), self.segments + 1
+        rows = np.zeros((len(inputs) // every + 1 if every else 1, size + 1 + 3 * nodes))  # the last one is for scratch
+        arrays = self._parameters, inputs, self._state, self._before, rows, self._work
+        parameters, flown, state, before, kept, work = (array.ctypes.data for array in arrays)
+        how = float(step), int(every), bool(peaks)
         began = perf_counter()
-        result, done = compiled.fly(*tether, inputs, *how)
+        done = self._kernels.fly(
+            self.segments, parameters, flown, len(inputs), *how, state, before, self._points, kept, work
+        )
         seconds = perf_counter() - began
         if len(inputs):
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
-        if result != status.OK:
-            raise StepRefused(f"step {done + 1} of {len(inputs)}: {self._instance.sentence(result, step)}")
-        return kept._replace(seconds=seconds)
+        if done < len(inputs):
+            problem = self._instance.advance(step)  # which is refused again, now with its sentence
+            raise StepRefused(f"step {done + 1} of {len(inputs)}: {problem}")
+        rows = rows[:-1]
+        positions = rows[:, size + 1 :].reshape(len(rows), nodes, 3)
+        return Flown(np.ascontiguousarray(rows[:, :size]), rows[:, size].copy(), positions, seconds)
 
     def get_state(self):
         """Copy of the whole state, one flat array; see `layout.py`."""
@@ -204,15 +233,16 @@ class TetherModel:
         """
         if self.variant in WITHOUT_NODES:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy of its own motion")
-        state, inputs = self._state, self._inputs
-        return energy.account(
-            self.segments,
-            self._parameters,
-            state,
-            state[at.REELING] if reel_out_speed is None else reel_out_speed,
-            state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity,
-            inputs[at.KITE_LOAD : at.KITE_LOAD + 3] if kite_load is None else kite_load,
+        state, inputs, energies = self._state, self._inputs.copy(), np.zeros(len(fields(energy.Energy)))
+        inputs[at.REEL_OUT_SPEED] = state[at.REELING] if reel_out_speed is None else reel_out_speed
+        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = (
+            state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
         )
+        if kite_load is not None:
+            inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = kite_load
+        arrays = self._parameters, state, inputs, energies, self._work
+        self._kernels.account(self.segments, *(array.ctypes.data for array in arrays))
+        return energy.Energy(*energies.tolist())
 
     def _outputs_after(self, problem):
         """`Outputs` after a start or a step; StepRefused if there was a problem."""

@@ -14,7 +14,7 @@ from time import perf_counter_ns, thread_time_ns
 
 import numpy as np
 
-from tetherfmu.compiled import kernels
+from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance, address
 from tetherfmu.runtime.parameters import Environment, Solver, Tether

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu.compiled import kernels
-from tetherfmu.export.ahead_of_time import libraries
-from tetherfmu.export.archive import kernels_folder
+from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.parameters import Environment, Solver, pack
@@ -28,9 +26,8 @@ pytestmark = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is no
 def host(tmp_path_factory):
     """The host program and the libraries, in one folder."""
     folder = tmp_path_factory.mktemp("windows")
-    libraries(kernels_folder(), ["x86_64-windows"], VARIANTS)
-    for variant in VARIANTS:
-        shutil.copy(kernels_folder() / file_name(variant, "x86_64-windows"), folder)
+    for variant, compiled in ready.folders(VARIANTS, ["x86_64-windows"]).items():
+        shutil.copy(compiled / file_name(variant, "x86_64-windows"), folder)
     source = Path(__file__).parent / "windows_host.c"
     command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-o", "host.exe", str(source)]
     subprocess.run(command, cwd=folder, check=True)
@@ -53,7 +50,7 @@ def test_windows_equals_linux(host, variant):
     subprocess.run(["wine", "host.exe", library, variant, "in.bin", "out.bin"], cwd=host, check=True, capture_output=True)
     found = np.frombuffer((host / "out.bin").read_bytes()).reshape(STEPS + 1, -1)
 
-    linux = kernels(variant)
+    linux = ready.kernels(variant)
     p, s, w, o = (array.ctypes.data for array in (parameters, state, work, outputs))
     for k in range(STEPS + 1):
         u = rows[k : k + 1].ctypes.data

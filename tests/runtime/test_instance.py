@@ -4,7 +4,7 @@ from math import nan
 
 import pytest
 
-from tetherfmu.compiled import kernels
+from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance, address
 from tetherfmu.runtime.parameters import Environment, Solver, Tether

@@ -30,10 +30,7 @@ def started(path, **values):
 @pytest.mark.parametrize("name", list(SLAVES))
 @in_own_process
 def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
-    """Kernels compiled ahead of time for a plain processor against kernels compiled just in time for this one.
-
-    Equal to the last bit: neither is allowed to reorder or to fuse operations.
-    """
+    """Both call the same library; `libraries/test_just_in_time.py` compares it with kernels compiled in another way."""
     host = started(fmu_folder / f"{name}.fmu")
     tether = getattr(models, name)(Tether(initial_length=525.0))
     position, velocity = circle(0.0)

@@ -1,4 +1,4 @@
-"""From sources to FMUs: kernels compiled ahead of time, the archive, its documents and its evidence.
+"""From sources to FMUs: the archive, its documents and its evidence.
 
 Imports `runtime`, the Python API (for the evidence) and PythonFMU's builder.
 """

@@ -6,29 +6,27 @@ live side by side in one process. Equal sources and options give equal bytes.
 
 import hashlib
 import json
-import platform
 import shutil
 import sys
 import tempfile
 import zipfile
-from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
-from tetherfmu.kernels.sources import PACKAGE, source_digest
-from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.libraries import ready
+from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.libraries.sources import PACKAGE
+from tetherfmu.runtime.kernel_library import file_name, this_platform
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from . import osp
-from .ahead_of_time import TARGETS, libraries
 from .documents import OSP_FOLDER, documents
 
 SLAVES = {class_name(variant): (f"tether_{variant}.py", variant) for variant in VARIANTS}  # name: (slave script, variant)
-DEFAULT_PLATFORMS = ("x86_64-linux", "x86_64-windows")  # those of PythonFMU's wrapper
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.workarounds import hold
@@ -50,7 +48,7 @@ class Trim(NamedTuple):
     page: str  # documentation, HTML
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORMS, scene=None):
+def build(name, folder, segments=20, shape_points=21, platforms=(this_platform(),), scene=None):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
@@ -61,14 +59,14 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     _, variant = SLAVES[name]
-    kernels = kernels_folder()
-    libraries(kernels, platforms, [variant])
+    compiled = ready.folders([variant], platforms)[variant]
+    kernels = [compiled / file_name(variant, platform) for platform in platforms]
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = _write_package(resources, name)
+        shipped = _write_package(resources, name, kernels)
         (resources / KERNELS_FOLDER).mkdir()
-        for each in platforms:
-            shutil.copy(kernels / file_name(variant, each), resources / KERNELS_FOLDER)
+        for each in kernels:
+            shutil.copy(each, resources / KERNELS_FOLDER)
         options = {"segments": segments, "shape_points": shape_points}
         if scene:
             options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
@@ -84,14 +82,6 @@ def build(name, folder, segments=20, shape_points=21, platforms=DEFAULT_PLATFORM
     return partial.replace(folder / file)
 
 
-def kernels_folder():
-    """Where compiled libraries are kept: named by all that they are made from."""
-    tools = [f"{package} {version(package)}" for package in ("numba", "llvmlite", "ziglang")]
-    made_from = [platform.python_version(), *tools, source_digest("export/ahead_of_time.py", "runtime/kernel_library.py")]
-    digest = hashlib.sha256("\n".join(made_from).encode()).hexdigest()[:12]
-    return PACKAGE / "__pycache__" / f"libraries_{digest}"
-
-
 def contents(path):
     """Platforms that an FMU has kernels for."""
     with zipfile.ZipFile(path) as archive:
@@ -99,13 +89,13 @@ def contents(path):
     return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
 
 
-def _write_package(resources, name):
-    """Write the package with the slave in it, and its launcher, under names with their hash; returns both paths."""
+def _write_package(resources, name, kernels):
+    """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths."""
     script, _ = SLAVES[name]
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
     sources[script] = (PACKAGE.parent / script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
-    content = json.dumps(sources, sort_keys=True) + kernels_folder().name
-    digest = hashlib.sha256(content.encode("utf-8")).hexdigest()[:12]
+    content = json.dumps(sources, sort_keys=True).encode("utf-8") + b"".join(each.read_bytes() for each in kernels)
+    digest = hashlib.sha256(content).hexdigest()[:12]
     package, module = resources / f"tetherfmu_{digest}", Path(script).stem
     package.mkdir(parents=True)
     for file, text in sources.items():

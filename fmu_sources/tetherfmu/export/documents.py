@@ -6,7 +6,7 @@ from importlib.metadata import distribution
 from pathlib import Path
 from string import Template
 
-from tetherfmu.kernels.sources import PACKAGE
+from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of

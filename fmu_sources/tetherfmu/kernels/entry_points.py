@@ -1,32 +1,29 @@
 """The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
 
-Each variant has three: initialize, advance, observe. Layout of the arrays: `layout.py`; return values: `status.py`. They are
-the functions that are compiled ahead of time, so each is written out: one that came from a factory could not be cached.
+Each variant has four: initialize, advance, observe, fly; with nodes a fifth: account. `runtime.kernel_library` has their
+signatures for callers, `layout.py` the arrays. They return statuses (`status.py`), `fly` the number of steps done.
 """
 
 from numba import carray, types
 
-from tetherfmu.runtime.layout import INPUTS
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.kernel_library import Kernels
+from tetherfmu.runtime.status import OK
 
-from .arrays import outputs_size, parameters_size, state_size, work_size
+from .algebra.vectors import norm, vector_at
+from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size, work_size
+from .chain import energy
 from .compilation import view
-from .variants import catenary, dynamic, quasi_steady, straight
 
 _DOUBLES = types.CPointer(types.float64)
-_COUNT = types.int64
-_INITIALIZE = types.int32(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)
-_ADVANCE = types.int32(_COUNT, _DOUBLES, _DOUBLES, types.float64, _DOUBLES, _DOUBLES)
-_OBSERVE = types.int32(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES)
-
-
-def _entry_point(signature):
-    """Mark an entry point with its signature; `compilation.compile_entry_point` compiles it."""
-
-    def mark(function):
-        function.signature = signature
-        return function
-
-    return mark
+_COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
+SIGNATURES = Kernels(
+    initialize=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    advance=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES),
+    observe=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
+    fly=_COUNT(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _NUMBER, _COUNT, _COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
+    account=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+)
 
 
 @view
@@ -35,85 +32,62 @@ def _chain_arrays(n, parameters, state, work):
     return carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, work_size(n))
 
 
-@_entry_point(_INITIALIZE)
-def dynamic_initialize(n, parameters, inputs, state, work):
-    """First state (modified) of a dynamic tether; see `dynamic.initialize`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return dynamic.initialize(n, p, carray(inputs, INPUTS), s, w)
+def entry_points(variant):
+    """Entry points of a variant, functions to be compiled with `SIGNATURES`.
 
+    variant : module of `kernels.variants`, with the kernels initialize, advance and observe.
+    """
 
-@_entry_point(_ADVANCE)
-def dynamic_advance(n, parameters, inputs, step, state, work):
-    """One communication step of `step` [s] of a dynamic tether (state modified); see `dynamic.advance`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return dynamic.advance(n, p, carray(inputs, INPUTS), step, s, w)
+    def initialize(n, parameters, inputs, state, work):
+        """First state (modified) between two ends; see the kernel of the variant."""
+        p, s, w = _chain_arrays(n, parameters, state, work)
+        return variant.initialize(n, p, carray(inputs, at.INPUTS), s, w)
 
+    def advance(n, parameters, inputs, step, state, work):
+        """One communication step of `step` [s] (state modified); see the kernel of the variant."""
+        p, s, w = _chain_arrays(n, parameters, state, work)
+        return variant.advance(n, p, carray(inputs, at.INPUTS), step, s, w)
 
-@_entry_point(_OBSERVE)
-def dynamic_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a dynamic tether; see `dynamic.observe`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return dynamic.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
+    def observe(n, parameters, state, shape_points, outputs, work):
+        """Outputs (modified) that belong to a state; see the kernel of the variant."""
+        p, s, w = _chain_arrays(n, parameters, state, work)
+        return variant.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
+    def fly(n, parameters, inputs, steps, step, every, peaks, state, before, shape_points, rows, work):
+        """Do `steps` communication steps, until one is refused; returns how many were done. The state is modified.
 
-@_entry_point(_INITIALIZE)
-def quasi_steady_initialize(n, parameters, inputs, state, work):
-    """First state (modified) of a quasi-steady tether; see `quasi_steady.initialize`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return quasi_steady.initialize(n, p, carray(inputs, INPUTS), s, w)
+        inputs : one row of inputs per step.  every : a row is kept after every so many steps; 0 for none.  peaks : whether
+        outputs are computed after each step, see `TetherModel.fly`.  before : room for a state.
+        rows (modified) : of each kept step the outputs, the largest |kite_force| since the row before, the node positions.
+        """
+        p, s, w = _chain_arrays(n, parameters, state, work)
+        old = carray(before, state_size(n))
+        flight = carray(inputs, steps * at.INPUTS)
+        size, nodes = outputs_size(shape_points), 3 * (n + 1)
+        width = size + 1 + nodes
+        kept = carray(rows, width * (steps // every + 1 if every > 0 else 1))
+        largest, row = 0.0, 0
+        for k in range(steps):
+            copy(s, old)
+            outputs = kept[row : row + size]
+            keep = every > 0 and (k + 1) % every == 0
+            result = variant.advance(n, p, flight[k * at.INPUTS : (k + 1) * at.INPUTS], step, s, w)
+            if result == OK and (keep or peaks != 0):
+                result = variant.observe(n, p, s, shape_points, outputs, w)
+                largest = max(largest, norm(vector_at(outputs, at.KITE_FORCE)))
+            if result != OK:
+                copy(old, s)
+                return k
+            if keep:
+                x, _ = positions_and_velocities(n, s)
+                kept[row + size] = largest
+                copy(x, kept[row + size + 1 : row + width])
+                largest, row = 0.0, row + width
+        return steps
 
+    def account(n, parameters, state, inputs, energies, work):
+        """Energies and powers (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
+        p, s, w = _chain_arrays(n, parameters, state, work)
+        return energy.account(n, p, s, carray(inputs, at.INPUTS), carray(energies, energy.SIZE), w)
 
-@_entry_point(_ADVANCE)
-def quasi_steady_advance(n, parameters, inputs, step, state, work):
-    """One communication step of `step` [s] of a quasi-steady tether (state modified); see `quasi_steady.advance`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return quasi_steady.advance(n, p, carray(inputs, INPUTS), step, s, w)
-
-
-@_entry_point(_OBSERVE)
-def quasi_steady_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a quasi-steady tether; see `quasi_steady.observe`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return quasi_steady.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
-
-
-@_entry_point(_INITIALIZE)
-def catenary_initialize(n, parameters, inputs, state, work):
-    """First state (modified) of a catenary; see `catenary.initialize`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return catenary.initialize(n, p, carray(inputs, INPUTS), s, w)
-
-
-@_entry_point(_ADVANCE)
-def catenary_advance(n, parameters, inputs, step, state, work):
-    """One communication step of `step` [s] of a catenary (state modified); see `catenary.advance`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return catenary.advance(n, p, carray(inputs, INPUTS), step, s, w)
-
-
-@_entry_point(_OBSERVE)
-def catenary_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a catenary; see `catenary.observe`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return catenary.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
-
-
-@_entry_point(_INITIALIZE)
-def straight_initialize(n, parameters, inputs, state, work):
-    """First state (modified) of a straight line; see `straight.initialize`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return straight.initialize(n, p, carray(inputs, INPUTS), s, w)
-
-
-@_entry_point(_ADVANCE)
-def straight_advance(n, parameters, inputs, step, state, work):
-    """One communication step of `step` [s] of a straight line (state modified); see `straight.advance`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return straight.advance(n, p, carray(inputs, INPUTS), step, s, w)
-
-
-@_entry_point(_OBSERVE)
-def straight_observe(n, parameters, state, shape_points, outputs, work):
-    """Outputs (modified) of a straight line; see `straight.observe`."""
-    p, s, w = _chain_arrays(n, parameters, state, work)
-    return straight.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
+    return Kernels(initialize, advance, observe, fly, account)

@@ -1,7 +1,8 @@
-"""The entry points as ctypes functions, and the compiled library that an FMU carries.
+"""The entry points of a variant as ctypes functions, and the compiled library that has them.
 
-Each variant has three: initialize(n, parameters, inputs, state, work), advance(n, parameters, inputs, step, state, work) and
-observe(n, parameters, state, shape_points, outputs, work); arrays are passed by addresses. See `kernels/entry_points.py`.
+initialize(n, parameters, inputs, state, work), advance(n, parameters, inputs, step, state, work), observe(n, parameters,
+state, shape_points, outputs, work); for the Python API also fly and account. Arrays are passed by addresses. See
+`kernels/entry_points.py`.
 """
 
 import platform
@@ -11,13 +12,25 @@ from ctypes import CDLL, CFUNCTYPE, c_double, c_int32, c_int64, c_void_p
 from functools import lru_cache
 from pathlib import Path
 
-Kernels = namedtuple("Kernels", "initialize advance observe")
+from .variants import WITHOUT_NODES
+
+Kernels = namedtuple("Kernels", "initialize advance observe fly account", defaults=(None,))
+_ARRAY = c_void_p
 PROTOTYPES = Kernels(
-    CFUNCTYPE(c_int32, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
-    CFUNCTYPE(c_int32, c_int64, c_void_p, c_void_p, c_double, c_void_p, c_void_p),
-    CFUNCTYPE(c_int32, c_int64, c_void_p, c_void_p, c_int64, c_void_p, c_void_p),
+    initialize=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    advance=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY),
+    observe=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
+    fly=CFUNCTYPE(
+        c_int64, c_int64, _ARRAY, _ARRAY, c_int64, c_double, c_int64, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY
+    ),
+    account=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 )
 SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
+
+
+def verbs(variant):
+    """Names of the entry points of a variant, without its name: those with nodes also account for their energy."""
+    return Kernels._fields[: -1 if variant in WITHOUT_NODES else None]
 
 
 def this_platform():
@@ -47,4 +60,4 @@ def load(folder, variant):
             f"build it with: python build_fmus.py --platforms {this_platform()}"
         )
     shared = CDLL(str(Path(folder) / names[0]))
-    return Kernels(*(prototype((f"{variant}_{verb}", shared)) for verb, prototype in PROTOTYPES._asdict().items()))
+    return Kernels(*(getattr(PROTOTYPES, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))

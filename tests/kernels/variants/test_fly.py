@@ -6,11 +6,8 @@ import pytest
 from kernels.variants.balance import VARIANTS
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu import models
-from tetherfmu.export.ahead_of_time import libraries
-from tetherfmu.export.archive import kernels_folder
-from tetherfmu.models import StepRefused, TetherDynamic
+from tetherfmu.models import StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.parameters import Environment
 
 STEP, STEPS = 0.02, 23
@@ -155,16 +152,3 @@ def test_no_step():
     flown = model.fly(np.zeros((0, at.INPUTS)), STEP)
     assert len(flown.outputs) == len(flown.peak) == len(flown.positions) == len(flown.shape) == 0
     assert np.array_equal(model.get_state(), state)
-
-
-@every_variant
-def test_kernels_of_a_library(variant):
-    """Kernels compiled ahead of time give the bits of those compiled just in time."""
-    libraries(kernels_folder(), [this_platform()], [getattr(models, variant).variant])
-    flown, ahead = started(variant), started(variant, library=kernels_folder())
-    assert np.array_equal(ahead.fly(circle_inputs(), STEP).outputs, flown.fly(circle_inputs(), STEP).outputs)
-
-
-def test_a_folder_without_kernels_is_named(tmp_path):
-    with pytest.raises(OSError, match="no kernels for"):
-        TetherDynamic(library=tmp_path)

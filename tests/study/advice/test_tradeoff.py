@@ -13,7 +13,7 @@ from functools import partial
 import pytest
 
 from study.scenes_of_tests import written
-from tetherfmu.kernels.sources import PACKAGE
+from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice import tradeoff
 from tetherfmu.study.advice.tradeoff import cheapest, front, key, ladder, study

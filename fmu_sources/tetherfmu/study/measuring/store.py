@@ -7,7 +7,7 @@ import pickle
 from functools import cache
 from pathlib import Path
 
-from tetherfmu.kernels.sources import PACKAGE
+from tetherfmu.libraries.sources import PACKAGE
 
 
 @cache

@@ -1,12 +1,11 @@
-"""The compiled entry points stand alone: they reference nothing but the mathematical library, memset and memcpy."""
+"""The compiled entry points stand alone: they need the mathematical library, memset and memcpy of an old system, no more."""
 
 import struct
 
 import pytest
 
-from tetherfmu.export.ahead_of_time import libraries
-from tetherfmu.export.archive import DEFAULT_PLATFORMS, kernels_folder
-from tetherfmu.runtime.kernel_library import Kernels, file_name
+from tetherfmu.libraries import ready
+from tetherfmu.runtime.kernel_library import file_name, verbs
 from tetherfmu.runtime.variants import VARIANTS
 
 ALLOWED = {"memset", "memcpy", "sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil", "sin", "cos"}
@@ -32,7 +31,7 @@ def dynamic_symbols(library):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_entry_points_need_the_mathematical_library_only(variant):
-    libraries(kernels_folder(), DEFAULT_PLATFORMS, VARIANTS)
-    needed, offered = dynamic_symbols(kernels_folder() / file_name(variant, LINUX))
+    folder = ready.folders([variant], [LINUX])[variant]
+    needed, offered = dynamic_symbols(folder / file_name(variant, LINUX))
     assert needed <= ALLOWED
-    assert offered == {f"{variant}_{verb}" for verb in Kernels._fields}
+    assert offered == {f"{variant}_{verb}" for verb in verbs(variant)}

@@ -1,0 +1,69 @@
+"""Energies of a chain and the powers that change them. Source: docs/theory.md, "Energy"."""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK
+
+from ..algebra.vectors import add, dot, get, scale, sub, vector_at
+from ..arrays import positions_and_velocities, shared_arrays
+from ..compilation import kernel
+from . import segment
+from .atmosphere import air
+from .nodes import end_force, node_masses
+from .properties import chain_at, point_mass, rest_length
+
+SIZE = 10  # numbers in `energies`: the fields of `tetherfmu.energy.Energy`, in their order
+
+
+@kernel
+def account(n, parameters, state, inputs, energies, work):
+    """Energies [J] and powers [W] of a state into `energies` (modified), see `SIZE`; returns a status.
+
+    inputs : its reel-out speed, wind and load of a free kite end count.  work (modified) : for node masses.
+    """
+    chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], vector_at(inputs, at.WIND_VELOCITY))
+    x, v = positions_and_velocities(n, state)
+    _, _, mass, _ = shared_arrays(n, work)
+    node_masses(chain, mass)
+    kinetic = potential = new_material = 0.0
+    for i in range(n + 1):
+        free = 1.0
+        if i == 0:
+            free = parameters[at.GROUND_IS_FREE]
+        elif i == n:
+            free = parameters[at.KITE_IS_FREE]
+        height = parameters[at.GRAVITY] * x[3 * i + 2]
+        moving = 0.5 * free * dot(get(v, i), get(v, i))
+        tether = mass[i] - point_mass(chain, i)
+        kinetic += mass[i] * moving
+        potential += (tether + free * point_mass(chain, i)) * height
+        new_material += tether * (moving + height)
+    elastic = winch = wind = damping = friction = 0.0
+    for s in range(n):
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rest = rest_length(chain, s)
+        rate = dot(e, sub(get(v, s + 1), get(v, s)))
+        k, c = segment.stiffness(chain, s, length - rest, rest)
+        height = 0.5 * (x[3 * s + 2] + x[3 * s + 5])
+        velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
+        drag = scale(2.0, segment.half_drag(chain, s, length, e, height, velocity))
+        air_velocity = scale(air(height, parameters)[0], chain.wind)
+        elastic += 0.5 * k * (length - rest) ** 2
+        winch -= segment.tension(chain, length, rate, rest, k, c) * length * chain.growth
+        wind += dot(drag, air_velocity)
+        damping += c * segment.seen_rate(chain, length, rate) * (rate - chain.growth * length)
+        friction += dot(drag, sub(air_velocity, velocity))
+    ground_force, _ = end_force(chain, False, x, v, mass)
+    kite_force, _ = end_force(chain, True, x, v, mass)
+    kite_is_free = parameters[at.KITE_IS_FREE]
+    energies[0] = kinetic
+    energies[1] = elastic
+    energies[2] = potential
+    energies[3] = (parameters[at.GROUND_IS_FREE] - 1.0) * dot(ground_force, get(v, 0))
+    load = sub(scale(kite_is_free, vector_at(inputs, at.KITE_LOAD)), scale(1.0 - kite_is_free, kite_force))
+    energies[4] = dot(load, get(v, n))
+    energies[5] = winch
+    energies[6] = chain.growth * (elastic + new_material)
+    energies[7] = wind
+    energies[8] = damping
+    energies[9] = friction
+    return OK

@@ -1,0 +1,154 @@
+"""Compile the entry points ahead of time: one small shared library per variant and platform, without Python.
+
+numba writes intermediate code (`intermediate_code.py`). All functions of a variant are linked, all but the entry points
+becomes internal, and the whole is optimized once for each kind of processor: all that refers to Python is then dead and
+vanishes. llvmlite makes an object file for each platform, which is linked (`linking.py`) whatever machine this runs on.
+
+    python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ...     run by `ready`
+
+writes the libraries of each variant into its folder, and the name of each variant to the standard output when it is done.
+"""
+
+import os
+import re
+import sys
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+from typing import NamedTuple
+
+from tetherfmu.libraries.linking import MATHEMATICS, MEMORY, link
+from tetherfmu.runtime.kernel_library import file_name
+
+
+class Target(NamedTuple):
+    """What LLVM calls a platform, and the plainest processor there, so that the library runs on all of them."""
+
+    triple: str
+    cpu: str
+
+
+TARGETS = {
+    "x86_64-linux": Target("x86_64-unknown-linux-gnu", "x86-64"),
+    "x86_64-windows": Target("x86_64-w64-windows-gnu", "x86-64"),
+    "x86_64-darwin": Target("x86_64-apple-macosx11.0.0", "x86-64"),
+    "aarch64-linux": Target("aarch64-unknown-linux-gnu", "generic"),
+    "aarch64-darwin": Target("arm64-apple-macosx11.0.0", "apple-m1"),
+}
+
+
+def object_files(code, platforms):
+    """Object files of an `intermediate_code.Code`: pairs (platform, bytes); RuntimeError if they need more than mathematics.
+
+    Platforms with the same processor share what is optimized. Equal code gives equal bytes.
+    """
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    # a first, cheap round takes out what cannot happen; without it the second leaves some of Python in
+    linked = _linked(code)
+    first = TARGETS[platforms[0]]
+    _optimize(linked, _machine(first), level=1)
+    plain, optimized = str(linked), {}
+    for platform in platforms:
+        target = TARGETS[platform]
+        machine = _machine(target)
+        processor = platform.partition("-")[0], target.cpu
+        if processor not in optimized:
+            module = _for_target(plain, target, machine)
+            _optimize(module, machine, level=3, vectors=True)
+            _check_names(module, code.names.values())
+            optimized[processor] = str(module)
+        yield platform, machine.emit_object(_for_target(optimized[processor], target, machine))
+
+
+def _linked(code):
+    """One LLVM module of all functions, with nothing but the entry points exported, and names by place."""
+    import llvmlite.binding as llvm
+
+    linked, *others = map(llvm.parse_assembly, code.texts)
+    for module in others:
+        linked.link_in(module)
+    for name, exported in code.names.items():
+        linked.get_function(name).name = exported
+    # the names that numba gives have counters and addresses in them
+    for place, item in enumerate([*linked.global_variables, *linked.functions]):
+        if not item.is_declaration and item.name not in code.names.values():
+            item.linkage = "internal"
+            item.name = f"kernel.{place}"
+        elif item.name.startswith("numba.dynamic.globals"):
+            item.name = f"python.{place}"
+    return linked
+
+
+def _machine(target):
+    """LLVM's machine of a target."""
+    import llvmlite.binding as llvm
+
+    found = llvm.Target.from_triple(target.triple)
+    return found.create_target_machine(cpu=target.cpu, opt=3, reloc="pic", codemodel="small")
+
+
+def _for_target(text, target, machine):
+    """A module from intermediate code, for another target than the one it was written for."""
+    import llvmlite.binding as llvm
+
+    text = re.sub(r"^target triple = .*$", f'target triple = "{target.triple}"', text, flags=re.MULTILINE)
+    text = re.sub(r"^target datalayout = .*$", f'target datalayout = "{machine.target_data}"', text, flags=re.MULTILINE)
+    if not target.triple.startswith("x86"):
+        text = re.sub(r'"target-(cpu|features)"="[^"]*"', "", text)
+    return llvm.parse_assembly(text)
+
+
+def _optimize(module, machine, level, vectors=False):
+    """Run LLVM's passes of a level; vectors : two statements in one instruction, which numba leaves out."""
+    import llvmlite.binding as llvm
+
+    tuning = llvm.create_pipeline_tuning_options(speed_level=level)
+    tuning.slp_vectorization = vectors
+    builder = llvm.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
+
+
+def _check_names(module, exported):
+    """RuntimeError if a module needs more than the mathematical library, memset and memcpy."""
+    items = [*module.functions, *module.global_variables]
+    needed = {item.name for item in items if item.is_declaration and not item.name.startswith("llvm.")}
+    surplus = needed - {*MATHEMATICS, *MEMORY}
+    if surplus:
+        raise RuntimeError(f"the kernels {', '.join(exported)} need {sorted(surplus)}: see compilation.py")
+
+
+def write_libraries(folder, variant, platforms, code):
+    """Write the libraries of a variant for some platforms into a folder; returns the variant."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for platform, objects in object_files(code, platforms):
+        path = folder / file_name(variant, platform)
+        partial = path.with_name(f"partial-{os.getpid()}-{path.name}")
+        partial.write_bytes(link(objects, variant, platform))
+        partial.replace(path)
+    return variant
+
+
+def main(arguments):
+    """Write the libraries of all variants; each is optimized by another process while numba goes on with the next one."""
+    from tetherfmu.libraries import intermediate_code
+
+    way, platforms, *variants = arguments
+    if way == "fast":
+        intermediate_code.write_only()
+    with ProcessPoolExecutor(max_workers=os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        waiting = []
+        for each in variants:
+            variant, _, folder = each.partition("=")
+            code = intermediate_code.code_of(variant, way == "fast")
+            waiting.append(pool.submit(write_libraries, Path(folder), variant, platforms.split(","), code))
+        for done in as_completed(waiting):
+            print(done.result(), flush=True)
+
+
+if __name__ == "__main__":
+    from tetherfmu.libraries.ahead_of_time import main  # by this name the other processes find what they are to do
+
+    main(sys.argv[1:])

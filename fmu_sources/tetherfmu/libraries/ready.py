@@ -1,0 +1,112 @@
+"""Compiled libraries ready for use: those that the wheel carries, or those that are compiled here when they are missing."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import warnings
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from time import monotonic
+
+from tetherfmu.runtime import kernel_library
+from tetherfmu.runtime.kernel_library import file_name, this_platform
+
+from .ahead_of_time import TARGETS
+from .sources import PACKAGE, digest
+
+IN_WHEEL = PACKAGE / "libraries" / "compiled"
+TOOLS = ("llvmlite", "numba", "ziglang")
+SLOWEST_FIRST = {"dynamic": 14, "quasi_steady": 10, "catenary": 4, "straight": 3}  # seconds on two cores
+SECONDS_TO_START = 5
+TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
+SLOW_WAY = 4  # times as long
+# numba writes for the plainest processor, as the targets of `ahead_of_time` are
+PLAIN_CPU = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
+
+
+@cache
+def kernels(variant):
+    """Entry points of a variant for this machine, `kernel_library.Kernels`; RuntimeError if they cannot be compiled."""
+    return kernel_library.load(folders([variant], [this_platform()])[variant], variant)
+
+
+def folders(variants, platforms):
+    """Folders that have the libraries of variants for platforms (`ahead_of_time.TARGETS`), compiled if they are missing.
+
+    Dict of variant to Path. RuntimeError if a platform is unknown, compiling or linking fails, or what compiles is missing.
+    """
+    unknown = set(platforms) - TARGETS.keys()
+    if unknown:
+        raise RuntimeError(f"kernels cannot be compiled for {', '.join(sorted(unknown))}, only for {', '.join(TARGETS)}")
+    in_wheel = {variant: place(IN_WHEEL, variant) for variant in variants}
+    if all(has_all(folder, variant, platforms) for variant, folder in in_wheel.items()):
+        return in_wheel
+    return compiled_in(_cache_folder(), variants, platforms)
+
+
+def compiled_in(root, variants, platforms, way=None):
+    """As `folders`, below the folder `root`.  way : "fast", "plain" (see `intermediate_code`), or None for the one that fits."""
+    found = {variant: place(root, variant) for variant in variants}
+    missing = [variant for variant in SLOWEST_FIRST if variant in found and not has_all(found[variant], variant, platforms)]
+    if missing:
+        _compile({variant: found[variant] for variant in missing}, platforms, way or _fitting_way())
+    return found
+
+
+def place(root, variant):
+    """Folder of the libraries of a variant below `root`, named by its sources: an edit never leaves old code behind."""
+    return root / f"{variant}_{digest(variant)}"
+
+
+def has_all(folder, variant, platforms):
+    """Whether a folder has the libraries of a variant for all platforms."""
+    return all((folder / file_name(variant, platform)).exists() for platform in platforms)
+
+
+def _cache_folder():
+    """Folder of what is compiled here, named by what compiles; RuntimeError if that is not installed."""
+    try:
+        tools = [f"{package} {version(package)}" for package in TOOLS]
+    except PackageNotFoundError as error:
+        raise RuntimeError(
+            f"the kernels are not compiled for this platform or were edited, and {error.name}, which compiles them, is not "
+            'installed; install it with: pip install "tetherfmu[build]"'
+        ) from None
+    name = " ".join([f"python {sys.version_info.major}.{sys.version_info.minor}", *tools])
+    return PACKAGE / "__pycache__" / f"libraries_{sha256(name.encode()).hexdigest()[:12]}"
+
+
+def _fitting_way():
+    """The fast way, if the installed numba is one that it was tested with."""
+    numba = version("numba")
+    if TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
+        return "fast"
+    first, last = (".".join(map(str, each)) for each in TESTED)
+    warnings.warn(
+        f"numba {numba} is not one of those that the fast way of compiling is tested with ({first} to {last}); "
+        "the kernels are compiled the slow way, with the same result",
+        stacklevel=2,
+    )
+    return "plain"
+
+
+def _compile(folders, platforms, way):
+    """Compile variants in a process of its own, told on stderr; folders : dict of variant to folder, in their order."""
+    expected = SECONDS_TO_START + sum(SLOWEST_FIRST[variant] for variant in folders)
+    expected *= SLOW_WAY if way == "plain" else 1
+    print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
+    began = monotonic()
+    command = [sys.executable, "-m", "tetherfmu.libraries.ahead_of_time", way, ",".join(platforms)]
+    command += [f"{variant}={folder}" for variant, folder in folders.items()]
+    environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": str(PACKAGE.parent)}  # the child compiles this very package
+    with (
+        tempfile.TemporaryFile("w+") as problems,
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=problems, text=True) as child,
+    ):
+        for line in child.stdout:
+            print(f"  {line.strip()} after {monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+        if child.wait() != 0:
+            problems.seek(0)
+            raise RuntimeError(f"compiling the kernels failed: {problems.read().strip()}")

@@ -1,0 +1,43 @@
+"""The files that the library of a variant is made from, and their hash: it names the folder where the library is kept."""
+
+import hashlib
+import re
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[1]
+RECIPE = ("ahead_of_time", "intermediate_code", "linking")  # modules beside this one, how a library is made
+IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
+
+
+def imported(path):
+    """Files of the package that a file imports at its top; `__init__` files of its rooms hold no code."""
+    for dots, module, *names in IMPORT.findall(path.read_text(encoding="utf-8")):
+        base = path.parents[len(dots) - 1] if dots else PACKAGE.parent
+        base = base.joinpath(*module.split(".")) if module else base
+        places = [base / name for name in re.findall(r"(\w+)(?: as \w+)?", "".join(names))]
+        yield from (file for place in (base, *places) if (file := place.with_suffix(".py")).exists())
+
+
+@cache
+def sources_of(variant):
+    """Files that the library of a variant is made from, sorted by their place in the package."""
+    found = set()
+    waiting = [PACKAGE / "kernels" / "variants" / f"{variant}.py", PACKAGE / "kernels" / "entry_points.py"]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting.extend(imported(path))
+    found |= {PACKAGE / "libraries" / f"{name}.py" for name in RECIPE}
+    return sorted(found)
+
+
+@cache
+def digest(variant):
+    """Hash of the sources of a variant: 12 hexadecimal digits."""
+    content = hashlib.sha256()
+    for path in sources_of(variant):
+        content.update(path.relative_to(PACKAGE).as_posix().encode("utf-8"))
+        content.update(path.read_text(encoding="utf-8").encode("utf-8"))  # with any line ending
+    return content.hexdigest()[:12]

@@ -1,0 +1,111 @@
+"""Libraries are found, or compiled when they are missing; both ways of compiling give the same numbers."""
+
+import subprocess
+import sys
+import warnings
+from importlib.metadata import PackageNotFoundError
+
+import numpy as np
+import pytest
+
+from tetherfmu import TetherCatenary
+from tetherfmu.libraries import ready
+from tetherfmu.runtime.kernel_library import file_name, load, this_platform
+
+HERE = (this_platform(),)
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """Folders of the catenary, compiled in both ways; the fast way with another variant before it."""
+    roots = {way: tmp_path_factory.mktemp(way) for way in ("fast", "plain")}
+    ready.compiled_in(roots["fast"], ["straight", "catenary"], HERE, "fast")
+    return {way: ready.compiled_in(root, ["catenary"], HERE, way)["catenary"] for way, root in roots.items()}
+
+
+def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
+    """Random ends, winds and lengths, taut and slack: 200 flights of 20 steps."""
+    rng = np.random.default_rng(1)
+    tethers = [TetherCatenary(kernels=load(folder, "catenary")) for folder in compiled.values()]
+    for _ in range(200):
+        kite, velocity = rng.uniform(0.3, 1.1) * np.array((300.0, 0.0, 400.0)), rng.normal(0.0, 10.0, 3)
+        wind = rng.normal(0.0, 8.0, 3)
+        flown = []
+        for tether in tethers:
+            tether.initialize(kite, velocity, wind_velocity=wind)
+            flown += [tether.step(0.02, kite + 0.02 * k * velocity, velocity, wind_velocity=wind) for k in range(20)]
+        for one, other in zip(flown[:20], flown[20:], strict=True):
+            assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+
+
+def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(compiled, tmp_path):
+    alone = ready.compiled_in(tmp_path, ["catenary"], HERE, "fast")["catenary"]
+    name = file_name("catenary", this_platform())
+    assert (alone / name).read_bytes() == (compiled["fast"] / name).read_bytes()
+
+
+def test_what_is_there_is_not_compiled_again(compiled, capfd):
+    assert ready.compiled_in(compiled["fast"].parent, ["catenary"], HERE) == {"catenary": compiled["fast"]}
+    assert capfd.readouterr().err == ""
+
+
+def test_compiling_is_told_with_an_estimate(tmp_path, capfd):
+    ready.compiled_in(tmp_path, ["straight"], HERE)
+    first, second = capfd.readouterr().err.splitlines()
+    assert first.startswith(f"compiling kernels for {this_platform()}, once, about ")
+    assert second.startswith("  straight after ")
+
+
+def test_an_unknown_platform_is_named_with_those_that_are_known():
+    with pytest.raises(RuntimeError, match="cannot be compiled for riscv64-linux, only for x86_64-linux, "):
+        ready.folders(["straight"], ["x86_64-linux", "riscv64-linux"])
+
+
+def test_what_the_compiler_says_is_told(tmp_path, monkeypatch):
+    monkeypatch.setitem(ready.PLAIN_CPU, "NUMBA_DISABLE_JIT", "1")
+    with pytest.raises(RuntimeError, match="compiling the kernels failed: "):
+        ready.compiled_in(tmp_path, ["straight"], HERE)
+    assert not list(tmp_path.rglob("*straight-*"))
+
+
+def test_the_libraries_of_the_wheel_come_first(compiled, monkeypatch):
+    monkeypatch.setattr(ready, "IN_WHEEL", compiled["fast"].parent)
+    monkeypatch.setattr(ready, "version", lambda package: pytest.fail("what compiles was looked for"))
+    assert ready.folders(["catenary"], HERE) == {"catenary": compiled["fast"]}
+
+
+def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):
+    def missing(package):
+        raise PackageNotFoundError(package)
+
+    monkeypatch.setattr(ready, "version", missing)
+    with pytest.raises(RuntimeError, match=r'llvmlite, .* is not installed; .* pip install "tetherfmu\[build\]"'):
+        ready.folders(["straight"], HERE)
+
+
+def test_an_unknown_numba_is_told(monkeypatch):
+    monkeypatch.setattr(ready, "version", lambda package: "99.1.0rc1")
+    with pytest.warns(UserWarning, match=r"numba 99\.1\.0rc1 is not one of those .* tested with"):
+        assert ready._fitting_way() == "plain"
+    monkeypatch.undo()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert ready._fitting_way() == "fast"  # with the one that the extra `build` installs
+
+
+def test_flying_compiles_nothing_and_needs_no_compiler():
+    """The Python API, with all that compiles forbidden."""
+    code = """
+import sys
+sys.modules |= dict.fromkeys(("numba", "llvmlite", "ziglang", "scipy"))
+import tetherfmu
+for variant in ("Straight", "Catenary", "QuasiSteady", "Dynamic"):
+    tether = getattr(tetherfmu, f"Tether{variant}")()
+    tether.initialize()
+    print(tether.step(0.02).kite_tension)
+print(tether.energy().elastic)
+"""
+    ready.folders(["straight", "catenary", "quasi_steady", "dynamic"], HERE)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert all(float(line) > 0.0 for line in done.stdout.splitlines())
