@@ -25,13 +25,12 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from flight_figures import plot_first_shape, plot_forces, plot_shapes
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
+from tetherfmu.commands.build import main as build
 from tetherfmu.runtime.variants import class_name, variant_of
 
-ROOT = Path(__file__).resolve().parent.parent
 TETHERS = {variant: class_name(variant) for variant in ("dynamic", "quasi_steady", "catenary", "straight")}
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
@@ -131,13 +130,9 @@ def summary(name, flight):
 
 def find_fmu(name):
     """Path of an FMU in dist/, which is built if it is not there."""
-    file = ROOT / "dist" / f"{name}.fmu"
-    if not file.exists():
-        sys.path.append(str(ROOT))
-        from build_fmus import main as build
-
-        if build([name, "--out", str(file.parent)]) != 0:
-            sys.exit(f"{file.name} could not be built")
+    file = Path("dist") / f"{name}.fmu"
+    if not file.exists() and build([name, "--out", str(file.parent)]) != 0:
+        sys.exit(f"{file.name} could not be built")
     return file
 
 
@@ -157,9 +152,9 @@ def tether(text):
         raise argparse.ArgumentTypeError(f"{error}, or all") from None
 
 
-def parse(arguments):
+def parse(arguments, prog):
     """Command line options."""
-    parser = argparse.ArgumentParser(description="Fly a kite on a circle and plot its tether.")
+    parser = argparse.ArgumentParser(prog=prog, description="Fly a kite on a circle and plot its tether.")
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
     option("--tether", type=tether, default="dynamic", metavar="NAME", help=f"{allowed}, or all (default: dynamic)")
@@ -175,9 +170,23 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def main(arguments=None):
-    """Fly, print a line on each flight, write the figures."""
-    given = parse(arguments)
+def write_figures(flights, folder):
+    """Write three figures to a folder; returns their paths, none if matplotlib is missing."""
+    try:
+        from flight_figures import plot_first_shape, plot_forces, plot_shapes
+    except ImportError:
+        print("no figures: they need matplotlib (pip install matplotlib)", file=sys.stderr)
+        return []
+    drawn = {"first_shape": plot_first_shape, "forces": plot_forces, "shapes": plot_shapes}
+    paths = [folder / f"{name}.png" for name in drawn]
+    for path, plot in zip(paths, drawn.values(), strict=True):
+        plot(flights).savefig(path, dpi=150)
+    return paths
+
+
+def main(arguments=None, prog=None):
+    """Fly, print a line on each flight, write the figures, print where they are."""
+    given = parse(arguments, prog)
     if given.html:
         try:
             from flight_page import write_page
@@ -190,11 +199,11 @@ def main(arguments=None):
         flights[file.stem] = flight
         print(summary(file.stem, flight))
     given.out.mkdir(parents=True, exist_ok=True)
-    plot_first_shape(flights).savefig(given.out / "first_shape.png", dpi=150)
-    plot_forces(flights).savefig(given.out / "forces.png", dpi=150)
-    plot_shapes(flights).savefig(given.out / "shapes.png", dpi=150)
+    written = write_figures(flights, given.out)
     if given.html:
-        write_page(flights, given.out / "circular_flight.html")
+        written.append(given.out / "circular_flight.html")
+        write_page(flights, written[-1])
+    print("\n".join(map(str, written)))
 
 
 if __name__ == "__main__":

@@ -15,10 +15,10 @@ LONGEST_BUILD = 600.0  # seconds
 def compile_all():
     """Compile the kernels; returns at once if they are there."""
     from tetherfmu.libraries import ready
-    from tetherfmu.runtime.kernel_library import this_platform
+    from tetherfmu.libraries.ahead_of_time import TARGETS
     from tetherfmu.runtime.variants import VARIANTS
 
-    ready.folders(VARIANTS, {this_platform(): None, "x86_64-windows": None})
+    ready.folders(VARIANTS, list(TARGETS))
 
 
 def pytest_configure(config):
@@ -34,7 +34,7 @@ def pytest_configure(config):
 @pytest.fixture(scope="session")
 def fmu_folder(built_once):
     """Folder with all FMUs, built once per test run."""
-    from build_fmus import main
+    from tetherfmu.commands.build import main
 
     def build(folder):
         assert main(["--out", str(folder)]) == 0

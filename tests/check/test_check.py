@@ -191,7 +191,7 @@ def test_missing_platforms(tmp_path, fmu_folder):
     no_kernels = changed(source, tmp_path / "b.fmu", lambda name, content: None if here in name else content)
     status, said = run(no_kernels)
     assert status == 1
-    assert f"build it with: python build_fmus.py --platforms {this_platform()}" in said
+    assert f"build it with: tetherfmu build --platforms {this_platform()}" in said
     assert "the evidence set was not run" in said
 
 

@@ -40,7 +40,7 @@ def test_carries_its_kernels_and_no_cache(fmu_folder, name):
 def test_a_platform_without_kernels_is_told_with_the_remedy(tmp_path):
     for variant in VARIANTS:
         (tmp_path / file_name(variant, "riscv64-linux")).touch()
-    with pytest.raises(OSError, match=r"python build_fmus\.py --platforms") as refusal:
+    with pytest.raises(OSError, match=r"tetherfmu build --platforms") as refusal:
         load(tmp_path, "dynamic")
     assert "only dynamic-riscv64-linux.so" in str(refusal.value)
 

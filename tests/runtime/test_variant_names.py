@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from build_fmus import parse
+from tetherfmu.commands.build import parse
 from tetherfmu import models
 from tetherfmu.export.archive import PACKAGE, SLAVES
 from tetherfmu.runtime.variables import IGNORED, NOTES

@@ -120,7 +120,7 @@ def platforms(names):
         return [Finding(PROBLEM, text, remedy)]
     kernels = sorted(name.removeprefix(KERNELS) for name in names if name.startswith(KERNELS))
     if kernels and not any(f"-{this_platform()}." in name for name in kernels):
-        remedy = f"build it with: python build_fmus.py --platforms {this_platform()}"
+        remedy = f"build it with: tetherfmu build --platforms {this_platform()}"
         return [Finding(PROBLEM, f"the FMU has no kernels for {this_platform()}, only {', '.join(kernels)}", remedy)]
     return [Finding(OK, f"platforms: {', '.join(libraries)}; this one is among them")]
 

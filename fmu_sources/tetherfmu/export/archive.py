@@ -26,6 +26,7 @@ from tetherfmu.runtime.variants import VARIANTS, class_name
 from . import osp
 from .documents import OSP_FOLDER, documents
 
+SCRIPTS = Path(__file__).with_name("slaves")
 SLAVES = {class_name(variant): (f"tether_{variant}.py", variant) for variant in VARIANTS}  # name: (slave script, variant)
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 LAUNCHER = """from {package}.{module} import {name}
@@ -48,15 +49,16 @@ class Trim(NamedTuple):
     page: str  # documentation, HTML
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=(this_platform(),), scene=None):
+def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
     Platform are written beside it (`osp.py`).  segments : start value of the parameter `segments`.  shape_points : points of
-    the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in.
+    the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in; None for
+    that of this machine.
     scene : `Trim` for an FMU of one scene: what it starts with, what it goes without, and its documentation.
     """
-    folder = Path(folder)
+    folder, platforms = Path(folder), platforms or [this_platform()]
     folder.mkdir(parents=True, exist_ok=True)
     _, variant = SLAVES[name]
     compiled = ready.folders([variant], platforms)[variant]
@@ -93,7 +95,7 @@ def _write_package(resources, name, kernels):
     """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths."""
     script, _ = SLAVES[name]
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
-    sources[script] = (PACKAGE.parent / script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
+    sources[script] = SCRIPTS.joinpath(script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
     content = json.dumps(sources, sort_keys=True).encode("utf-8") + b"".join(each.read_bytes() for each in kernels)
     digest = hashlib.sha256(content).hexdigest()[:12]
     package, module = resources / f"tetherfmu_{digest}", Path(script).stem

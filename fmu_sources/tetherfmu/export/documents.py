@@ -14,7 +14,7 @@ from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
 from . import evidence, osp
 
 ASSETS = Path(__file__).with_name("assets")
-LICENCE = PACKAGE.parents[1] / "LICENSE"
+LICENCE = PACKAGE.parents[1] / "LICENSE"  # in a checkout; a wheel has it among its metadata
 EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
@@ -30,15 +30,17 @@ def documents(name, variant, description, options, platforms, scene_page=None):
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     texts = {
         "documentation/index.html": scene_page or page(name, variant, description, table, osp_file),
-        "documentation/externalDependencies.txt": _filled("externalDependencies.txt", platforms=", ".join(platforms)),
-        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8"),
-        "documentation/licenses/PythonFMU.txt": _licence_of_pythonfmu(),
+        "documentation/externalDependencies.txt": filled("externalDependencies.txt", platforms=", ".join(platforms)),
+        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8")
+        if LICENCE.exists()
+        else licence_of("tetherfmu"),
+        "documentation/licenses/PythonFMU.txt": licence_of("pythonfmu"),
         "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
         osp_file: osp.model_description(table),
     }
     if not scene_page:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
-            texts[f"{EVIDENCE_FOLDER}/{file}"] = _filled(asset, name=name, **evidence.facts(variant))
+            texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         for file, text in evidence.files(name, options["segments"]).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
     return {
@@ -50,7 +52,7 @@ def documents(name, variant, description, options, platforms, scene_page=None):
 
 def page(name, variant, description, table, osp_file):
     """Text of documentation/index.html: use, physics, and the tables of all variables."""
-    return _filled(
+    return filled(
         "index.html",
         name=name,
         version=__version__,
@@ -102,12 +104,12 @@ def _rows(table, causality, *columns):
     return "\n".join(rows)
 
 
-def _licence_of_pythonfmu():
-    """Licence text of the installed PythonFMU, which the FMU carries."""
-    metadata = distribution("pythonfmu")
+def licence_of(package):
+    """Licence text of an installed package of which the FMU carries parts."""
+    metadata = distribution(package)
     return metadata.read_text("licenses/LICENSE") or metadata.read_text("LICENSE")
 
 
-def _filled(file, **values):
+def filled(file, **values):
     """Text of an asset with its $names replaced."""
     return Template((ASSETS / file).read_text(encoding="utf-8")).substitute(values)

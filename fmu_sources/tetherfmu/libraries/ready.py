@@ -100,7 +100,8 @@ def _compile(folders, platforms, way):
     began = monotonic()
     command = [sys.executable, "-m", "tetherfmu.libraries.ahead_of_time", way, ",".join(platforms)]
     command += [f"{variant}={folder}" for variant, folder in folders.items()]
-    environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": str(PACKAGE.parent)}  # the child compiles this very package
+    path = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]  # the child compiles this very package
+    environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": os.pathsep.join(path)}
     with (
         tempfile.TemporaryFile("w+") as problems,
         subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=problems, text=True) as child,

@@ -57,7 +57,7 @@ def load(folder, variant):
     if not names:
         raise OSError(
             f"this FMU has no kernels for {this_platform()}, only {', '.join(available)}; "
-            f"build it with: python build_fmus.py --platforms {this_platform()}"
+            f"build it with: tetherfmu build --platforms {this_platform()}"
         )
     shared = CDLL(str(Path(folder) / names[0]))
     return Kernels(*(getattr(PROTOTYPES, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))

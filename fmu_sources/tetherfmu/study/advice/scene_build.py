@@ -1,6 +1,6 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs.
 
-`python build_fmus.py --scene FILE`. An input that is 0 all through the scene is left out, and so is an output that it does
+`tetherfmu build --scene FILE`. An input that is 0 all through the scene is left out, and so is an output that it does
 not ask for; the description says so.
 """
 

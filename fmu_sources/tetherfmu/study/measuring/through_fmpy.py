@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.export.archive import SLAVES, build
-from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.variables import INPUT_NAMES
 from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.scenes.standard import CIRCLE_LENGTH, QUASI_STEADY_START, STEP, circle_inputs
@@ -34,7 +33,7 @@ def fmus_in(folder):
     paths = {name: Path(folder) / f"{name}.fmu" for name in SLAVES}
     for name, path in paths.items():
         if not path.exists():
-            build(name, folder, platforms=(this_platform(),))
+            build(name, folder)
     return paths
 
 

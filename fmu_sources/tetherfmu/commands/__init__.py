@@ -1,0 +1,1 @@
+"""What a user types: the command `tetherfmu`, one module for each of its own subcommands."""

@@ -1,0 +1,59 @@
+"""The build backend of this project: setuptools', with compiled libraries for all platforms and the examples in its wheels.
+
+An editable installation has neither: it uses the checkout, and compiles what it needs at first use.
+"""
+
+import shutil
+import tomllib
+from pathlib import Path
+
+from setuptools import build_meta
+from setuptools.build_meta import *  # noqa: F403 (the hooks of a build backend)
+from setuptools.command.build_py import build_py
+from setuptools.command.sdist import sdist
+
+from tetherfmu.libraries import ready
+from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.libraries.sources import PACKAGE
+from tetherfmu.runtime.variants import VARIANTS
+
+BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "mkdocs.yml", "CHANGELOG.md", "CITATION.cff")
+NOT_COPIED = shutil.ignore_patterns("__pycache__", "partial-*", "*.jsonl")
+
+
+def get_requires_for_build_wheel(config_settings=None):
+    """What compiles the kernels, as the extra `build` of pyproject.toml names it."""
+    project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [*build_meta.get_requires_for_build_wheel(config_settings), *project["optional-dependencies"]["build"]]
+
+
+class WholeCheckout(sdist):
+    """Takes what a checkout has beside the package, too: the project can be tested and released from its sdist."""
+
+    def make_release_tree(self, base_dir, files):
+        """Fill the folder that becomes the archive."""
+        super().make_release_tree(base_dir, files)
+        for name in BESIDE_THE_PACKAGE:
+            origin, place = PACKAGE.parents[1] / name, Path(base_dir) / name
+            if origin.is_dir():
+                shutil.copytree(origin, place, ignore=NOT_COPIED)
+            else:
+                shutil.copy(origin, place)
+
+
+class BuildWithLibraries(build_py):
+    """Copies the package, and what a wheel has more."""
+
+    def run(self):
+        """Fill the folder that becomes the wheel, anew each time."""
+        if not self.editable_mode:
+            shutil.rmtree(self.build_lib, ignore_errors=True)
+        super().run()
+        if self.editable_mode:
+            return
+        package = Path(self.build_lib) / PACKAGE.name
+        in_wheel = package / ready.IN_WHEEL.relative_to(PACKAGE)
+        for variant, folder in ready.folders(VARIANTS, list(TARGETS)).items():
+            shutil.copytree(folder, ready.place(in_wheel, variant), ignore=NOT_COPIED)
+        examples = PACKAGE.parents[1] / "examples"
+        shutil.copytree(examples, package / examples.name, ignore=NOT_COPIED)

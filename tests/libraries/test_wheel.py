@@ -1,0 +1,103 @@
+"""A wheel is all that a user needs: it builds FMUs and flies the circle where nothing can compile."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.variants import VARIANTS, class_name
+
+ROOT = Path(__file__).resolve().parents[2]
+LARGEST = 500_000  # bytes of a library
+SCRIPTS = "Scripts" if os.name == "nt" else "bin"
+WITHOUT_COMPILER = 'import sys\nsys.modules |= dict.fromkeys(("numba", "llvmlite", "ziglang"))\n'
+
+
+def done(*command, **options):
+    """Run a command that must succeed; returns what it printed."""
+    result = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, **options)
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+@pytest.fixture(scope="module")
+def packages(built_once):
+    """Paths of the wheel and of the sdist."""
+
+    def build(folder):
+        done(sys.executable, "-m", "build", "--no-isolation", "--sdist", "--wheel", "--outdir", folder, ROOT)
+
+    folder = built_once("packages", build)
+    return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz"))
+
+
+@pytest.fixture(scope="module")
+def clean(packages, tmp_path_factory):
+    """Folder of the scripts of a new environment with the wheel; numpy and FMPy come from here, no compiler does."""
+    folder = tmp_path_factory.mktemp("clean") / "venv"
+    done(sys.executable, "-m", "venv", "--without-pip", folder)
+    python = folder / SCRIPTS / "python"
+    done(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-index", "--no-deps", packages[0])
+    site = Path(done(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
+    (site / "from_here.pth").write_text(f"{sysconfig.get_path('purelib')}\n")
+    (site / "sitecustomize.py").write_text(WITHOUT_COMPILER)
+    return python.parent
+
+
+def test_one_wheel_has_small_libraries_for_all_platforms(packages):
+    wheel, _ = packages
+    assert wheel.name.endswith("-py3-none-any.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        sizes = {Path(each.filename).name: each.file_size for each in archive.infolist() if "/compiled/" in each.filename}
+    assert sizes.keys() == {file_name(variant, platform) for variant in VARIANTS for platform in TARGETS}
+    assert max(sizes.values()) < LARGEST
+
+
+def test_the_sdist_can_be_tested_and_released(packages):
+    _, sdist = packages
+    with tarfile.open(sdist) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    needed = (
+        "pyproject.toml",
+        "build_fmus.py",
+        "LICENSE",
+        "examples/circular_flight.py",
+        "tests/conftest.py",
+        "docs/theory.md",
+    )
+    assert names >= {*needed, "fmu_sources/tetherfmu/export/slaves/tether_dynamic.py"}
+    assert not [name for name in names if "__pycache__" in name or "/compiled/" in name]
+
+
+def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
+    place = done(clean / "python", "-c", "import tetherfmu; print(tetherfmu.__file__)", cwd=tmp_path)
+    assert Path(place).is_relative_to(clean.parent)
+    built = done(clean / "tetherfmu", "build", "--platforms", "all", cwd=tmp_path).splitlines()
+    assert [Path(line.split()[0]).name for line in built] == [f"{class_name(variant)}.fmu" for variant in VARIANTS]
+    assert all(line.endswith(f"for {', '.join(TARGETS)}") for line in built)
+    flown = done(clean / "tetherfmu", "fly", "--tether", "all", cwd=tmp_path).splitlines()
+    assert sum("times real time" in line for line in flown) == len(VARIANTS)
+    figures = [tmp_path / line for line in flown if line.endswith(".png")]
+    assert len(figures) == 3
+    assert all(figure.stat().st_size > 10_000 for figure in figures)
+
+
+def test_edited_kernels_are_never_replaced_by_those_of_the_wheel(clean, tmp_path):
+    site = Path(done(clean / "python", "-c", "import tetherfmu; print(tetherfmu.__path__[0])").strip())
+    source = site / "kernels" / "variants" / "straight.py"
+    text = source.read_text(encoding="utf-8")
+    source.write_text(text + "# edited\n", encoding="utf-8")
+    try:
+        start = [str(clean / "python"), "-c", "import tetherfmu; tetherfmu.TetherStraight()"]
+        failed = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, check=False)
+    finally:
+        source.write_text(text, encoding="utf-8")
+    assert failed.returncode == 1
+    assert "compiling the kernels failed" in failed.stderr
