@@ -47,7 +47,10 @@ def folders(variants, platforms):
 
 
 def compiled_in(root, variants, platforms, way=None):
-    """As `folders`, below the folder `root`.  way : "fast", "plain" (see `intermediate_code`), or None for the one that fits."""
+    """As `folders`, below the folder `root`.
+
+    way : "fast" or "plain", see `intermediate_code`; None for the one that fits the installed numba.
+    """
     found = {variant: place(root, variant) for variant in variants}
     missing = [variant for variant in SLOWEST_FIRST if variant in found and not has_all(found[variant], variant, platforms)]
     if missing:
