@@ -1,4 +1,4 @@
-"""The command `tetherfmu`, also `python -m tetherfmu`: picks the module of a subcommand and gives it the rest of the line."""
+"""The command `tetherfmu`, also `python -m tetherfmu`: imports a subcommand and gives it the rest of the line."""
 
 import sys
 from importlib import import_module

@@ -1,16 +1,14 @@
 """What does a new user wait for? The first command of the README, from an empty machine; then builds after it.
 
-    python tests/benchmarks/cold_build.py [--folder DIR]
+    python tests/benchmarks/cold_build.py
 
-Clones this checkout into a folder of its own, with empty caches of pip and Zig, and runs what the README says there:
-environment, installation, FMUs, circle. Then it builds again, without an edit and after an edit of one variant. Times are of
-the clock and of all processors (user + system, child processes included); those of pip are with the download.
+Clones this checkout (what is committed) into a temporary folder, with empty caches of pip and Zig, and runs there what the
+README says: environment, installation, FMUs, circle. Then it builds again, without an edit and after an edit of one variant.
+Times are of the clock and of all processors (user + system, child processes included); those of pip are with the download.
 """
 
-import argparse
 import os
 import resource
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -49,11 +47,8 @@ def environment_of(folder):
     return {**kept, **{name: str(folder / place) for name, place in caches.items()}, "MPLBACKEND": "Agg"}
 
 
-def main():
-    """Measure and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, help="where to work (default: a temporary folder)")
-    folder = parser.parse_args().folder or Path(tempfile.mkdtemp(prefix="cold_build"))
+def main(folder):
+    """Measure in an empty folder and print the table."""
     clone, environment = folder / "clone", environment_of(folder / "caches")
     subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
     rows = [(command, *measured(command, clone, environment)) for command in first_command()]
@@ -71,8 +66,8 @@ def main():
     for name, clock, processors in rows:
         print(f"{name:72}  {clock:8.1f}  {processors:12.1f}")
     print(f"environment: {size:.0f} MB")
-    shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == "__main__":
-    main()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as temporary:
+        main(Path(temporary))

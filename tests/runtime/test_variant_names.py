@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tetherfmu.commands.build import parse
 from tetherfmu import models
+from tetherfmu.commands.build import parse
 from tetherfmu.export.archive import PACKAGE, SLAVES
 from tetherfmu.runtime.variables import IGNORED, NOTES
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
