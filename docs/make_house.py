@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = Path(__file__).with_name("figures") / "house.png"
 ROOMS_OF_FILES = {  # modules that stand beside the folders
+    "commands": ("__main__", "commands"),
     "Python API": ("models", "energy"),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
@@ -82,8 +83,8 @@ def without_detours(pairs):
 def contents(room):
     """What is in a room: its folders, or else its modules, one line."""
     if room == "kernels.entry_points":
-        return "initialize  advance  observe, for each variant"
-    if room in ROOMS_OF_FILES:
+        return "initialize  advance  observe  fly  account, for each variant"
+    if room in ROOMS_OF_FILES and room != "commands":
         return "  ".join(name.rpartition(".")[2] for name in ROOMS_OF_FILES[room])
     folder = PACKAGE / room.replace(".", "/")
     folders = sorted(path.parent.name for path in folder.glob("*/__init__.py"))

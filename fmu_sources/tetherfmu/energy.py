@@ -2,8 +2,8 @@
 
     d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - damping loss - drag loss
 
-Every term is written out in docs/theory.md, "Energy", and computed in `kernels/chain/energy.py`. What the powers do not
-explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
+Every term is written out in docs/theory.md, "Energy", and computed in `kernels/chain/power_balance.py`. What the powers do
+not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
 """
 
 from dataclasses import dataclass, fields
@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 
 @dataclass(frozen=True)
 class Energy:
-    """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.chain.energy`."""
+    """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.chain.power_balance`."""
 
     kinetic: float  # of the nodes that move freely; the half particle at a driven end belongs to what drives it
     elastic: float  # of the springs

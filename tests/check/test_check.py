@@ -10,7 +10,7 @@ import zipfile
 import pytest
 
 from tetherfmu.check import __main__, inspection
-from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.runtime.kernel_library import this_platform
 
 FOREIGN = """<?xml version="1.0" encoding="UTF-8"?>
@@ -178,8 +178,8 @@ def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder
     assert "evidence set: 200 steps" in said
 
 
-def test_missing_platforms(tmp_path, fmu_folder):
-    source = fmu_folder / "TetherStraight.fmu"
+def test_missing_platforms(tmp_path):
+    source = build("TetherStraight", tmp_path, platforms=[this_platform(), "aarch64-linux"])
     no_library = changed(
         source, tmp_path / "a.fmu", lambda name, content: None if name.startswith("binaries/linux") else content
     )

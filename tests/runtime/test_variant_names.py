@@ -1,12 +1,10 @@
 """A variant by any of its names: in the code, on the command line, as a class, as an FMU."""
 
-from pathlib import Path
-
 import pytest
 
 from tetherfmu import models
 from tetherfmu.commands.build import parse
-from tetherfmu.export.archive import PACKAGE, SLAVES
+from tetherfmu.export.archive import SCRIPTS, SLAVES
 from tetherfmu.runtime.variables import IGNORED, NOTES
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
@@ -33,7 +31,7 @@ def test_another_text_is_named(text):
 def test_one_list_for_all(variant):
     assert getattr(models, class_name(variant)).variant == variant
     assert SLAVES[class_name(variant)][1] == variant
-    assert (Path(PACKAGE).parent / SLAVES[class_name(variant)][0]).is_file()
+    assert (SCRIPTS / SLAVES[class_name(variant)][0]).is_file()
 
 
 def test_tables_have_the_same_variants():

@@ -12,7 +12,7 @@ from tetherfmu.runtime.status import OK
 
 from .algebra.vectors import norm, vector_at
 from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size, work_size
-from .chain import energy
+from .chain import power_balance
 from .compilation import view
 
 _DOUBLES = types.CPointer(types.float64)
@@ -88,6 +88,6 @@ def entry_points(variant):
     def account(n, parameters, state, inputs, energies, work):
         """Energies and powers (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
         p, s, w = _chain_arrays(n, parameters, state, work)
-        return energy.account(n, p, s, carray(inputs, at.INPUTS), carray(energies, energy.SIZE), w)
+        return power_balance.account(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.SIZE), w)
 
     return Kernels(initialize, advance, observe, fly, account)

@@ -27,6 +27,15 @@ def get_requires_for_build_wheel(config_settings=None):
     return [*build_meta.get_requires_for_build_wheel(config_settings), *project["optional-dependencies"]["build"]]
 
 
+def build_wheel(*arguments, **options):
+    """As setuptools does it, in a folder that is new and does not stay."""
+    try:
+        shutil.rmtree("build", ignore_errors=True)
+        return build_meta.build_wheel(*arguments, **options)
+    finally:
+        shutil.rmtree("build", ignore_errors=True)
+
+
 class WholeCheckout(sdist):
     """Takes what a checkout has beside the package, too: the project can be tested and released from its sdist."""
 
@@ -45,9 +54,7 @@ class BuildWithLibraries(build_py):
     """Copies the package, and what a wheel has more."""
 
     def run(self):
-        """Fill the folder that becomes the wheel, anew each time."""
-        if not self.editable_mode:
-            shutil.rmtree(self.build_lib, ignore_errors=True)
+        """Fill the folder that becomes the wheel."""
         super().run()
         if self.editable_mode:
             return
