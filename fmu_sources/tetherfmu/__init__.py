@@ -8,7 +8,10 @@ from importlib import import_module
 from .runtime import __version__
 
 _HOMES = {
-    "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight", "Flown", "Outputs", "StepRefused"),
+    "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight"),
+    "results": ("Flown", "Outputs", "StepRefused"),
+    "paths": ("MovingEnd", "inputs_along", "kite_at"),
+    "materials": ("MATERIALS", "tether_of"),
     "runtime.parameters": ("Tether", "Environment", "Solver"),
     "energy": ("Energy", "EnergyAudit"),
 }

@@ -63,7 +63,7 @@ class EnergyAudit:
         self.start = self.now = model.energy()
         self.work = dict.fromkeys(POWERS, 0.0)
 
-    def step(self, step, *, reel_out_speed=0.0, wind_velocity=(0.0, 0.0, 0.0), kite_load=(0.0, 0.0, 0.0), **motion):
+    def step(self, step, *, reel_out_speed=None, wind_velocity=None, kite_load=None, **motion):
         """Advance the tether; arguments and result as `TetherModel.step`."""
         held = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
         before = self._model.energy(**held)

@@ -1,70 +1,28 @@
 """The Python API: tethers without FMI. Five verbs: initialize, step, fly, get_state, set_state."""
 
-from collections import namedtuple
-from dataclasses import fields
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
+from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.variables import KITE_AT_START
 from tetherfmu.runtime.variants import WITHOUT_NODES, effective
 
 from . import energy
+from .results import Flown, Outputs, StepRefused
 
-Outputs = namedtuple(
-    "Outputs",
-    "ground_force kite_force ground_tension kite_tension max_tension tether_length ground_elevation ground_azimuth "
-    "slack_segments kite_end_mass kite_stiffness kite_damping wave_time sag shape",
-)
-Outputs.__doc__ = "Outputs of a tether (docs/interface.md), SI units; forces are arrays of 3, `shape` has one row per point."
-
-_NOTHING = (0.0, 0.0, 0.0)
-_INPUT_STARTS = (at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY, at.REEL_OUT_SPEED, at.WIND_VELOCITY, at.KITE_LOAD)
-
-
-class Flown(NamedTuple):
-    """What a flight of many communication steps gave: one row for each step that was kept."""
-
-    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
-    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
-    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
-    seconds: float = 0.0  # wall time of all steps [s]
-
-    @property
-    def kite_force(self):
-        """Force on the kite [N], array (rows, 3)."""
-        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
-
-    @property
-    def ground_force(self):
-        """Force on the ground station [N], array (rows, 3)."""
-        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
-
-    @property
-    def shape(self):
-        """Points of the tether [m], array (rows, points, 3)."""
-        points = (self.outputs.shape[1] - at.SHAPE) // 3
-        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
-
-
-class StepRefused(ValueError):
-    """A step or an initialization that cannot be done; the tether keeps the state of before."""
-
-
-def _checked(point_masses, segments):
-    """Pairs (node, mass) of a dict of point masses; ValueError if a node or a mass [kg] does not exist."""
-    masses = dict(point_masses or {})
-    for node, mass in masses.items():
-        if node not in range(segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
-            raise ValueError(
-                f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from 0 to {segments}"
-            )
-    return masses.items()
+_ZERO = (0.0, 0.0, 0.0)
 
 
 class TetherModel:
@@ -74,97 +32,196 @@ class TetherModel:
     ----------
     tether : Tether
         A sequence of them is joined in series, from the ground to the kite (tethers with nodes only).
-    environment, solver : Environment, Solver
+    environment : Environment
+    solver : Solver
     point_masses : dict
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
         Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
     kernels : runtime.kernel_library.Kernels or None
         Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
+    **quantities
+        Any quantity of `Tether`, `Environment` and `Solver` by its name replaces that of the record, as in
+        ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
 
     Raises
     ------
+    TypeError
+        If `tether`, `environment` or `solver` is something else, or a quantity does not exist.
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
     RuntimeError
         If the kernels of this installation have to be compiled and cannot.
     """
 
-    variant = None
+    variant: str = ""
 
     def __init__(
         self,
-        tether=Tether(),  # noqa: B008 (a constant record)
-        environment=Environment(),  # noqa: B008
-        solver=Solver(),  # noqa: B008
+        tether: Tether | Sequence[Tether] = Tether(),  # noqa: B008 (a constant record)
+        environment: Environment = Environment(),  # noqa: B008
+        solver: Solver = Solver(),  # noqa: B008
         *,
-        point_masses=None,
-        shape_points=None,
-        kernels=None,
-        _free_ends=(False, False),
+        point_masses: Mapping[int, float] | None = None,
+        shape_points: int | None = None,
+        kernels: Kernels | None = None,
+        _free_ends: tuple[bool, bool] = (False, False),
+        **quantities: float | str,
     ):
-        tethers = (tether,) if isinstance(tether, Tether) else tuple(tether)
-        points = sum(each.segments for each in tethers) + 1 if shape_points is None else shape_points
+        name = type(self).__name__
+        tethers = _tethers(name, tether)
+        environment, solver = _record(name, environment, Environment), _record(name, solver, Solver)
+        tethers, environment, solver = _with(name, quantities, tethers, environment, solver)
         if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
-            raise ValueError(f"{type(self).__name__} is one uniform line: it takes one Tether and no point_masses")
+            raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         tethers = tuple(effective(each, self.variant) for each in tethers)
-        masses = _checked(point_masses, sum(each.segments for each in tethers))
+        segments = sum(each.segments for each in tethers)
+        masses = _checked_masses(point_masses, segments)
+        self._points = segments + 1 if shape_points is None else _whole("shape_points", shape_points)
         self._kernels = kernels or ready.kernels(self.variant)
-        self._points = points
-        self._instance = instance = Instance(self._kernels, points)
+        self._instance = instance = Instance(self._kernels, self._points)
         instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
-        self.segments = instance.segments
+        self.segments: int = instance.segments
         arrays = instance.values, instance.parameters, instance.state, instance.before, instance.work
         values, self._parameters, self._state, self._before, self._work = map(np.frombuffer, arrays)  # views
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
-        self._each_input = np.split(self._inputs, _INPUT_STARTS)
+        self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
+        self._runs = False
+
+    def __repr__(self) -> str:
+        """What it is, and whether it runs."""
+        length = self._state[at.LENGTH] if self._runs else self._parameters[at.INITIAL_LENGTH]
+        parts = [] if self.variant in WITHOUT_NODES else [f"{self.segments} segments"]
+        parts += [f"{length:g} m unstretched", "running" if self._runs else "not initialized"]
+        return f"<{type(self).__name__}: {', '.join(parts)}>"
 
     def initialize(
         self,
-        kite_position=KITE_AT_START,
-        kite_velocity=_NOTHING,
-        ground_position=_NOTHING,
-        ground_velocity=_NOTHING,
-        reel_out_speed=0.0,
-        wind_velocity=_NOTHING,
-    ):
-        """Start between two ends (SI units), the dynamic tether with its `initial_shape`; returns `Outputs` of the start.
+        kite_position: ArrayLike = KITE_AT_START,
+        kite_velocity: ArrayLike = _ZERO,
+        ground_position: ArrayLike = _ZERO,
+        ground_velocity: ArrayLike = _ZERO,
+        reel_out_speed: float = 0.0,
+        wind_velocity: ArrayLike = _ZERO,
+        *,
+        slack: float | None = None,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+    ) -> Outputs:
+        """Start between two ends, the dynamic tether with its `initial_shape`.
 
-        Raises StepRefused if an input is not finite or no equilibrium is found.
+        Parameters
+        ----------
+        kite_position, ground_position : (3,) array
+            Ends of the tether [m]; see `kite_at` for elevation, azimuth and distance.
+        kite_velocity, ground_velocity : (3,) array
+            Their velocities [m/s].
+        reel_out_speed : float
+            Rate of change of the unstretched length [m/s]; positive pays out.
+        wind_velocity : (3,) array
+            Wind [m/s] at `wind_reference_height`.
+        slack : float or None
+            The unstretched length is (1 + slack) times the distance of the ends, instead of `initial_length`; -0.01 for a
+            tether that is stretched by about 1 %.
+        positions, velocities : (segments + 1, 3) arrays or None
+            Nodes [m] and their velocities [m/s] (at rest if not given) instead of the `initial_shape` (dynamic tether only).
+            The first and the last node are the ends, whose inputs are then not given.
+
+        Returns
+        -------
+        Outputs
+            Those of the start.
+
+        Raises
+        ------
+        StepRefused
+            If an input is not finite or no equilibrium is found; the tether is as it was before.
+        ValueError
+            If an argument has another shape or is out of range.
         """
-        self._set_inputs(
-            kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _NOTHING
-        )
-        return self._outputs_after(self._instance.start())
+        nodes = self._nodes(positions, velocities)
+        if nodes is not None:
+            (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
+        before = self._inputs.copy(), self._parameters.copy()
+        try:
+            self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _ZERO)
+            if slack is not None:
+                self._parameters[at.INITIAL_LENGTH] = self._length_with(slack)
+            if nodes is not None:
+                self._parameters[at.INITIAL_SHAPE] = at.STRAIGHT
+            problem = self._instance.start()
+            self._parameters[at.INITIAL_SHAPE] = before[1][at.INITIAL_SHAPE]
+            if problem:
+                raise StepRefused(problem, self._instance.status)
+        except ValueError:
+            self._inputs[:], self._parameters[:] = before
+            raise
+        if nodes is not None:
+            self._state[at.STATE_HEADER :] = nodes.ravel()
+            self._instance.observe()
+        self._runs = True
+        return self._present()
 
     def step(
         self,
-        step,
-        kite_position=KITE_AT_START,
-        kite_velocity=_NOTHING,
-        ground_position=_NOTHING,
-        ground_velocity=_NOTHING,
-        reel_out_speed=0.0,
-        wind_velocity=_NOTHING,
-        kite_load=_NOTHING,
-    ):
-        """Advance by a communication step [s] with the inputs at its start (SI units); returns the `Outputs` at its end.
+        step: float,
+        kite_position: ArrayLike | None = None,
+        kite_velocity: ArrayLike | None = None,
+        ground_position: ArrayLike | None = None,
+        ground_velocity: ArrayLike | None = None,
+        reel_out_speed: float | None = None,
+        wind_velocity: ArrayLike | None = None,
+        kite_load: ArrayLike | None = None,
+        *,
+        tether_length: float | None = None,
+    ) -> Outputs:
+        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
-        `kite_load` is an external force on a free kite end. Raises StepRefused and keeps the state of before if the step
-        cannot be done.
+        Parameters
+        ----------
+        step : float
+            Communication step [s].
+        kite_position, ..., wind_velocity
+            As for `initialize`.
+        kite_load : (3,) array
+            External force [N] on a free kite end.
+        tether_length : float
+            Unstretched length [m] at the end of the step, for the tethers without waves (all but the dynamic one), whatever it
+            was before. `reel_out_speed` still says how fast material moves along the tether.
+
+        Returns
+        -------
+        Outputs
+            Those at the end of the step.
+
+        Raises
+        ------
+        StepRefused
+            If the step cannot be done; the tether keeps the state of before.
+        ValueError
+            If an argument has another shape.
         """
-        self._set_inputs(
-            kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load
-        )
-        return self._outputs_after(self._instance.advance(step))
+        if not self._runs:
+            raise self._not_initialized()
+        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load)
+        try:
+            step = float(step)
+        except (TypeError, ValueError):
+            raise ValueError(f"step is {step!r}; it must be a number [s]") from None
+        if tether_length is not None:
+            return self._step_to(tether_length, step)
+        problem = self._instance.advance(step)
+        if problem:
+            raise StepRefused(problem, self._instance.status)
+        return self._present()
 
-    def fly(self, inputs, step, every=1, peaks=True):
+    def fly(self, inputs: ArrayLike, step: float, every: int = 1, peaks: bool = True) -> Flown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
         Parameters
         ----------
         inputs : (steps, INPUTS) array
-            Inputs at the start of each step (SI units), in the columns of `layout.py`.
+            Inputs at the start of each step, in the columns of `layout.py`; `inputs_along` makes them from paths.
         step : float
             Communication step [s].
         every : int
@@ -185,6 +242,8 @@ class TetherModel:
         StepRefused
             If a step cannot be done; the message says which, and the tether keeps the state of before that step.
         """
+        if not self._runs:
+            raise self._not_initialized()
         inputs = np.ascontiguousarray(inputs, dtype=float)
         if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
             raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
@@ -193,7 +252,7 @@ class TetherModel:
         size, nodes = len(self._outputs), self.segments + 1
         rows = np.zeros((len(inputs) // every + 1 if every else 1, size + 1 + 3 * nodes))  # the last one is for scratch
         arrays = self._parameters, inputs, self._state, self._before, rows, self._work
-        parameters, flown, state, before, kept, work = (array.ctypes.data for array in arrays)
+        parameters, flown, state, before, kept, work = (each.ctypes.data for each in arrays)
         how = float(step), int(every), bool(peaks)
         began = perf_counter()
         done = self._kernels.fly(
@@ -204,50 +263,162 @@ class TetherModel:
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
         if done < len(inputs):
             problem = self._instance.advance(step)  # which is refused again, now with its sentence
-            raise StepRefused(f"step {done + 1} of {len(inputs)}: {problem}")
+            raise StepRefused(f"step {done + 1} of {len(inputs)}: {problem}", self._instance.status)
         rows = rows[:-1]
         positions = rows[:, size + 1 :].reshape(len(rows), nodes, 3)
         return Flown(np.ascontiguousarray(rows[:, :size]), rows[:, size].copy(), positions, seconds)
 
-    def get_state(self):
+    def get_state(self) -> NDArray[np.float64]:
         """Copy of the whole state, one flat array; see `layout.py`."""
         return self._state.copy()
 
-    def set_state(self, state):
+    def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, bit for bit; ValueError if it belongs to another number of segments."""
         state = np.asarray(state, dtype=float)
         if state.shape != self._state.shape:
             raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
         self._state[:] = state
+        self._runs = True
 
-    def outputs(self):
-        """`Outputs` that belong to the present state."""
+    def outputs(self) -> Outputs:
+        """`Outputs` that belong to the present state; StepRefused before `initialize`."""
+        if not self._runs:
+            raise self._not_initialized()
         self._instance.observe()
-        return self._outputs_after(None)
+        return self._present()
 
-    def energy(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
+    def energy(
+        self,
+        reel_out_speed: float | None = None,
+        wind_velocity: ArrayLike | None = None,
+        kite_load: ArrayLike | None = None,
+    ) -> energy.Energy:
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
 
         `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
         powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        if self.variant in WITHOUT_NODES:
-            raise ValueError(f"{type(self).__name__} has no nodes, so no energy of its own motion")
-        state, inputs, energies = self._state, self._inputs.copy(), np.zeros(len(fields(energy.Energy)))
-        inputs[at.REEL_OUT_SPEED] = state[at.REELING] if reel_out_speed is None else reel_out_speed
-        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = (
-            state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
+        state = self._state
+        reeling = state[at.REELING] if reel_out_speed is None else reel_out_speed
+        wind = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
+        numbers = self._account(reeling, wind, kite_load)
+        return energy.Energy(*numbers[: -self.segments].tolist())
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Node positions [m], array (segments + 1, 3)."""
+        return self._motion()[0].copy()
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """Node velocities [m/s], array (segments + 1, 3)."""
+        return self._motion()[1].copy()
+
+    @property
+    def segment_lengths(self) -> NDArray[np.float64]:
+        """Distances of neighbouring nodes [m], array (segments,)."""
+        return np.linalg.norm(np.diff(self._motion()[0], axis=0), axis=1)
+
+    @property
+    def segment_tensions(self) -> NDArray[np.float64]:
+        """Tensions of the segments [N], array (segments,), negative where one is slack; tethers with nodes only."""
+        return self._account(self._state[at.REELING], self._state[at.WIND : at.WIND + 3], None)[-self.segments :]
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
+        places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
+        return {name: int(self._state[place]) for name, place in places.items()}
+
+    def _set(self, *inputs):
+        """Set the inputs that are given, in the order of `layout.py`; ValueError if one has another shape, and none is set."""
+        changes = []
+        for (name, place, size), value in zip(_INPUTS, inputs, strict=True):
+            if value is not None:
+                try:
+                    numbers = array("d", (value,) if size == 1 else value)
+                except (TypeError, ValueError):
+                    numbers = ()
+                if len(numbers) != size:
+                    wanted = "a number" if size == 1 else "three numbers"
+                    raise ValueError(f"{name} is {value!r}; it must be {wanted}")
+                changes.append((place, place + size, numbers))
+        for start, end, numbers in changes:
+            self._places[start:end] = numbers
+
+    def _nodes(self, positions, velocities):
+        """Positions and velocities of all nodes, array (2, segments + 1, 3), or None; ValueError for another shape."""
+        if positions is None:
+            if velocities is not None:
+                raise ValueError("velocities of nodes are given without their positions")
+            return None
+        if self.variant != "dynamic":
+            raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
+        nodes = np.zeros((2, self.segments + 1, 3))
+        for place, name, given in ((0, "positions", positions), (1, "velocities", velocities)):
+            if given is not None:
+                found = np.asarray(given, dtype=float)
+                if found.shape != nodes[place].shape:
+                    raise ValueError(f"{name} has the shape {found.shape}; it must be {nodes[place].shape}")
+                if not np.all(np.isfinite(found)):
+                    raise ValueError(f"{name} has a number that is not finite")
+                nodes[place] = found
+        return nodes
+
+    def _length_with(self, slack):
+        """Unstretched length [m] of a tether with so much slack [-] between the ends of now; ValueError out of range."""
+        ends = (
+            self._inputs[at.KITE_POSITION : at.KITE_POSITION + 3],
+            self._inputs[at.GROUND_POSITION : at.GROUND_POSITION + 3],
         )
+        length = (1.0 + slack) * np.linalg.norm(ends[0] - ends[1])
+        least = at.MIN_SEGMENT_LENGTH * self.segments
+        if not least <= length < np.inf:
+            raise ValueError(f"slack is {slack!r}: the tether would be {length:g} m long; it must be at least {least:g} m")
+        return length
+
+    def _step_to(self, tether_length, step):
+        """Step with the unstretched length [m] at its end."""
+        if self.variant == "dynamic":
+            raise ValueError(
+                "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
+            )
+        kept = self._state[at.LENGTH]
+        self._state[at.LENGTH] = tether_length - self._inputs[at.REEL_OUT_SPEED] * step
+        problem = self._instance.advance(step)
+        if problem:
+            self._state[at.LENGTH] = kept
+            self._instance.observe()
+            raise StepRefused(problem, self._instance.status)
+        return self._present()
+
+    def _account(self, reel_out_speed, wind_velocity, kite_load):
+        """Energies, powers and tensions of the present state, see `kernels.chain.power_balance`."""
+        if self.variant in WITHOUT_NODES:
+            raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
+        if not self._runs:
+            raise self._not_initialized()
+        inputs, numbers = self._inputs.copy(), np.zeros(len(fields(energy.Energy)) + self.segments)
+        inputs[at.REEL_OUT_SPEED] = reel_out_speed
+        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind_velocity
         if kite_load is not None:
             inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = kite_load
-        arrays = self._parameters, state, inputs, energies, self._work
-        self._kernels.account(self.segments, *(array.ctypes.data for array in arrays))
-        return energy.Energy(*energies.tolist())
+        arrays = self._parameters, self._state, inputs, numbers, self._work
+        self._kernels.account(self.segments, *(each.ctypes.data for each in arrays))
+        return numbers
 
-    def _outputs_after(self, problem):
-        """`Outputs` after a start or a step; StepRefused if there was a problem."""
-        if problem:
-            raise StepRefused(problem)
+    def _motion(self):
+        """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
+        if not self._runs:
+            raise self._not_initialized()
+        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)
+
+    def _not_initialized(self):
+        """What is said before the start."""
+        return StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
+
+    def _present(self):
+        """`Outputs` as they were computed last."""
         values = self._outputs.copy()
         return Outputs(
             values[at.GROUND_FORCE : at.KITE_FORCE],
@@ -258,26 +429,67 @@ class TetherModel:
             values[at.SHAPE :].reshape(-1, 3),
         )
 
-    @property
-    def positions(self):
-        """Node positions [m], array (segments + 1, 3)."""
-        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)[0].copy()
 
-    @property
-    def velocities(self):
-        """Node velocities [m/s], array (segments + 1, 3)."""
-        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)[1].copy()
+_INPUTS = (  # name, place, size
+    ("kite_position", at.KITE_POSITION, 3),
+    ("kite_velocity", at.KITE_VELOCITY, 3),
+    ("ground_position", at.GROUND_POSITION, 3),
+    ("ground_velocity", at.GROUND_VELOCITY, 3),
+    ("reel_out_speed", at.REEL_OUT_SPEED, 1),
+    ("wind_velocity", at.WIND_VELOCITY, 3),
+    ("kite_load", at.KITE_LOAD, 3),
+)
 
-    @property
-    def counters(self):
-        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
-        places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
-        return {name: int(self._state[place]) for name, place in places.items()}
 
-    def _set_inputs(self, *inputs):
-        """Set all inputs, in the order of `layout.py`."""
-        for place, value in zip(self._each_input, inputs, strict=True):
-            place[:] = value
+def _tethers(model, given):
+    """A tuple of tethers from one or a sequence of them; TypeError with the remedy for anything else."""
+    found = (given,) if isinstance(given, Tether) else tuple(given) if isinstance(given, Sequence) else ()
+    if not found or not all(isinstance(each, Tether) for each in found):
+        raise TypeError(
+            f"tether is {given!r}; it must be a Tether or a sequence of them, as in "
+            f"{model}(Tether(initial_length=505.0)), or in short {model}(initial_length=505.0)"
+        )
+    return found
+
+
+def _record(model, given, kind):
+    """A record of this kind; TypeError for anything else."""
+    if not isinstance(given, kind):
+        name = kind.__name__
+        raise TypeError(f"{name.lower()} is {given!r}; it must be an {name}, as in {model}(Tether(), {name}())")
+    return given
+
+
+def _with(model, given, tethers, *records):
+    """Tethers and records with the quantities (a dict) in the place of theirs; TypeError if one does not exist."""
+    owners = {name: kind for kind in (Tether, Environment, Solver) for name, _ in quantities(kind)}
+    for name in given:
+        if name not in owners:
+            raise TypeError(f"{model} has no quantity {name}; there are {', '.join(owners)}")
+    parts = {kind: {name: value for name, value in given.items() if owners[name] is kind} for kind in set(owners.values())}
+    if parts[Tether] and len(tethers) > 1:
+        raise TypeError(f"{', '.join(parts[Tether])}: give it to each of the {len(tethers)} tethers in series")
+    return tuple(replace(each, **parts[Tether]) for each in tethers), *(
+        replace(each, **parts[type(each)]) for each in records
+    )
+
+
+def _checked_masses(point_masses, segments):
+    """Pairs (node, mass) of a dict of point masses; ValueError if a node or a mass [kg] does not exist."""
+    masses = dict(point_masses or {})
+    for node, mass in masses.items():
+        if node not in range(segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
+            raise ValueError(
+                f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from 0 to {segments}"
+            )
+    return masses.items()
+
+
+def _whole(name, value):
+    """A whole number of at least 0; ValueError for anything else."""
+    if not isinstance(value, int | np.integer) or value < 0:
+        raise ValueError(f"{name} is {value!r}; it must be a whole number of at least 0")
+    return int(value)
 
 
 class TetherDynamic(TetherModel):
@@ -289,27 +501,61 @@ class TetherDynamic(TetherModel):
         Whether the ground end and the kite end move freely after the start, instead of following the inputs.
 
     The other parameters are those of `TetherModel`.
+
+    Examples
+    --------
+    A tether of 505 m between the ground and a kite 500 m away, in wind:
+
+    >>> tether = TetherDynamic(initial_length=505.0, segments=30)
+    >>> start = tether.initialize(kite_position=(300.0, 0.0, 400.0), wind_velocity=(8.0, 0.0, 0.0))
+    >>> for _ in range(50):
+    ...     outputs = tether.step(0.02)
+    >>> tether
+    <TetherDynamic: 30 segments, 505 m unstretched, running>
+    >>> outputs.kite_force.shape, outputs.shape.shape
+    ((3,), (31, 3))
     """
 
     variant = "dynamic"
 
-    def __init__(self, *arguments, free_ends=(False, False), **options):
+    def __init__(self, *arguments, free_ends: tuple[bool, bool] = (False, False), **options):
         super().__init__(*arguments, **options, _free_ends=free_ends)
 
 
 class TetherQuasiSteady(TetherModel):
-    """The chain of the dynamic tether in instantaneous equilibrium, turning with the kite; parameters as `TetherModel`."""
+    """The chain of the dynamic tether in instantaneous equilibrium, turning with the kite; parameters as `TetherModel`.
+
+    Examples
+    --------
+    >>> tether = TetherQuasiSteady(segments=10)
+    >>> start = tether.initialize(kite_position=(300.0, 0.0, 400.0), slack=0.01)
+    >>> outputs = tether.step(0.02, tether_length=510.0)
+    >>> outputs.tether_length
+    510.0
+    """
 
     variant = "quasi_steady"
 
 
 class TetherCatenary(TetherModel):
-    """Elastic catenary under weight plus mean drag, in closed form; parameters as `TetherModel`."""
+    """Elastic catenary under weight plus mean drag, in closed form; parameters as `TetherModel`.
+
+    Examples
+    --------
+    >>> TetherCatenary().initialize(kite_position=(300.0, 0.0, 400.0)).sag > 20.0
+    True
+    """
 
     variant = "catenary"
 
 
 class TetherStraight(TetherModel):
-    """Straight elastic line with weight and drag shared between its ends; parameters as `TetherModel`."""
+    """Straight elastic line with weight and drag shared between its ends; parameters as `TetherModel`.
+
+    Examples
+    --------
+    >>> TetherStraight(initial_length=495.0).initialize(kite_position=(300.0, 0.0, 400.0)).kite_tension > 6000.0
+    True
+    """
 
     variant = "straight"

@@ -86,8 +86,8 @@ def entry_points(variant):
         return steps
 
     def account(n, parameters, state, inputs, energies, work):
-        """Energies and powers (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
+        """Energies, powers and tensions (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
         p, s, w = _chain_arrays(n, parameters, state, work)
-        return power_balance.account(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.SIZE), w)
+        return power_balance.account(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.ENERGIES + n), w)
 
     return Kernels(initialize, advance, observe, fly, account)

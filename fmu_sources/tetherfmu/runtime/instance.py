@@ -44,12 +44,15 @@ class Instance:
         and one for another number of segments new arrays.
     segments : int
         0 before it is set up.
+    status : int
+        Status of the last start or step, see `status.py`.
     """
 
     def __init__(self, kernels, points, room=0):
         self.kernels = kernels
         self.points = points
         self.segments = 0
+        self.status = status.OK
         self.parameters_at = OUTPUTS_AT + at.outputs_size(points)
         self.values = zeros(self.parameters_at + room)
         self.state = zeros(0)
@@ -101,7 +104,7 @@ class Instance:
 
     def _observed(self, result, step):
         """Compute the outputs if a start or a step was done; else the state of before. Returns what is wrong, or None."""
-        result = self.observe() if result == status.OK else result
+        self.status = result = self.observe() if result == status.OK else result
         if result == status.OK:
             return None
         problem = self.sentence(result, step)  # with the length that was tried

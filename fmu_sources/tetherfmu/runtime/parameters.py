@@ -4,19 +4,24 @@ Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its c
 """
 
 from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 from . import layout as at
-from .quantities import check, quantity
+from .quantities import check, documented, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
 OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 
 
+@documented
 @dataclass(frozen=True)
 class Tether:
-    """A uniform tether. Numbers in SI units; ValueError if one is out of range."""
+    """A uniform tether. ValueError if a number is out of range.
+
+    >>> Tether(initial_length=525.0, damping_law="stretch_rate").damping_law
+    2
+    """
 
     segments: int = quantity(20, "", "number of segments", 1, at.MAX_SEGMENTS)
     initial_length: float = quantity(505.0, "m", "unstretched length at the start", at.MIN_SEGMENT_LENGTH, 1e5)
@@ -38,14 +43,25 @@ class Tether:
         check(self)
 
     @property
-    def line_density(self):
+    def mass_per_meter(self):
         """Mass per unstretched length [kg/m]."""
         return self.density * pi * self.diameter**2 / 4.0
 
+    def with_diameter(self, diameter):
+        """The same material and length with another diameter [m]: stiffness and damping grow with the area.
 
+        >>> Tether(axial_stiffness=1000.0).with_diameter(0.008).axial_stiffness
+        4000.0
+        """
+        area = (diameter / self.diameter) ** 2
+        stiffness, damping = area * self.axial_stiffness, area * self.axial_damping
+        return replace(self, diameter=diameter, axial_stiffness=stiffness, axial_damping=damping)
+
+
+@documented
 @dataclass(frozen=True)
 class Environment:
-    """Air, wind profile and gravity. Numbers in SI units; ValueError if one is out of range."""
+    """Air, wind profile and gravity. ValueError if a number is out of range."""
 
     air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", 0.0, 1e4)
     air_density_scale_height: float = quantity(
@@ -71,9 +87,10 @@ class Environment:
             )
 
 
+@documented
 @dataclass(frozen=True)
 class Solver:
-    """How the motion is computed; ValueError if a number is out of range."""
+    """How the motion is computed. ValueError if a number is out of range."""
 
     relative_tolerance: float = quantity(
         0.0, "", "of the internal solver; 0: the importer's tolerance where it passes one, else 1e-4", 0.0, LOOSEST_TOLERANCE
@@ -138,7 +155,7 @@ def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(Fa
             at.SHARE: tether.initial_length / tether.segments / length,
             at.STIFFNESS: tether.axial_stiffness,
             at.DAMPING: tether.axial_damping,
-            at.LINE_DENSITY: tether.line_density,
+            at.LINE_DENSITY: tether.mass_per_meter,
             at.DRAG_WIDTH: tether.drag_coefficient * tether.diameter,
         }
         for place, value in properties.items():

@@ -54,10 +54,26 @@ def quantities(record):
     return [(item.name, item.metadata["quantity"]) for item in fields(record) if "quantity" in item.metadata]
 
 
-def check(record):
-    """Check every quantity of a record; ValueError names the first one out of range."""
+def documented(record):
+    """Add to the docstring of a record a section with unit, meaning, range and default of each quantity."""
+    defaults = {item.name: item.default for item in fields(record)}
+    lines = [record.__doc__.rstrip(), "", "Parameters", "----------"]
     for name, declared in quantities(record):
-        value = checked(name, getattr(record, name), declared)
+        unit = f" [{declared.unit}]" if declared.unit else ""
+        lines += [f"{name} : {type(defaults[name]).__name__}, default {defaults[name]!r}"]
+        lines += [f"    {declared.meaning}{unit}; {declared.range()}"]
+    record.__doc__ = "\n".join(lines)
+    return record
+
+
+def check(record):
+    """Check every quantity of a record, and number what an enumeration names; ValueError names the first one out of range."""
+    for name, declared in quantities(record):
+        value = getattr(record, name)
+        if isinstance(value, str) and value in declared.choices:
+            value = declared.choices.index(value) + 1
+            object.__setattr__(record, name, value)  # records are frozen
+        checked(name, value, declared)
         whole = declared.choices or isinstance(record.__dataclass_fields__[name].default, int)
         if whole and int(value) != value:
             raise ValueError(f"{name} is {value!r}; it must be a whole number")

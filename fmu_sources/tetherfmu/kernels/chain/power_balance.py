@@ -11,12 +11,12 @@ from .atmosphere import air
 from .nodes import end_force, node_masses
 from .properties import chain_at, point_mass, rest_length
 
-SIZE = 10  # numbers in `energies`: the fields of `tetherfmu.energy.Energy`, in their order
+ENERGIES = 10  # the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N]
 
 
 @kernel
 def account(n, parameters, state, inputs, energies, work):
-    """Energies [J] and powers [W] of a state into `energies` (modified), see `SIZE`; returns a status.
+    """Energies [J], powers [W] and tensions [N] of a state into `energies` (modified), see `ENERGIES`; returns a status.
 
     inputs : its reel-out speed, wind and load of a free kite end count.  work (modified) : for node masses.
     """
@@ -48,7 +48,9 @@ def account(n, parameters, state, inputs, energies, work):
         drag = scale(2.0, segment.half_drag(chain, s, length, e, height, velocity))
         air_velocity = scale(air(height, parameters)[0], chain.wind)
         elastic += 0.5 * k * (length - rest) ** 2
-        winch -= segment.tension(chain, length, rate, rest, k, c) * length * chain.growth
+        tension = segment.tension(chain, length, rate, rest, k, c)
+        energies[ENERGIES + s] = tension
+        winch -= tension * length * chain.growth
         wind += dot(drag, air_velocity)
         damping += c * segment.seen_rate(chain, length, rate) * (rate - chain.growth * length)
         friction += dot(drag, sub(air_velocity, velocity))

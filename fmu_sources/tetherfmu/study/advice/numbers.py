@@ -43,7 +43,7 @@ def numbers(scene):
     motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
     tether, force = scene.tether, flown.kite_force
     tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
-    weight = tether.line_density * scene.environment.gravity * length
+    weight = tether.mass_per_meter * scene.environment.gravity * length
     load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
     rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
     slack = length / size(motion.kite - motion.ground) - 1.0

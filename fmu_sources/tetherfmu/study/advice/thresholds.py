@@ -53,7 +53,7 @@ def taut(distance, load, stretch):
 def weight_scene(load, stretch):
     """A kite at rest whose tether weighs `load` times its tension T = s EA: g = q s EA/(mu L)."""
     tether = Tether(initial_length=taut(LENGTH, load, stretch), density=10000.0, drag_coefficient=0.0)
-    gravity = load * stretch * tether.axial_stiffness / (tether.line_density * LENGTH)
+    gravity = load * stretch * tether.axial_stiffness / (tether.mass_per_meter * LENGTH)
     return scene_of(Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0), tether, gravity, duration=2.0)
 
 
