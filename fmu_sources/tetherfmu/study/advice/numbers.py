@@ -40,7 +40,7 @@ class Numbers(NamedTuple):
 def numbers(scene):
     """`Numbers` of a scene; StepRefused if a coarse quasi-steady tether cannot fly it."""
     flown = run(scene, Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
-    motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
+    motion = scene.flight.motion(scene.times[1:])
     tether, force = scene.tether, flown.kite_force
     tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
     weight = tether.line_density * scene.environment.gravity * length

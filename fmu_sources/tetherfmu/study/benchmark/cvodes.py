@@ -13,7 +13,7 @@ from tetherfmu.kernels.chain import segment
 from tetherfmu.kernels.communication.driven_end import curve, position_at, velocity_at
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.reference import free_state, right_hand_side
-from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
+from tetherfmu.study.scenes.standard import STEP, tether_at_start
 
 if hasattr(casadi.GlobalOptions, "setNumpyMode"):  # from CasADi 3.8 on
     casadi.GlobalOptions.setNumpyMode(1)  # numpy functions of symbols give symbols
@@ -36,7 +36,7 @@ def segment_forces(x, v, rest, rest_rate, scene):
     k = tether.axial_stiffness / rest * casadi.if_else(taut, 1.0, tether.slack_stiffness_ratio)
     c = tether.axial_damping / rest * casadi.if_else(taut, 1.0, tether.slack_damping_ratio)
     tension = k * (length - rest) + c * (along(e, u) - length / rest * rest_rate)
-    relative = casadi.DM(scene.wind) - 0.5 * (v[:, :-1] + v[:, 1:])
+    relative = casadi.DM(scene.wind.velocity) - 0.5 * (v[:, :-1] + v[:, 1:])
     w = relative - along(relative, e) * e
     speed = casadi.sqrt(along(w, w) + segment.STILLEST)
     return tension * e, 0.25 * air.air_density * tether.drag_coefficient * tether.diameter * length * speed * w
@@ -92,7 +92,7 @@ def whole_run(scene, tolerance, compiled=False):
 
 def kite_curves(scene):
     """Coefficients of the curves on which the tether leads its kite end, array (12, communication steps)."""
-    inputs = inputs_of(scene, STEP)
+    inputs = scene.inputs(STEP)
     positions, velocities = (inputs[:, place : place + 3] for place in (at.KITE_POSITION, at.KITE_VELOCITY))
     accelerations = np.diff(velocities, axis=0, prepend=velocities[:1]) / STEP
     end, curves = (tuple(positions[0]), tuple(velocities[0])), []

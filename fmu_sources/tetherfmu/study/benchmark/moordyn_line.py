@@ -43,8 +43,8 @@ def silence():
 
 def ends(scene, time):
     """Positions and velocities of both ends for MoorDyn, lists of six numbers."""
-    position, velocity = scene.path(time)
-    drift = -np.array(scene.wind)
+    position, velocity = scene.flight.motion(time)[:2]
+    drift = -np.array(scene.wind.velocity)
     below = np.array([0.0, 0.0, -DEPTH / 2.0]) + drift * time
     return [*below, *(below + position)], [*drift, *(velocity + drift)]
 

@@ -55,7 +55,7 @@ def direction_error(force, reference):
 
 def power_error(scene, flown, reference, first):
     """Error of the power at the kite or at the winch, the larger one; 0 where there is no power."""
-    motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
+    motion = scene.flight.motion(scene.times[1:])
     at_kite, at_winch = (
         [np.sum(each.kite_force * motion.kite_velocity, -1)[first:] for each in (flown, reference)],
         [(each.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed)[first:] for each in (flown, reference)],

@@ -14,7 +14,7 @@ from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.variables import INPUT_NAMES
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.scenes.standard import CIRCLE_LENGTH, QUASI_STEADY_START, STEP, circle_inputs
+from tetherfmu.study.scenes.standard import CIRCLE_LENGTH, QUASI_STEADY_START, STEP, circle_scene
 
 from .runs import parameters_of
 
@@ -91,7 +91,7 @@ def hosted(path, parameters, inputs, step, repeats=1):
 
 def measured(path, steps, repeats):
     """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
-    flights = hosted(path, CIRCLE, by_name(circle_inputs(steps)), STEP, repeats)
+    flights = hosted(path, CIRCLE, by_name(circle_scene(1).inputs(STEP)[:steps]), STEP, repeats)
     return np.median([(each.start, *np.median(each.costs, axis=0)) for each in flights], axis=0).tolist()
 
 

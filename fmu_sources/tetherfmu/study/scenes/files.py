@@ -5,11 +5,12 @@ Docs: docs/how_much_tether.md, "Scene files". Every number is declared once, as 
 
 import hashlib
 import tomllib
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -18,17 +19,8 @@ from tetherfmu.runtime.quantities import quantities, quantity
 from .flights import KINDS, Checked, Flight
 from .series import Series
 
-UNITS = {  # unit of a quantity: what else it may be given in, and the factor to the unit
-    "": {"%": 0.01},
-    "m": {"mm": 1e-3, "cm": 1e-2, "km": 1e3},
-    "s": {"ms": 1e-3, "min": 60.0, "h": 3600.0},
-    "rad": {"deg": 0.017453292519943295},
-    "rad/s": {"deg/s": 0.017453292519943295, "rpm": 0.10471975511965977},
-    "m/s": {"km/h": 1.0 / 3.6, "kn": 1852.0 / 3600.0},
-    "kg/m3": {"g/cm3": 1000.0},
-    "N": {"kN": 1e3, "MN": 1e6},
-    "N.s": {"kN.s": 1e3},
-}
+# what else a quantity may be given in than in its unit, and the factor to the unit
+UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, float_precision="round_trip")
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # time between two compared outputs [s], about
 REQUIRED = {
@@ -73,11 +65,11 @@ class Scene(Checked):
 
     name: str
     duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
-    flight: Any = field(default=None)
-    tether: Tether = field(default=None)
-    environment: Environment = field(default=None)
-    wind: Wind = field(default=None)
-    wanted: Wanted = field(default=None)
+    flight: Any = None
+    tether: Tether = Tether()
+    environment: Environment = Environment()
+    wind: Wind = Wind()
+    wanted: Wanted = Wanted()
     digest: str = ""
 
     @property
@@ -90,6 +82,11 @@ class Scene(Checked):
     def count(self):
         """Number of compared outputs after the start."""
         return int(self.duration / self.every + 1e-9)
+
+    @property
+    def times(self):
+        """Times [s] of the compared outputs, the start included."""
+        return self.every * np.arange(self.count + 1)
 
     def inputs(self, step, exact=False):
         """Inputs of all communication steps, array (steps, `layout.INPUTS`).
@@ -207,9 +204,14 @@ def value_of(kind, key, value, label):
     return number
 
 
+def factors(unit):
+    """Units in which a quantity may be given, and their factors to its unit."""
+    return {unit: 1.0} | UNITS[UNITS.unit == unit].set_index("spelled").factor.to_dict()
+
+
 def spellings(unit):
     """Units in which a quantity may be given, in words."""
-    return ", ".join([unit or "no unit", *UNITS.get(unit, {})])
+    return ", ".join(each or "no unit" for each in factors(unit))
 
 
 def in_si(value, unit):
@@ -219,14 +221,10 @@ def in_si(value, unit):
     if not isinstance(value, str):
         return value
     amount, _, spelled = value.strip().partition(" ")
-    factor = 1.0 if spelled.strip() == unit else UNITS.get(unit, {}).get(spelled.strip())
     try:
-        number = float(amount)
-    except ValueError:
-        number = None
-    if factor is None or number is None:
-        raise ValueError(f"it must be a number with one of the units {spellings(unit)}")
-    return number * factor
+        return float(amount) * factors(unit)[spelled.strip()]
+    except (ValueError, KeyError):
+        raise ValueError(f"it must be a number with one of the units {spellings(unit)}") from None
 
 
 def velocity(value):
