@@ -35,7 +35,11 @@ MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
 LINE_DENSITY = DEFAULT.line_density  # [kg/m]
-REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
+REFUSALS = {  # how their sentences begin, and their names in words
+    status.SENTENCES[code].split("{")[0]: name.lower().replace("_", " ")
+    for name, code in vars(status).items()
+    if isinstance(code, int)
+}
 
 
 class MapFlight(NamedTuple):
@@ -50,14 +54,6 @@ class MapFlight(NamedTuple):
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
     finite: bool = True
-
-
-def name_of(message):
-    """Which status a refusal says in its sentence, in words."""
-    for code, name in REFUSALS.items():
-        if message.startswith(status.SENTENCES[code].split("{")[0]):
-            return name
-    raise ValueError(f"unknown refusal: {message}")
 
 
 def model_of(point, refinement):
@@ -113,7 +109,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             call = partial(model.step, step) if k else model.initialize
             outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
         except StepRefused as error:
-            refusal = name_of(str(error))
+            (refusal,) = (name for sentence, name in REFUSALS.items() if str(error).startswith(sentence))
             break
         finally:
             longest = max(longest, process_time() - started)

@@ -20,6 +20,7 @@ from .points import MapPoint
 from .verdict import Verdict, judge
 
 COLUMNS = MapPoint._fields + Verdict._fields
+ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
 MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
 
 
@@ -39,16 +40,6 @@ def read(path):
     return table(line for line in Lines(path).points.values() if line.keys() == set(COLUMNS))
 
 
-def verdict_of(future):
-    """What became of a judgement; a process that died or took too long is a verdict too."""
-    try:
-        return future.result()
-    except TimeoutError:
-        return Verdict("hanging")
-    except ProcessExpired:
-        return Verdict("crashed")
-
-
 def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=None):
     """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
 
@@ -61,8 +52,9 @@ def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_S
     try:
         futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
         for future in (progress or progress_bar("points"))(as_completed(futures), len(futures)):
-            name = futures[future]
-            lines.add(name, {**missing[name]._asdict(), **verdict_of(future)._asdict()})
+            name, ended = futures[future], ENDED.get(type(future.exception()))
+            verdict = Verdict(ended) if ended else future.result()
+            lines.add(name, {**missing[name]._asdict(), **verdict._asdict()})
     finally:
         pool.stop()  # also those that are still at work, if something stops this loop
         pool.join()
