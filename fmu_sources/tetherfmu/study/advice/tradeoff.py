@@ -24,7 +24,6 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)  # communication st
 SHORT_STEP = 0.002  # [s]
 LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is told
 REFERENCE_ERROR = 3e-4  # asked of the reference: a tenth of the smallest level
-FORMAT = 1  # of a stored point
 LONG_RUN = 0.05  # [s], not repeated
 
 
@@ -82,7 +81,7 @@ def measure(scene, config, reference, repeats=1, exact=False):
 
 def key(scene, config):
     """Name of a point in the store."""
-    return hashlib.sha256(repr((FORMAT, package_digest(), scene.digest, tuple(config))).encode()).hexdigest()[:24]
+    return hashlib.sha256(repr((package_digest(), scene.digest, tuple(config))).encode()).hexdigest()[:24]
 
 
 def study(scene, store, executor, progress, configs=None, repeats=3):
@@ -101,12 +100,12 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
 
 
 def table_of(scene, stored):
-    """A row for each stored point: the fields of its `Measured`, with the cost by the present unit costs, those of its
-    `Config`, an error for each output, `host_cost`, and as `error` the largest of the outputs that the scene asks for."""
-    points = [Measured(**{**point, "config": Config(*point["config"])}) for point in stored]
-    points = [each._replace(cost=cost(scene, each.config, each.calls, each.work)) for each in points]
-    more = [{"error": each.error(scene.wanted.outputs), "host_cost": each.host_cost} for each in points]
-    rows = [each._asdict() | each.config._asdict() | each.errors | new for each, new in zip(points, more, strict=True)]
+    """A row for each stored point: the fields of its `Measured` and of its `Config`, an error for each output, `host_cost`,
+    and as `error` the largest of the outputs that the scene asks for."""
+    rows = []
+    for point in (Measured(**{**each, "config": Config(*each["config"])}) for each in stored):
+        more = {"error": point.error(scene.wanted.outputs), "host_cost": point.host_cost}
+        rows.append(point._asdict() | point.config._asdict() | point.errors | more)
     return pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
 
 

@@ -2,8 +2,7 @@
 
     cost = calls (a + b n) + work (c + d n),   n segments
 
-calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of the
-others.
+calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of others.
 a, b, c, d are fitted to times measured on one machine and stored in costs.csv: `python -m tetherfmu.study costs`.
 """
 
@@ -69,16 +68,15 @@ def fitted(scenes, variant):
 
 
 def measure_costs(_):
-    """Measure all unit costs in random scenes, store and print them; a command without options."""
+    """Measure all unit costs in random scenes, store and print them; a command without options.
+
+    What FMPy adds to a communication step is the time of a straight tether's FMU, whose kernel costs next to nothing.
+    """
     scenes = random_scenes(SCENES)
-    rows = {variant: fitted(scenes, variant) for variant in VARIANTS} | {HOST: [host_seconds(), 0.0, 0.0, 0.0]}
+    rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
+    with tempfile.TemporaryDirectory() as folder:
+        path = build("TetherStraight", folder, platforms=(this_platform(),))
+        rows[HOST] = [sum(measured(path, HOST_STEPS, REPEATS)[1:]), 0.0, 0.0, 0.0]
     found = pd.DataFrame.from_dict(rows, orient="index", columns=COLUMNS).rename_axis("variant")
     found.map("{:.3g}".format).to_csv(TABLE, lineterminator="\r\n")
     print(TABLE.read_text(encoding="utf-8"), end="")
-
-
-def host_seconds():
-    """What FMPy adds to a communication step [s]: time of a straight tether's FMU, whose kernel costs next to nothing."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = build("TetherStraight", folder, platforms=(this_platform(),))
-        return sum(measured(path, HOST_STEPS, REPEATS)[1:])

@@ -5,7 +5,7 @@ Docs: docs/how_much_tether.md, "Scene files". Every number is declared once, as 
 
 import hashlib
 import tomllib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -66,8 +66,8 @@ class Scene(Checked):
     name: str
     duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
     flight: Any = None
-    tether: Tether = Tether()
-    environment: Environment = Environment()
+    tether: Tether = None
+    environment: Environment = field(default_factory=Environment)
     wind: Wind = Wind()
     wanted: Wanted = Wanted()
     digest: str = ""
