@@ -1,8 +1,4 @@
-"""All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`.
-
-advise, tradeoff: how much tether does my scene need?  costs, thresholds, page: measure anew what the advice is made of, and
-the page of the manual.  stability: where the tethers hold and where they refuse.  benchmark: what they cost.
-"""
+"""All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`."""
 
 import argparse
 import sys

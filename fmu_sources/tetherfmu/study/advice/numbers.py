@@ -72,7 +72,7 @@ def lead_error(scene, step, found):
     gap = np.sum((led - (after.kite - after.ground)) * chord, -1) / size(chord)
     reeled = step * np.cumsum(now.reel_out_speed) - (after.reeled - now.reeled[0])
     stiffness = scene.tether.axial_stiffness / found.length / (1.0 + found.softening)
-    wind = scene.wind_at(time)
+    wind = scene.wind(time)
     change = rms(size(np.diff(wind, axis=0))) / max(rms(size(wind)), 1e-12) if len(time) > 1 else 0.0
     share = found.softening / (1.0 + found.softening) * found.drag / max(np.hypot(found.drag, found.weight), 1e-12)
     return stiffness * rms(gap - reeled) / found.tension + share * change

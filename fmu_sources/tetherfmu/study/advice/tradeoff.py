@@ -3,7 +3,6 @@
 `python -m tetherfmu.study tradeoff SCENE`. Points are kept as they finish; a run that was stopped goes on where it was.
 """
 
-import hashlib
 from itertools import chain, product, starmap
 from typing import NamedTuple
 
@@ -15,7 +14,7 @@ from tetherfmu.study.measuring.costs import cost, host_cost
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import finished
 from tetherfmu.study.measuring.runs import Config, run
-from tetherfmu.study.measuring.store import package_digest
+from tetherfmu.study.measuring.store import key
 from tetherfmu.study.scenes.files import OUTPUTS
 
 SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
@@ -79,11 +78,6 @@ def measure(scene, config, reference, repeats=1, exact=False):
     return Measured(config, found, first.calls, first.work, seconds / (scene.count * scene.every), spent)
 
 
-def key(scene, config):
-    """Name of a point in the store."""
-    return hashlib.sha256(repr((package_digest(), scene.digest, tuple(config))).encode()).hexdigest()[:24]
-
-
 def study(scene, store, executor, progress, configs=None, repeats=3):
     """All points of a scene: its `Reference`, and the table of `table_of`.
 
@@ -91,12 +85,13 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
     of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
     """
     configs, names = configs or ladder(scene), scene.wanted.outputs
-    reference = store.kept(key(scene, ("reference", *names)), lambda: converged(scene, REFERENCE_ERROR, names))
-    missing = [config for config in configs if key(scene, config) not in store.points]
+    reference = store.kept(key(scene.digest, *names), lambda: converged(scene, REFERENCE_ERROR, names))
+    keys = {config: key(scene.digest, *config) for config in configs}
+    missing = [config for config in configs if keys[config] not in store.points]
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
-        store.add(key(scene, point.config), point._asdict())
-    return reference, table_of(scene, [store.points[key(scene, config)] for config in configs])
+        store.add(keys[point.config], point._asdict())
+    return reference, table_of(scene, [store.points[each] for each in keys.values()])
 
 
 def table_of(scene, stored):

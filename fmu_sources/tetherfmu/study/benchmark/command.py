@@ -1,7 +1,6 @@
-"""The command `python -m tetherfmu.study benchmark`: what the tethers cost.
+"""The command `python -m tetherfmu.study benchmark`: what the tethers cost, as a page, a CSV file and a diagram.
 
-Times of the kernels, of FMUs in FMPy and of their start, and races with CasADi + CVODES and MoorDyn, as a page, a CSV file
-and a work-precision diagram. Peers come with the extra `benchmark`; those that are not installed are left out.
+Peers come with the extra `benchmark`; those that are not installed are left out.
 """
 
 import importlib

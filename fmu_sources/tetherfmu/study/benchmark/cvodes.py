@@ -75,19 +75,19 @@ def equations(scene, exact_path):
     return {"t": time, "x": y, "p": p, "ode": slope(scene, time, y, kite, velocity)}
 
 
-def options(tolerance, compiled):
-    """Options of the integrator; `compiled`: equations and Jacobian as compiled C instead of CasADi's interpreter."""
-    common = {"abstol": tolerance, "reltol": tolerance, "linear_solver": LINEAR_SOLVER, "max_num_steps": 10**7}
+def integrator(scene, exact_path, times, tolerance, compiled):
+    """CVODES; `compiled`: equations and Jacobian as compiled C instead of CasADi's interpreter."""
+    options = {"abstol": tolerance, "reltol": tolerance, "linear_solver": LINEAR_SOLVER, "max_num_steps": 10**7}
     if compiled:
-        common |= {"jit": True, "compiler": "shell", "jit_options": {"flags": "-O3", "compiler": COMPILER}}
-    return common
+        options |= {"jit": True, "compiler": "shell", "jit_options": {"flags": "-O3", "compiler": COMPILER}}
+    return casadi.integrator("run", "cvodes", equations(scene, exact_path), 0.0, times, options)
 
 
 def whole_run(scene, tolerance, compiled=False):
     """One call for the whole run with the exact path, as a function without arguments; it returns what `exact` returns."""
     start = free_state(scene, tether_at_start(scene))
-    integrator = casadi.integrator("run", "cvodes", equations(scene, True), 0.0, scene.times, options(tolerance, compiled))
-    return lambda: np.array(integrator(x0=start)["xf"]).T[:, : len(start) // 2]
+    run = integrator(scene, True, scene.times, tolerance, compiled)
+    return lambda: np.array(run(x0=start)["xf"]).T[:, : len(start) // 2]
 
 
 def kite_curves(scene):
@@ -108,9 +108,8 @@ def restarted_run(scene, tolerance, compiled=False):
     The steps between two outputs are chained inside CasADi, so that Python costs nothing.
     """
     start = free_state(scene, tether_at_start(scene))
-    integrator = casadi.integrator("step", "cvodes", equations(scene, False), 0.0, STEP, options(tolerance, compiled))
-    chunk = round(scene.every / STEP)
-    chained, curves = integrator.mapaccum(chunk), kite_curves(scene)
+    chunk, curves = round(scene.every / STEP), kite_curves(scene)
+    chained = integrator(scene, False, STEP, tolerance, compiled).mapaccum(chunk)
 
     def run():
         rows = [start]

@@ -20,6 +20,11 @@ def package_digest():
     return digest.hexdigest()[:12]
 
 
+def key(*what):
+    """Name of a result: a hash of the sources, and of what it is a result of."""
+    return hashlib.sha256(repr((package_digest(), *what)).encode()).hexdigest()[:24]
+
+
 class Lines:
     """A file of finished results, by key.
 

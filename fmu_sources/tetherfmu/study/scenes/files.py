@@ -43,8 +43,8 @@ class Wind(Checked):
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
 
-    def at(self, time):
-        """Wind [m/s], array (times, 3)."""
+    def __call__(self, time):
+        """Wind [m/s] at times [s], array (times, 3)."""
         factor = 1.0 + self.gust * np.sin(np.pi / self.gust_period * time) ** 2
         return np.multiply.outer(factor, self.velocity)
 
@@ -68,7 +68,7 @@ class Scene(Checked):
     flight: Any = None
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
-    wind: Wind = Wind()
+    wind: Any = Wind()  # a function of times [s], at the reference height
     wanted: Wanted = Wanted()
     digest: str = ""
 
@@ -101,13 +101,8 @@ class Scene(Checked):
         inputs[:, at.REEL_OUT_SPEED] = motion.reel_out_speed
         if exact:
             inputs[:, at.REEL_OUT_SPEED] = (self.flight.motion(time + step).reeled - motion.reeled) / step
-        inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = self.wind_at(time + 0.5 * step * exact)
+        inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = self.wind(time + 0.5 * step * exact)
         return inputs
-
-    def wind_at(self, time):
-        """Wind [m/s] at the reference height, array (times, 3)."""
-        own = self.flight.wind(time)
-        return self.wind.at(time) if own is None else own
 
 
 def load(path):
@@ -136,8 +131,10 @@ def read(table, path, name):
     flight = read_flight(table["flight"], path.parent)
     kinds = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
     records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in kinds.items()}
-    if "wind" in table and flight.wind(np.zeros(1)) is not None:
-        raise ValueError("wind is given here and in the columns of the series; it must be given once")
+    if flight.wind:
+        if "wind" in table:
+            raise ValueError("wind is given here and in the columns of the series; it must be given once")
+        records["wind"] = flight.wind
     name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
     flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
     digest = hashlib.sha256(repr((name, table)).encode() + flown).hexdigest()[:16]

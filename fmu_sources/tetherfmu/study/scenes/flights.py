@@ -75,6 +75,8 @@ class Flight(Checked):
     The formulas take numbers, arrays of them and CasADi symbols; points are triples x, y, z.
     """
 
+    wind = None  # a record may bring its own, see `series`
+
     def ground(self, time):
         """Position of the ground end [m]."""
         return 0.0 * time, 0.0 * time, 0.0 * time
@@ -92,9 +94,6 @@ class Flight(Checked):
 
         beyond = values(np.asarray(time, float) + 1j * TINY)
         return Motion(*chain(*((f, np.imag(df) / TINY) for f, df in zip(values(time), beyond, strict=True))))
-
-    def wind(self, time):
-        """Wind [m/s] that a record brings with it, array (times, 3); None: that of the scene."""
 
 
 @dataclass(frozen=True)

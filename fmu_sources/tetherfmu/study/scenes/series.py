@@ -56,7 +56,7 @@ class Series:
     """The flight of a CSV file, from its first time on.
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
-    speed and wind are monotone cubic curves.
+    speed and wind are monotone cubic curves; `wind` is None if the file has none.
     """
 
     def __init__(self, path):
@@ -68,14 +68,10 @@ class Series:
         self.duration = float(time[-1])
         self._ends = [curve(time, *end) for end in ends]
         self._reeling = PchipInterpolator(time, table["reel_out_speed"]) if "reel_out_speed" in table else None
-        self._wind = PchipInterpolator(time, values["wind_velocity"]) if "wind_velocity" in values else None
+        self.wind = PchipInterpolator(time, values["wind_velocity"]) if "wind_velocity" in values else None
 
     def motion(self, time):
         """`Motion` at an array of times [s]."""
         reel = self._reeling
         paid_out = (reel.antiderivative()(time), reel(time)) if reel else (0.0 * time, 0.0 * time)
         return Motion(*(end(time, order) for end in self._ends for order in (0, 1)), *paid_out)
-
-    def wind(self, time):
-        """Wind [m/s] of the file, array (times, 3); None: it has none."""
-        return self._wind(time) if self._wind else None

@@ -1,10 +1,7 @@
 """The scenes of the benchmark: a tether on a circling kite, on one that flies figures of eight, and a released one.
 
-Circle, figure of eight: the flights of `flights.Circle` and `flights.FigureOfEight` as they are by default, with a tether of
-525 m and a taut one of 499 m, in a wind of 8 m/s. They start turning with the kite (`initial_shape = quasi_steady`).
-
-Release: 70 m held between (0, 0, 0) and (-40, 0, -47) until at rest; then the lower end is free and the tether reels out
-at 0.3 m/s.
+The first two start turning with the kite (`initial_shape = quasi_steady`). The third is held until at rest; then its lower
+end is free and the tether reels out.
 """
 
 from dataclasses import dataclass

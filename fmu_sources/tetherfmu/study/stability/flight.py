@@ -27,7 +27,7 @@ from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.study.scenes.standard import MODELS
 
-from .points import CALLS, MOST_REELED, kite, wind
+from .points import CALLS, MOST_REELED, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
@@ -100,10 +100,11 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     refinement : divides the communication step too; see `model_of`.  calls : communication steps (of the unrefined flight).
     """
     step, model = point.step / refinement, model_of(point, refinement)
+    wind = point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))
     outputs, states, refusal, work, longest = [], [], "", 0.0, 0.0
     for k in range(calls * refinement + 1):
         position, velocity = kite(point, max(0, k - 1) * step)
-        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind(point)}
+        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
         started = process_time()
         try:
             call = partial(model.step, step) if k else model.initialize

@@ -4,8 +4,6 @@ A line of the file (`store.Lines`) holds a point and its verdict, a row of the t
 and of the sources of the package, so a verdict is used again only for what it was found with.
 """
 
-import hashlib
-import json
 import multiprocessing
 import os
 from concurrent.futures import as_completed
@@ -14,7 +12,7 @@ import pandas as pd
 from pebble import ProcessExpired, ProcessPool
 
 from tetherfmu.study.measuring.executors import progress_bar
-from tetherfmu.study.measuring.store import Lines, package_digest
+from tetherfmu.study.measuring.store import Lines, key
 
 from .points import MapPoint
 from .verdict import Verdict, judge
@@ -22,12 +20,6 @@ from .verdict import Verdict, judge
 COLUMNS = MapPoint._fields + Verdict._fields
 ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
 MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
-
-
-def key(point):
-    """Name of a point and of the sources that judge it: 16 hexadecimal digits."""
-    text = json.dumps([package_digest(), *point])
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def table(lines):
@@ -46,7 +38,7 @@ def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_S
     processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
     progress : wraps an iterator of known length, as `progress_bar` does.
     """
-    lines, names = Lines(path), [key(point) for point in points]
+    lines, names = Lines(path), [key(*point) for point in points]
     missing = {name: point for name, point in zip(names, points, strict=True) if name not in lines.points}
     pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
     try:
