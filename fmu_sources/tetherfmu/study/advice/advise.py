@@ -1,9 +1,4 @@
-"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it.
-
-`python -m tetherfmu.study advise SCENE`. It flies the scene with a finer model, then tries the configurations in the order
-of what they cost at least, and takes the cheapest whose error against the finer model, plus the finer model's own error, is
-allowed. `--fast` flies nothing but a coarse quasi-steady tether: see `forecast`.
-"""
+"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it."""
 
 from math import ceil, inf, sqrt
 from pathlib import Path

@@ -79,10 +79,7 @@ def limit(group, config, found, level):
 
 
 def forecast(config, found, step_errors):
-    """Errors [-] expected of a configuration, by group; "step" is that of its communication step.
-
-    step_errors : maps communication steps to `numbers.lead_error`.
-    """
+    """Errors [-] expected of a configuration, by group; "step": that of its communication step, by `numbers.lead_error`."""
     return {**{group: group_error(group, config, found) for group in GROUPS}, "step": step_errors[config.step]}
 
 

@@ -1,7 +1,4 @@
-"""The trade of speed for accuracy in a scene: every configuration against a converged reference.
-
-`python -m tetherfmu.study tradeoff SCENE`. Points are kept as they finish; a run that was stopped goes on where it was.
-"""
+"""The trade of speed for accuracy in a scene: every configuration against a converged reference."""
 
 from itertools import chain, product, starmap
 from typing import NamedTuple

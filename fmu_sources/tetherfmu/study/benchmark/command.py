@@ -1,7 +1,4 @@
-"""The command `python -m tetherfmu.study benchmark`: what the tethers cost, as a page, a CSV file and a diagram.
-
-Peers come with the extra `benchmark`; those that are not installed are left out.
-"""
+"""The command `python -m tetherfmu.study benchmark`: what the tethers cost, as a page, a CSV file and a diagram."""
 
 import importlib
 import os

@@ -53,10 +53,7 @@ def starts(folder, variant, segments, count):
 
 
 def kernel_table(folder, segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
-    """Time and work (internal steps or iterations) of the kernels per communication step or start, a DataFrame.
-
-    folder : with the libraries of all variants.
-    """
+    """Time and work (internal steps or iterations) per communication step or start, of all libraries in a folder."""
     jobs = {}
     for variant in VARIANTS:
         for n in (1,) if variant in WITHOUT_NODES else segments:

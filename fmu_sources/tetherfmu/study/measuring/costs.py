@@ -7,7 +7,6 @@ a, b, c, d are fitted to times measured on one machine and stored in costs.csv: 
 """
 
 import tempfile
-from functools import cache
 from itertools import product
 from pathlib import Path
 
@@ -25,6 +24,7 @@ from .runs import Config, run
 from .through_fmpy import measured
 
 TABLE = Path(__file__).with_name("costs.csv")
+UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
@@ -36,20 +36,14 @@ def regressors(config, calls, work):
     return np.array([calls, calls * config.segments, work, work * config.segments], float)
 
 
-@cache
-def units():
-    """Unit costs [s], a DataFrame with a row of `COLUMNS` for each variant and one for the host."""
-    return pd.read_csv(TABLE, index_col="variant")
-
-
 def cost(scene, config, calls, work):
     """Kernel time per simulated second [-], of the machine of costs.csv."""
-    return float(units().loc[config.variant].to_numpy() @ regressors(config, calls, work)) / (scene.count * scene.every)
+    return float(UNITS.loc[config.variant].to_numpy() @ regressors(config, calls, work)) / (scene.count * scene.every)
 
 
 def host_cost(step):
     """What FMPy adds per simulated second [-] at a communication step [s]."""
-    return float(units().at[HOST, "per call"]) / step
+    return float(UNITS.at[HOST, "per call"]) / step
 
 
 def fitted(scenes, variant):

@@ -26,10 +26,7 @@ def key(*what):
 
 
 class Lines:
-    """A file of finished results, by key.
-
-    points : dict of what was added, those of earlier runs included.
-    """
+    """A file of finished results; `points` has them by key, those of earlier runs included."""
 
     def __init__(self, file):
         self._file = Path(file)

@@ -76,5 +76,4 @@ def templates_in(folder):
 
 def page(template, **facts):
     """Text of a Jinja template (path), filled with facts and the circumstances."""
-    template = Path(template)
     return templates_in(template.parent).get_template(template.name).render(facts, circumstances=circumstances())

@@ -96,10 +96,7 @@ def measured(path, steps, repeats):
 
 
 def flown(folder, scene, config):
-    """Time per simulated second [-] through FMPy, and the last force on the kite [N], of a configuration.
-
-    folder : with the FMUs.
-    """
+    """Time per simulated second [-] and last force on the kite [N] of a configuration, through FMPy; FMUs in a folder."""
     path = Path(folder) / f"{class_name(config.variant)}.fmu"
     (flight,) = hosted(path, parameters_of(scene, config), by_name(scene.inputs(config.step)), config.step)
     return float(flight.costs.sum()) / (scene.count * scene.every), flight.kite_force

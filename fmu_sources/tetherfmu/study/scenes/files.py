@@ -1,7 +1,4 @@
-"""Scenes as files: what is flown with which tether in which wind, and what the user wants to know of it.
-
-Docs: docs/how_much_tether.md, "Scene files". Every number is declared once, as a quantity of a record.
-"""
+"""Scenes as files: what is flown with which tether in which wind; see docs/how_much_tether.md, "Scene files"."""
 
 import hashlib
 import tomllib
@@ -14,9 +11,9 @@ import pandas as pd
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.runtime.quantities import quantities, quantity
+from tetherfmu.runtime.quantities import check, quantities, quantity
 
-from .flights import KINDS, Checked, Flight
+from .flights import KINDS, Flight
 from .series import Series
 
 # what else a quantity may be given in than in its unit, and the factor to the unit
@@ -36,12 +33,13 @@ class SceneError(ValueError):
 
 
 @dataclass(frozen=True)
-class Wind(Checked):
+class Wind:
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
     velocity: tuple = (0.0, 0.0, 0.0)
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
+    __post_init__ = check
 
     def __call__(self, time):
         """Wind [m/s] at times [s], array (times, 3)."""
@@ -50,17 +48,21 @@ class Wind(Checked):
 
 
 @dataclass(frozen=True)
-class Wanted(Checked):
+class Wanted:
     """What the user asks for; an error counts relative to the reference's own size (docs/how_much_tether.md, "Errors")."""
 
     outputs: tuple = ("kite_force",)
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
+    __post_init__ = check
+
+
+RECORDS = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}  # of a scene, by section
 
 
 @dataclass(frozen=True)
-class Scene(Checked):
+class Scene:
     """A scene; `digest` tells scenes apart by all that they hold."""
 
     name: str
@@ -71,6 +73,7 @@ class Scene(Checked):
     wind: Any = Wind()  # a function of times [s], at the reference height
     wanted: Wanted = Wanted()
     digest: str = ""
+    __post_init__ = check
 
     @property
     def every(self):
@@ -106,13 +109,7 @@ class Scene(Checked):
 
 
 def load(path):
-    """Read a scene file.
-
-    Raises
-    ------
-    SceneError
-        In one line: file, key, value and what is allowed.
-    """
+    """`Scene` of a file; SceneError says in one line what is wrong with it."""
     path = Path(path)
     try:
         return read(tomllib.loads(path.read_text(encoding="utf-8")), path, path.stem)
@@ -129,8 +126,7 @@ def read(table, path, name):
     """`Scene` from the table of a file; ValueError names the key."""
     require(table, "", ("name", "duration", "flight", "tether", "environment", "wind", "wanted"))
     flight = read_flight(table["flight"], path.parent)
-    kinds = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
-    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in kinds.items()}
+    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in RECORDS.items()}
     if flight.wind:
         if "wind" in table:
             raise ValueError("wind is given here and in the columns of the series; it must be given once")
@@ -190,9 +186,7 @@ def value_of(kind, key, value, label):
     try:
         if declared is None:
             return SPECIAL[key](value)
-        if value in declared.choices:
-            return 1 + declared.choices.index(value)
-        number = in_si(value, declared.unit)
+        number = 1 + declared.choices.index(value) if value in declared.choices else in_si(value, declared.unit)
     except ValueError as error:
         more = f", {declared.range()}" if declared else ""
         raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None

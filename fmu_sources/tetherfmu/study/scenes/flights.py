@@ -61,21 +61,15 @@ def ramp_integral(u):
     return np.where(np.real(u) > 1.0, u - 0.5, inside**4 * (inside * (inside - 3.0) + 2.5))
 
 
-class Checked:
-    """A record of quantities that is checked as it is made."""
-
-    def __post_init__(self):
-        check(self)
-
-
 @dataclass(frozen=True)
-class Flight(Checked):
+class Flight:
     """A flight by formulas. A kind gives `kite`, its position [m], and where they move, `ground` and `reeled`.
 
     The formulas take numbers, arrays of them and CasADi symbols; points are triples x, y, z.
     """
 
     wind = None  # a record may bring its own, see `series`
+    __post_init__ = check
 
     def ground(self, time):
         """Position of the ground end [m]."""

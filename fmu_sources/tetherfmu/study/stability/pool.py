@@ -1,8 +1,4 @@
-"""Judge many points in parallel, keep each verdict in a file at once, and survive what a point may do to its process.
-
-A line of the file (`store.Lines`) holds a point and its verdict, a row of the table of results. Its key is made of the point
-and of the sources of the package, so a verdict is used again only for what it was found with.
-"""
+"""Judge many points in parallel, keep each verdict in a file at once, and survive what a point may do to its process."""
 
 import multiprocessing
 import os

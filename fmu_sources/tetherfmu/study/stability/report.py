@@ -8,13 +8,12 @@ import pandas as pd
 
 from tetherfmu.study.measuring.tables import markdown, page
 
-from .figure import COMPARED, FIGURES, QUANTITIES, draw
+from .figure import COMPARED, DYNAMIC, FIGURES, QUANTITIES, STATIC, draw
 from .flight import AMPLIFICATION, LINE_DENSITY
 from .points import VARIANTS, MapPoint
 from .verdict import LONGEST_CALL, VERDICTS
 
 PAGE = Path(__file__).with_name("page.md.j2")
-NAMES = ("dynamic, adaptive", "dynamic, fixed step", "quasi-steady", "catenary", "straight")  # of `VARIANTS`
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
 WORST = {
     "tension_ratio": "tension over its bound",
@@ -32,7 +31,7 @@ def prepared(results):
     frequency : of a node between two taut segments, axially [Hz]: sqrt(4 k/m)/(2 pi) = sqrt(EA/mu)/(pi l0).
     """
     return results.assign(
-        variant=pd.Categorical(results.variant, VARIANTS).rename_categories(NAMES),
+        variant=pd.Categorical(results.variant, VARIANTS).rename_categories((*DYNAMIC, *STATIC)),
         verdict=pd.Categorical(results.verdict, VERDICTS),
         start=pd.Categorical(results.initial_shape, (1, 2, 3)).rename_categories(STARTS),
         segment_length=results.length / results.segments,
@@ -42,10 +41,7 @@ def prepared(results):
 
 
 def counted(results, name, *labellings):
-    """Table with a row for each label of the points, of one labelling after the other; the column of labels has a name.
-
-    Number of points, shares or numbers of the verdicts, quantiles of the error [%].
-    """
+    """Points, verdicts and quantiles of the error [%]: a row for each label, of one labelling after the other."""
     tables = []
     for labels in labellings:
         verdicts = pd.get_dummies(results.verdict).groupby(labels, observed=False)
