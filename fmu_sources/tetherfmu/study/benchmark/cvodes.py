@@ -92,14 +92,13 @@ def whole_run(scene, tolerance, compiled=False):
 
 def kite_curves(scene):
     """Coefficients of the curves on which the tether leads its kite end, array (12, communication steps)."""
-    inputs = scene.inputs(STEP)
-    positions, velocities = (inputs[:, place : place + 3] for place in (at.KITE_POSITION, at.KITE_VELOCITY))
+    positions, velocities = np.split(scene.inputs(STEP)[:, : at.GROUND_POSITION], 2, axis=1)
     accelerations = np.diff(velocities, axis=0, prepend=velocities[:1]) / STEP
     end, curves = (tuple(positions[0]), tuple(velocities[0])), []
     for motion in zip(*(map(tuple, each.tolist()) for each in (positions, velocities, accelerations)), strict=True):
         curves.append(curve(*end, *motion, STEP))
         end = position_at(curves[-1], STEP), velocity_at(curves[-1], STEP)
-    return np.reshape(curves, (len(inputs), 12)).T
+    return np.reshape(curves, (-1, 12)).T
 
 
 def restarted_run(scene, tolerance, compiled=False):

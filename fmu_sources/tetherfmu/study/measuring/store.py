@@ -13,11 +13,9 @@ from tetherfmu.kernels.sources import PACKAGE
 @cache
 def package_digest():
     """Hash of all sources and tables of the package: a finished result of other sources is not taken."""
-    digest = hashlib.sha256()
-    for path in sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".py", ".csv")):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode("utf-8"))
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:12]
+    files = sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".py", ".csv"))
+    contents = (path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes() for path in files)
+    return hashlib.sha256(b"".join(contents)).hexdigest()[:12]
 
 
 def key(*what):

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
@@ -92,20 +91,16 @@ class Scene:
         return self.every * np.arange(self.count + 1)
 
     def inputs(self, step, exact=False):
-        """Inputs of all communication steps, array (steps, `layout.INPUTS`).
+        """Inputs of all communication steps, array (steps, INPUTS), in the order of `layout`.
 
         step : communication step [s], a whole part of `every`.  exact : give the mean reel-out speed and the wind of the
         middle of each step instead of those of its start; no importer knows them, a reference does.
         """
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
-        inputs = np.zeros((len(time), at.INPUTS))
-        inputs[:, at.KITE_POSITION : at.GROUND_VELOCITY + 3] = np.hstack(motion[:4])  # both ends, in the order of `Motion`
-        inputs[:, at.REEL_OUT_SPEED] = motion.reel_out_speed
-        if exact:
-            inputs[:, at.REEL_OUT_SPEED] = (self.flight.motion(time + step).reeled - motion.reeled) / step
-        inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = self.wind(time + 0.5 * step * exact)
-        return inputs
+        speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
+        load = np.zeros((len(time), 3))
+        return np.column_stack([*motion[:4], speed, self.wind(time + 0.5 * step * exact), load])
 
 
 def load(path):
