@@ -15,12 +15,7 @@ from .verdict import LONGEST_CALL, VERDICTS
 
 PAGE = Path(__file__).with_name("page.md.j2")
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
-WORST = {
-    "tension_ratio": "tension over its bound",
-    "speed_ratio": "speed over its bound",
-    "error": "error",
-    "longest": "longest call [s]",
-}
+WORST = QUANTITIES.worst.dropna().to_dict()
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
 REGIONS = QUANTITIES.dropna(subset="bands")
 
