@@ -15,7 +15,7 @@ from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
 from tetherfmu.study.benchmark import command as benchmark
 from tetherfmu.study.measuring.costs import measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import SceneError, load
 from tetherfmu.study.stability import command as stability
@@ -88,7 +88,7 @@ def fmpy_times(scene, points, folder):
 def run_tradeoff(options):
     """Study a scene, write and print the report."""
     scene = load(options.scene)
-    store = Store(options.out or Path("study") / scene.name)
+    store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
     with executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor, progress_bar(scene.name))
     through_fmpy = {} if options.no_fmpy else fmpy_times(scene, points, options.fmus)

@@ -129,7 +129,7 @@ def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong
 @pytest.fixture(scope="module")
 def points(folder):
     with executor_of(processes=1) as executor:
-        return study(load(folder / "short.toml"), Store(folder / "few"), executor, silent, FEW, 1)[1]
+        return study(load(folder / "short.toml"), Store(folder / "few.jsonl"), executor, silent, FEW, 1)[1]
 
 
 def test_cheapest_and_front(points):
@@ -149,5 +149,5 @@ def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         executor_of(cluster.scheduler_address) as executor,
     ):
-        others = study(load(folder / "short.toml"), Store(tmp_path), executor, silent, FEW, 1)[1]
+        others = study(load(folder / "short.toml"), Store(tmp_path / "points.jsonl"), executor, silent, FEW, 1)[1]
     assert others.errors.tolist() == points.errors.tolist()

@@ -6,7 +6,7 @@ from pathlib import Path
 from tetherfmu.models import StepRefused
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
-from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
@@ -87,7 +87,7 @@ def make(scene_files, folder, store_folder, executor, progress):
     folder = Path(folder)
     figures = folder / "figures"
     scenes = [asking(load(path), 0.01) for path in scene_files]
-    stores = [(scene, Store(Path(store_folder) / scene.name)) for scene in scenes]
+    stores = [(scene, Store(Path(store_folder) / scene.name / POINTS)) for scene in scenes]
     studied = [study(scene, store, executor, progress(scene.name), repeats=1) for scene, store in stores]
     references = [reference for reference, _ in studied]
     known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))

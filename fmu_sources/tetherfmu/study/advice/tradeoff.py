@@ -76,7 +76,8 @@ def measure(scene, config, reference, repeats=1, exact=False):
 
 
 def study(scene, store, executor, progress, configs=None, repeats=3):
-    """All points of a scene: its `Reference`, and the table of `table_of`.
+    """All points of a scene: its `Reference`, and a table with the fields of `Measured` and `Config`, `host_cost`, an error
+    for each output, and as `error` the largest of those that the scene asks for.
 
     store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.  progress : as
     of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
@@ -88,17 +89,12 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
         store.add(keys[point.config], point._asdict())
-    return reference, table_of(scene, [store.points[each] for each in keys.values()])
-
-
-def table_of(scene, stored):
-    """A row for each stored point: the fields of its `Measured` and of its `Config`, an error for each output, `host_cost`,
-    and as `error` the largest of the outputs that the scene asks for."""
     rows = []
-    for point in (Measured(**{**each, "config": Config(*each["config"])}) for each in stored):
-        more = {"error": point.error(scene.wanted.outputs), "host_cost": point.host_cost}
-        rows.append(point._asdict() | point.config._asdict() | point.errors | more)
-    return pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
+    for config in configs:
+        point = Measured(**{**store.points[keys[config]], "config": config})
+        more = {"error": point.error(names), "host_cost": point.host_cost}
+        rows.append(point._asdict() | config._asdict() | point.errors | more)
+    return reference, pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
 
 
 def cheapest(table, level):

@@ -105,14 +105,13 @@ def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
         return run(scene, Config("dynamic", segments, tolerance, h), exact=True)
 
     while True:
-        finest = fly(n, step, TOLERANCE)
-        space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
-        time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
-        in_space, in_time = worst(space, names), worst(time, names)
+        finest, coarser = fly(n, step, TOLERANCE), (fly(n // 2, step, TOLERANCE), fly(n, 2.0 * step, 10.0 * TOLERANCE))
+        space, time = (errors(scene, each.flown, finest.flown) for each in coarser)
+        found = Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
         finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
-        if in_space + in_time <= target or not any(finer):
-            return Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
-        if (in_space >= in_time and finer[0]) or not finer[1]:
+        if found.own_error(names) <= target or not any(finer):
+            return found
+        if (worst(space, names) >= worst(time, names) and finer[0]) or not finer[1]:
             n *= 2
         else:
             step /= 2.0

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from tetherfmu.kernels.sources import PACKAGE
 
+POINTS = "points.jsonl"  # file of the points of a trade-off study
+
 
 @cache
 def package_digest():
@@ -23,12 +25,16 @@ def key(*what):
     return hashlib.sha256(repr((package_digest(), *what)).encode()).hexdigest()[:24]
 
 
-class Lines:
-    """A file of finished results; `points` has them by key, those of earlier runs included."""
+class Store:
+    """A file of finished results, and in its folder what is kept whole.
+
+    points : dict of results by key, those of earlier runs included.
+    """
 
     def __init__(self, file):
         self._file = Path(file)
-        self._file.parent.mkdir(parents=True, exist_ok=True)
+        self.folder = self._file.parent
+        self.folder.mkdir(parents=True, exist_ok=True)
         self.points = {}
         text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
         for line in text.splitlines():
@@ -50,14 +56,6 @@ class Lines:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
-
-
-class Store(Lines):
-    """A folder of finished results: `Lines`, and what is kept whole."""
-
-    def __init__(self, folder):
-        self.folder = Path(folder)
-        super().__init__(self.folder / "points.jsonl")
 
     def kept(self, key, make):
         """What `make` returned when it was first asked for under this key."""

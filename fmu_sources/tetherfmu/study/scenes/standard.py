@@ -18,7 +18,6 @@ from .flights import Circle, FigureOfEight, Flight
 
 STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
-CIRCLE_LENGTH = 525.0
 BREEZE = Wind((8.0, 0.0, 0.0))
 MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
 INPUT_STARTS = (at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY, at.REEL_OUT_SPEED, at.WIND_VELOCITY, at.KITE_LOAD)
@@ -59,7 +58,7 @@ class RaceScene(Scene):
 def circle_scene(segments, duration=REVOLUTION):
     """The circle with so many segments."""
     every = 0.5 if duration > 5.0 else 10 * STEP
-    tether = Tether(segments=segments, initial_length=CIRCLE_LENGTH)
+    tether = Tether(segments=segments, initial_length=525.0)
     return RaceScene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 from pebble import ProcessExpired, ProcessPool
 
 from tetherfmu.study.measuring.executors import progress_bar
-from tetherfmu.study.measuring.store import Lines, key
+from tetherfmu.study.measuring.store import Store, key
 
 from .points import MapPoint
 from .verdict import Verdict, judge
@@ -25,7 +25,7 @@ def table(lines):
 
 def read(path):
     """Table of the results in a file; empty where there is no file, without lines of another form."""
-    return table(line for line in Lines(path).points.values() if line.keys() == set(COLUMNS))
+    return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
 
 
 def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=None):
@@ -34,16 +34,16 @@ def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_S
     processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
     progress : wraps an iterator of known length, as `progress_bar` does.
     """
-    lines, names = Lines(path), [key(*point) for point in points]
-    missing = {name: point for name, point in zip(names, points, strict=True) if name not in lines.points}
+    store, names = Store(path), [key(*point) for point in points]
+    missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
     pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
     try:
         futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
         for future in (progress or progress_bar("points"))(as_completed(futures), len(futures)):
             name, ended = futures[future], ENDED.get(type(future.exception()))
             verdict = Verdict(ended) if ended else future.result()
-            lines.add(name, {**missing[name]._asdict(), **verdict._asdict()})
+            store.add(name, {**missing[name]._asdict(), **verdict._asdict()})
     finally:
         pool.stop()  # also those that are still at work, if something stops this loop
         pool.join()
-    return table(lines.points[name] for name in names)
+    return table(store.points[name] for name in names)
