@@ -105,8 +105,9 @@ def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
         return run(scene, Config("dynamic", segments, tolerance, h), exact=True)
 
     while True:
-        finest, coarser = fly(n, step, TOLERANCE), (fly(n // 2, step, TOLERANCE), fly(n, 2.0 * step, 10.0 * TOLERANCE))
-        space, time = (errors(scene, each.flown, finest.flown) for each in coarser)
+        finest = fly(n, step, TOLERANCE)
+        space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
+        time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
         found = Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
         finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
         if found.own_error(names) <= target or not any(finer):
