@@ -16,7 +16,7 @@ from .flights import KINDS, Flight
 from .series import Series
 
 # what else a quantity may be given in than in its unit, and the factor to the unit
-UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, float_precision="round_trip")
+UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # time between two compared outputs [s], about
 REQUIRED = {
