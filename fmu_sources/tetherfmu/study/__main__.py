@@ -1,8 +1,4 @@
-"""All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`.
-
-advise, tradeoff: how much tether does my scene need?  costs, thresholds, page: measure anew what the advice is made of, and
-the page of the manual.  stability: where the tethers hold and where they refuse.  benchmark: what they cost.
-"""
+"""All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`."""
 
 import argparse
 import sys
@@ -10,14 +6,16 @@ import tempfile
 from pathlib import Path
 
 from tetherfmu.models import StepRefused
+from tetherfmu.study.advice import scene_report
 from tetherfmu.study.advice.advise import advise, explain
 from tetherfmu.study.advice.forecast import fast_advice
+from tetherfmu.study.advice.page import make
 from tetherfmu.study.advice.thresholds import thresholds, write
 from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
 from tetherfmu.study.benchmark import command as benchmark
 from tetherfmu.study.measuring.costs import measure_costs
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import SceneError, load
 from tetherfmu.study.stability import command as stability
@@ -89,14 +87,12 @@ def fmpy_times(scene, points, folder):
 
 def run_tradeoff(options):
     """Study a scene, write and print the report."""
-    from tetherfmu.study.advice.scene_report import write
-
     scene = load(options.scene)
-    store = Store(options.out or Path("study") / scene.name)
+    store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
     with executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor, progress_bar(scene.name))
     through_fmpy = {} if options.no_fmpy else fmpy_times(scene, points, options.fmus)
-    print(write(scene, reference, points, through_fmpy, store.folder))
+    print(scene_report.write(scene, reference, points, through_fmpy, store.folder))
 
 
 def run_thresholds(_):
@@ -107,8 +103,6 @@ def run_thresholds(_):
 
 def run_page(options):
     """Write the page of the manual."""
-    from tetherfmu.study.advice.page import make
-
     with executor_of() as executor:
         make(options.scenes, options.out, options.store, executor, progress_bar)
 

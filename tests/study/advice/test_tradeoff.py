@@ -15,12 +15,11 @@ import pytest
 from study.scenes_of_tests import written
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.advice import tradeoff
-from tetherfmu.study.advice.tradeoff import cheapest, front, key, ladder, study
+from tetherfmu.study.advice.tradeoff import cheapest, front, ladder, study
 from tetherfmu.study.measuring import store
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
-from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.store import Store, key
 from tetherfmu.study.scenes.files import load
 
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
@@ -87,13 +86,13 @@ def test_a_changed_default_anywhere_in_the_package_makes_another_key(tmp_path, m
     scene = load(written(tmp_path))
     copy = shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(store, "PACKAGE", copy)
-    monkeypatch.setattr(tradeoff, "package_digest", store.package_digest.__wrapped__)
-    keys = [key(scene, FEW[0])]
+    monkeypatch.setattr(store, "package_digest", store.package_digest.__wrapped__)
+    keys = [key(scene.digest, *FEW[0])]
     for name, old, new in (("runtime/parameters.py", "0.958", "0.959"), ("study/measuring/costs.csv", "host,1", "host,2")):
         text = (copy / name).read_text(encoding="utf-8")
         assert old in text
         (copy / name).write_text(text.replace(old, new, 1), encoding="utf-8")
-        keys.append(key(scene, FEW[0]))
+        keys.append(key(scene.digest, *FEW[0]))
     assert len(set(keys)) == 3
 
 
@@ -130,7 +129,7 @@ def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong
 @pytest.fixture(scope="module")
 def points(folder):
     with executor_of(processes=1) as executor:
-        return study(load(folder / "short.toml"), Store(folder / "few"), executor, silent, FEW, 1)[1]
+        return study(load(folder / "short.toml"), Store(folder / "few.jsonl"), executor, silent, FEW, 1)[1]
 
 
 def test_cheapest_and_front(points):
@@ -150,5 +149,5 @@ def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         executor_of(cluster.scheduler_address) as executor,
     ):
-        others = study(load(folder / "short.toml"), Store(tmp_path), executor, silent, FEW, 1)[1]
+        others = study(load(folder / "short.toml"), Store(tmp_path / "points.jsonl"), executor, silent, FEW, 1)[1]
     assert others.errors.tolist() == points.errors.tolist()

@@ -47,4 +47,4 @@ def test_towing_vehicle_reaches_its_speed():
 def test_gust_is_highest_half_way():
     """v (1 + g sin^2(pi t/P))"""
     wind = Wind((8.0, 0.0, 1.0), gust=0.5, gust_period=10.0)
-    assert wind.at(np.array([0.0, 5.0])) == pytest.approx(np.array([[8.0, 0.0, 1.0], [12.0, 0.0, 1.5]]))
+    assert wind(np.array([0.0, 5.0])) == pytest.approx(np.array([[8.0, 0.0, 1.0], [12.0, 0.0, 1.5]]))

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from tetherfmu.study.__main__ import main
+from tetherfmu.study.measuring.store import key
 from tetherfmu.study.stability.flight import MapFlight, fly
 from tetherfmu.study.stability.points import VARIANTS, kite, point
-from tetherfmu.study.stability.pool import judge_all, key, read, table
+from tetherfmu.study.stability.pool import judge_all, read, table
 from tetherfmu.study.stability.report import common, compared
 from tetherfmu.study.stability.verdict import Verdict, judge
 
@@ -54,7 +55,7 @@ def test_points_keep_to_their_axes():
         assert max(p.wind / 60.0, p.speed / 150.0, abs(p.reel_out_speed) / 20.0, p.gravity / 25.0) <= 1.0
     assert {p.variant for p in POINTS} == set(VARIANTS)
     assert point(1, 7) == POINTS[7] != point(2, 7)
-    assert len({key(p) for p in POINTS}) == len(POINTS)
+    assert len({key(*p) for p in POINTS}) == len(POINTS)
 
 
 def test_the_kite_keeps_the_slack_and_its_speed():

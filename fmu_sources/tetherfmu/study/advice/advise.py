@@ -1,9 +1,4 @@
-"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it.
-
-`python -m tetherfmu.study advise SCENE`. It flies the scene with a finer model, then tries the configurations in the order
-of what they cost at least, and takes the cheapest whose error against the finer model, plus the finer model's own error, is
-allowed. `--fast` flies nothing but a coarse quasi-steady tether: see `forecast`.
-"""
+"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it."""
 
 from math import ceil, inf, sqrt
 from pathlib import Path
@@ -24,13 +19,6 @@ PROBE_SEGMENTS = 11
 HOPELESS = 3.0  # a communication step whose probe is wrong by so many times the allowed error is left out
 
 
-def finer_model(scene):
-    """The model to check with: refined until its own error is an eighth of the allowed one."""
-    allowed = scene.wanted.allowed_error
-    segments = 2 * ceil(0.5 * CHECK_SEGMENTS / sqrt(allowed))
-    return converged(scene, PART_OF_CHECK * allowed, scene.wanted.outputs, max(4, segments))
-
-
 def promising_steps(scene, finer):
     """Communication steps with which a dynamic tether comes near the allowed error."""
     good = []
@@ -47,7 +35,7 @@ def promising_steps(scene, finer):
 def advise(scene):
     """`Advice` for a scene, checked by flying it."""
     allowed, names = scene.wanted.allowed_error, scene.wanted.outputs
-    finer = finer_model(scene)
+    finer = converged(scene, PART_OF_CHECK * allowed, names, max(4, 2 * ceil(0.5 * CHECK_SEGMENTS / sqrt(allowed))))
     own = finer.own_error(names)
     good_steps = promising_steps(scene, finer) or steps(scene)[-1:]
     tried, good = [], []

@@ -18,6 +18,8 @@ from .numbers import lead_error, numbers
 from .thresholds import LEVELS, read
 from .tradeoff import Measured, ladder
 
+# thresholds: a row for each group, variant, number of segments and stretch, a column for each level
+CURVES = read().set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
 GROUPS = ("weight", "drag", "slack", "wave")
 MARGIN = 0.5  # part of the allowed error that a forecast may use up
 LARGEST = 1e3  # stands for a threshold that the sweep did not reach ...
@@ -38,20 +40,14 @@ class Advice(NamedTuple):
 
 
 @cache
-def curves():
-    """Thresholds: a row for each group, variant, number of segments and stretch, a column for each level."""
-    return read().set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
-
-
-@cache
 def thresholds_at(group, variant, segments, stretch):
     """Numbers of a group at which a tether is wrong by `thresholds.LEVELS`, at a stretch [-]; infinite: it never is."""
     if group == "wave":
         variant = "catenary" if variant == "straight" else variant
-        segments = curves().loc[group, variant].index[-1][0]
+        segments = CURVES.loc[group, variant].index[-1][0]
     elif variant == "dynamic":  # in equilibrium it is the same chain
         variant = "quasi_steady"
-    table = curves().loc[group, variant, segments]
+    table = CURVES.loc[group, variant, segments]
     if len(table) == 1:
         return table.to_numpy()[0]
     place = np.log(np.clip(stretch, table.index[0], table.index[-1]))
@@ -79,10 +75,7 @@ def limit(group, config, found, level):
 
 
 def forecast(config, found, step_errors):
-    """Errors [-] expected of a configuration, by group; "step" is that of its communication step.
-
-    step_errors : maps communication steps to `numbers.lead_error`.
-    """
+    """Errors [-] expected of a configuration, by group; "step": that of its communication step, by `numbers.lead_error`."""
     return {**{group: group_error(group, config, found) for group in GROUPS}, "step": step_errors[config.step]}
 
 

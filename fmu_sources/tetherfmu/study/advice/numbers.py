@@ -40,7 +40,7 @@ class Numbers(NamedTuple):
 def numbers(scene):
     """`Numbers` of a scene; StepRefused if a coarse quasi-steady tether cannot fly it."""
     flown = run(scene, Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
-    motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
+    motion = scene.flight.motion(scene.times[1:])
     tether, force = scene.tether, flown.kite_force
     tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
     weight = tether.mass_per_meter * scene.environment.gravity * length
@@ -72,7 +72,7 @@ def lead_error(scene, step, found):
     gap = np.sum((led - (after.kite - after.ground)) * chord, -1) / size(chord)
     reeled = step * np.cumsum(now.reel_out_speed) - (after.reeled - now.reeled[0])
     stiffness = scene.tether.axial_stiffness / found.length / (1.0 + found.softening)
-    wind = scene.wind_at(time)
+    wind = scene.wind(time)
     change = rms(size(np.diff(wind, axis=0))) / max(rms(size(wind)), 1e-12) if len(time) > 1 else 0.0
     share = found.softening / (1.0 + found.softening) * found.drag / max(np.hypot(found.drag, found.weight), 1e-12)
     return stiffness * rms(gap - reeled) / found.tension + share * change

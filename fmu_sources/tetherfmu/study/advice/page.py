@@ -1,18 +1,14 @@
-"""The page docs/how_much_tether.md: `python -m tetherfmu.study page --out docs`. Every number on it is measured here.
-
-Does the advisor keep its word? Its advice is measured against a finer reference than the one it used itself.
-"""
+"""The page docs/how_much_tether.md, with numbers that are measured here; also, whether the advisor keeps its word."""
 
 from dataclasses import replace
 from pathlib import Path
 
 from tetherfmu.models import StepRefused
-from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
-from tetherfmu.study.measuring.store import Store
+from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import OUTPUTS, Scene, Wanted, Wind, load, spellings
+from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
 
@@ -60,19 +56,15 @@ def at_all_levels(scene, reference):
     return [judged(asking(scene, level), reference) for level in LEVELS]
 
 
-def threshold_rows():
-    """Thresholds of some tethers: texts of the three levels by (group, stretch, tether and segments)."""
+def declared():
+    """What the page says that is not measured for it; the keys of a scene file are the quantities of its records."""
     table = read()
     tethers = (table.variant + " " + table.segments.astype(str)).str.removesuffix(" 0")
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
-    return table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
-
-
-def declared():
-    """What the page says that is not measured for it; the keys of a scene file are the quantities of its records."""
-    records = {"": Scene, "tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
-    facts = {"thresholds": threshold_rows(), "records": records, "flights": KINDS, "outputs": OUTPUTS, "names": NAMES}
-    return facts | {"seed": SEED, "margin": MARGIN, "quantities": quantities, "spellings": spellings, "worst": worst}
+    rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
+    facts = {"thresholds": rows, "records": {"": Scene} | RECORDS, "flights": KINDS, "outputs": OUTPUTS}
+    facts |= {"names": NAMES, "seed": SEED, "margin": MARGIN}
+    return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 
 
 def how_much_tether(results, verdicts, work_precision):
@@ -95,7 +87,7 @@ def make(scene_files, folder, store_folder, executor, progress):
     folder = Path(folder)
     figures = folder / "figures"
     scenes = [asking(load(path), 0.01) for path in scene_files]
-    stores = [(scene, Store(Path(store_folder) / scene.name)) for scene in scenes]
+    stores = [(scene, Store(Path(store_folder) / scene.name / POINTS)) for scene in scenes]
     studied = [study(scene, store, executor, progress(scene.name), repeats=1) for scene, store in stores]
     references = [reference for reference, _ in studied]
     known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))

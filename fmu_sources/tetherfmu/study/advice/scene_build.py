@@ -1,8 +1,4 @@
-"""The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs.
-
-`tetherfmu build --scene FILE`. An input that is 0 all through the scene is left out, and so is an output that it does
-not ask for; the description says so.
-"""
+"""The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
 from typing import NamedTuple
 
@@ -63,13 +59,7 @@ def vectors_in_words(names):
 
 
 def advised(path, shape_points):
-    """`Advised` for a scene file.
-
-    Raises
-    ------
-    SceneError
-        In one line: what is wrong with the file, or why its scene cannot be flown.
-    """
+    """`Advised` for a scene file; SceneError says in one line what is wrong with it, or why its scene cannot be flown."""
     scene = load(path)
     try:
         advice = advise(scene)

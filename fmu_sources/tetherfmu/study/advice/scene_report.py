@@ -42,15 +42,9 @@ def write(scene, reference, points, through_fmpy, folder):
     write_csv(points, reference, folder / "points.csv")
     draw(points, reference.own_error(names), scene, folder / "pareto.png")
     levels = sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)
-    text = page(
-        FOLDER / "scene.md.j2",
-        scene=scene,
-        cheapest={level: cheapest(points, level) for level in levels},
-        through_fmpy=through_fmpy,
-        most_exact={variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)},
-        reference=reference,
-        worst=worst,
-    )
+    most_exact = {variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)}
+    facts = {"scene": scene, "reference": reference, "worst": worst, "through_fmpy": through_fmpy, "most_exact": most_exact}
+    text = page(FOLDER / "scene.md.j2", cheapest={level: cheapest(points, level) for level in levels}, **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text

@@ -10,7 +10,7 @@ converged reference, with so short communication steps that these do not count:
 """
 
 from functools import cache
-from itertools import chain, pairwise
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ from tetherfmu.models import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.runs import Config
-from tetherfmu.study.scenes.files import Scene, Wanted, Wind
+from tetherfmu.study.scenes.files import Scene, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
 
 from .numbers import numbers
@@ -35,14 +35,10 @@ LOADS = np.geomspace(0.003, 3.0, 13)  # weight or drag over tension
 SLACKS = np.geomspace(1e-4, 0.5, 12)
 LAPS = np.geomspace(300.0, 9.0, 13)  # [s]
 LENGTH, SIZE = 200.0, 300.0  # of the tether; of the way of a lap [m]
+AT_REST = Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0)
 ENOUGH = 32  # segments for waves
 STEP = 0.01  # communication step [s]
 CURVE = ["group", "stretch", "variant", "segments"]  # what a curve of errors over the number of its group belongs to
-
-
-def scene_of(flight, tether, gravity=9.81, wind=(0.0, 0.0, 0.0), duration=8.0):
-    """A scene of a sweep."""
-    return Scene("sweep", duration, flight, tether, Environment(gravity=float(gravity)), Wind(wind), Wanted())
 
 
 def taut(distance, load, stretch):
@@ -54,7 +50,7 @@ def weight_scene(load, stretch):
     """A kite at rest whose tether weighs `load` times its tension T = s EA: g = q s EA/(mu L)."""
     tether = Tether(initial_length=taut(LENGTH, load, stretch), density=10000.0, drag_coefficient=0.0)
     gravity = load * stretch * tether.axial_stiffness / (tether.mass_per_meter * LENGTH)
-    return scene_of(Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0), tether, gravity, duration=2.0)
+    return Scene("sweep", 2.0, AT_REST, tether, Environment(gravity=float(gravity)))
 
 
 def drag_scene(load, stretch):
@@ -63,26 +59,28 @@ def drag_scene(load, stretch):
     width = tether.drag_coefficient * tether.diameter
     speed = np.sqrt(6.0 * load * stretch * tether.axial_stiffness / (1.225 * width * LENGTH))
     flight = Circle(distance=LENGTH, half_angle=np.pi / 4, axis_elevation=np.pi / 2, rate=speed / (LENGTH * np.sqrt(0.5)))
-    return scene_of(flight, tether, 0.0, duration=4.0)
+    return Scene("sweep", 4.0, flight, tether, Environment(gravity=0.0))
 
 
 def slack_scene(slack):
     """A kite at rest, nearer than the tether is long."""
-    tether = Tether(initial_length=LENGTH * (1.0 + slack))
-    return scene_of(Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0), tether, duration=2.0)
+    return Scene("sweep", 2.0, AT_REST, Tether(initial_length=LENGTH * (1.0 + slack)))
 
 
 def wave_scene(lap):
     """Figures of eight on a tether with 0.3 % slack."""
     flight = FigureOfEight(distance=LENGTH, lap=lap, speed=SIZE / lap)
-    return scene_of(flight, Tether(initial_length=1.003 * LENGTH), wind=(8.0, 0.0, 0.0), duration=min(60.0, 1.5 * lap))
+    return Scene("sweep", min(60.0, 1.5 * lap), flight, Tether(initial_length=1.003 * LENGTH), wind=Wind((8.0, 0.0, 0.0)))
 
 
 def sweeps():
     """Triples (group, stretch, scene); the stretch is 0 where it does not count."""
-    loads = {"weight": weight_scene, "drag": drag_scene}
-    scenes = [(group, s, scene(q, s)) for group, scene in loads.items() for s in STRETCHES for q in LOADS]
-    return [*scenes, *(("slack", 0.0, slack_scene(x)) for x in SLACKS), *(("wave", 0.0, wave_scene(lap)) for lap in LAPS)]
+    return [
+        *(("weight", s, weight_scene(q, s)) for s in STRETCHES for q in LOADS),
+        *(("drag", s, drag_scene(q, s)) for s in STRETCHES for q in LOADS),
+        *(("slack", 0.0, slack_scene(x)) for x in SLACKS),
+        *(("wave", 0.0, wave_scene(lap)) for lap in LAPS),
+    ]
 
 
 def configs(group):
@@ -108,13 +106,13 @@ def points(group, stretch, scene):
 
 def crossing(values, found, level):
     """The number from which on an error is above a level, between the points on logarithmic axes; infinite if never."""
-    if found[0] > level:
-        return values[0]
-    for (x, e), (y, f) in pairwise(zip(values, found, strict=True)):
-        if f > level:
-            part = np.log(level / e) / np.log(f / e) if np.isfinite(f) and e > 0.0 else 0.0
-            return float(np.exp(np.log(x) + part * np.log(y / x)))
-    return float("inf")
+    above = np.flatnonzero(np.greater(found, level))
+    if not len(above):
+        return float("inf")
+    last, first = max(0, above[0] - 1), above[0]  # below and above the level
+    if last == first or np.isinf(found[first]):
+        return values[last]
+    return float(np.exp(np.interp(np.log(level), np.log(found[last : first + 1]), np.log(values[last : first + 1]))))
 
 
 def thresholds(executor, progress):

@@ -1,9 +1,5 @@
-"""The trade of speed for accuracy in a scene: every configuration against a converged reference.
+"""The trade of speed for accuracy in a scene: every configuration against a converged reference."""
 
-`python -m tetherfmu.study tradeoff SCENE`. Points are kept as they finish; a run that was stopped goes on where it was.
-"""
-
-import hashlib
 from itertools import chain, product, starmap
 from typing import NamedTuple
 
@@ -15,7 +11,7 @@ from tetherfmu.study.measuring.costs import cost, host_cost
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import finished
 from tetherfmu.study.measuring.runs import Config, run
-from tetherfmu.study.measuring.store import package_digest
+from tetherfmu.study.measuring.store import key
 from tetherfmu.study.scenes.files import OUTPUTS
 
 SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
@@ -24,7 +20,6 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)  # communication st
 SHORT_STEP = 0.002  # [s]
 LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is told
 REFERENCE_ERROR = 3e-4  # asked of the reference: a tenth of the smallest level
-FORMAT = 1  # of a stored point
 LONG_RUN = 0.05  # [s], not repeated
 
 
@@ -80,34 +75,26 @@ def measure(scene, config, reference, repeats=1, exact=False):
     return Measured(config, found, first.calls, first.work, seconds / (scene.count * scene.every), spent)
 
 
-def key(scene, config):
-    """Name of a point in the store."""
-    return hashlib.sha256(repr((FORMAT, package_digest(), scene.digest, tuple(config))).encode()).hexdigest()[:24]
-
-
 def study(scene, store, executor, progress, configs=None, repeats=3):
-    """All points of a scene: its `Reference`, and the table of `table_of`.
+    """All points of a scene: its `Reference`, and a table with the fields of `Measured` and `Config`, `host_cost`, an error
+    for each output, and as `error` the largest of those that the scene asks for.
 
     store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.  progress : as
     of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
     """
     configs, names = configs or ladder(scene), scene.wanted.outputs
-    reference = store.kept(key(scene, ("reference", *names)), lambda: converged(scene, REFERENCE_ERROR, names))
-    missing = [config for config in configs if key(scene, config) not in store.points]
+    reference = store.kept(key(scene.digest, *names), lambda: converged(scene, REFERENCE_ERROR, names))
+    keys = {config: key(scene.digest, *config) for config in configs}
+    missing = [config for config in configs if keys[config] not in store.points]
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
-        store.add(key(scene, point.config), point._asdict())
-    return reference, table_of(scene, [store.points[key(scene, config)] for config in configs])
-
-
-def table_of(scene, stored):
-    """A row for each stored point: the fields of its `Measured`, with the cost by the present unit costs, those of its
-    `Config`, an error for each output, `host_cost`, and as `error` the largest of the outputs that the scene asks for."""
-    points = [Measured(**{**point, "config": Config(*point["config"])}) for point in stored]
-    points = [each._replace(cost=cost(scene, each.config, each.calls, each.work)) for each in points]
-    more = [{"error": each.error(scene.wanted.outputs), "host_cost": each.host_cost} for each in points]
-    rows = [each._asdict() | each.config._asdict() | each.errors | new for each, new in zip(points, more, strict=True)]
-    return pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
+        store.add(keys[point.config], point._asdict())
+    rows = []
+    for config in configs:
+        point = Measured(**{**store.points[keys[config]], "config": config})
+        more = {"error": point.error(names), "host_cost": point.host_cost}
+        rows.append(point._asdict() | config._asdict() | point.errors | more)
+    return reference, pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
 
 
 def cheapest(table, level):

@@ -1,8 +1,4 @@
-"""The command `python -m tetherfmu.study benchmark`: what the tethers cost.
-
-Times of the kernels, of FMUs in FMPy and of their start, and races with CasADi + CVODES and MoorDyn, as a page, a CSV file
-and a work-precision diagram. Peers come with the extra `benchmark`; those that are not installed are left out.
-"""
+"""The command `python -m tetherfmu.study benchmark`: what the tethers cost, as a page, a CSV file and a diagram."""
 
 import importlib
 import os
@@ -78,7 +74,7 @@ def write(tables, folder, figure, slopes):
 
 
 def run(options):
-    """Measure, print and store; returns 0."""
+    """Measure, print and store."""
     tables, quick, flights = {}, options.quick, options.flights
     cvodes = None if options.no_peers else peer("cvodes", "casadi")
     moordyn = None if options.no_peers or flights else peer("moordyn_line", "moordyn")
@@ -102,4 +98,3 @@ def run(options):
         draw(runs, options.figure)
     slopes = max(cvodes.largest_difference(scene) for scene in raced) if cvodes else None
     print(write(tables, options.out, options.figure, slopes))
-    return 0

@@ -13,7 +13,7 @@ from tetherfmu.kernels.chain import segment
 from tetherfmu.kernels.communication.driven_end import curve, position_at, velocity_at
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.reference import free_state, right_hand_side
-from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
+from tetherfmu.study.scenes.standard import STEP, tether_at_start
 
 if hasattr(casadi.GlobalOptions, "setNumpyMode"):  # from CasADi 3.8 on
     casadi.GlobalOptions.setNumpyMode(1)  # numpy functions of symbols give symbols
@@ -36,7 +36,7 @@ def segment_forces(x, v, rest, rest_rate, scene):
     k = tether.axial_stiffness / rest * casadi.if_else(taut, 1.0, tether.slack_stiffness_ratio)
     c = tether.axial_damping / rest * casadi.if_else(taut, 1.0, tether.slack_damping_ratio)
     tension = k * (length - rest) + c * (along(e, u) - length / rest * rest_rate)
-    relative = casadi.DM(scene.wind) - 0.5 * (v[:, :-1] + v[:, 1:])
+    relative = casadi.DM(scene.wind.velocity) - 0.5 * (v[:, :-1] + v[:, 1:])
     w = relative - along(relative, e) * e
     speed = casadi.sqrt(along(w, w) + segment.STILLEST)
     return tension * e, 0.25 * air.air_density * tether.drag_coefficient * tether.diameter * length * speed * w
@@ -75,31 +75,30 @@ def equations(scene, exact_path):
     return {"t": time, "x": y, "p": p, "ode": slope(scene, time, y, kite, velocity)}
 
 
-def options(tolerance, compiled):
-    """Options of the integrator; `compiled`: equations and Jacobian as compiled C instead of CasADi's interpreter."""
-    common = {"abstol": tolerance, "reltol": tolerance, "linear_solver": LINEAR_SOLVER, "max_num_steps": 10**7}
+def integrator(scene, exact_path, times, tolerance, compiled):
+    """CVODES; `compiled`: equations and Jacobian as compiled C instead of CasADi's interpreter."""
+    options = {"abstol": tolerance, "reltol": tolerance, "linear_solver": LINEAR_SOLVER, "max_num_steps": 10**7}
     if compiled:
-        common |= {"jit": True, "compiler": "shell", "jit_options": {"flags": "-O3", "compiler": COMPILER}}
-    return common
+        options |= {"jit": True, "compiler": "shell", "jit_options": {"flags": "-O3", "compiler": COMPILER}}
+    return casadi.integrator("run", "cvodes", equations(scene, exact_path), 0.0, times, options)
 
 
 def whole_run(scene, tolerance, compiled=False):
     """One call for the whole run with the exact path, as a function without arguments; it returns what `exact` returns."""
     start = free_state(scene, tether_at_start(scene))
-    integrator = casadi.integrator("run", "cvodes", equations(scene, True), 0.0, scene.times, options(tolerance, compiled))
-    return lambda: np.array(integrator(x0=start)["xf"]).T[:, : len(start) // 2]
+    run = integrator(scene, True, scene.times, tolerance, compiled)
+    return lambda: np.array(run(x0=start)["xf"]).T[:, : len(start) // 2]
 
 
 def kite_curves(scene):
     """Coefficients of the curves on which the tether leads its kite end, array (12, communication steps)."""
-    inputs = inputs_of(scene, STEP)
-    positions, velocities = (inputs[:, place : place + 3] for place in (at.KITE_POSITION, at.KITE_VELOCITY))
+    positions, velocities = np.split(scene.inputs(STEP)[:, : at.GROUND_POSITION], 2, axis=1)
     accelerations = np.diff(velocities, axis=0, prepend=velocities[:1]) / STEP
     end, curves = (tuple(positions[0]), tuple(velocities[0])), []
     for motion in zip(*(map(tuple, each.tolist()) for each in (positions, velocities, accelerations)), strict=True):
         curves.append(curve(*end, *motion, STEP))
         end = position_at(curves[-1], STEP), velocity_at(curves[-1], STEP)
-    return np.reshape(curves, (len(inputs), 12)).T
+    return np.reshape(curves, (-1, 12)).T
 
 
 def restarted_run(scene, tolerance, compiled=False):
@@ -108,9 +107,8 @@ def restarted_run(scene, tolerance, compiled=False):
     The steps between two outputs are chained inside CasADi, so that Python costs nothing.
     """
     start = free_state(scene, tether_at_start(scene))
-    integrator = casadi.integrator("step", "cvodes", equations(scene, False), 0.0, STEP, options(tolerance, compiled))
-    chunk = round(scene.every / STEP)
-    chained, curves = integrator.mapaccum(chunk), kite_curves(scene)
+    chunk, curves = round(scene.every / STEP), kite_curves(scene)
+    chained = integrator(scene, False, STEP, tolerance, compiled).mapaccum(chunk)
 
     def run():
         rows = [start]

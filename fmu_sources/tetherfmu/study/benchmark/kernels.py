@@ -11,7 +11,7 @@ from tetherfmu.runtime.kernel_library import load
 from tetherfmu.runtime.parameters import Solver
 from tetherfmu.runtime.variants import VARIANTS, WITHOUT_NODES, effective
 from tetherfmu.study.measuring.clock import interleaved
-from tetherfmu.study.scenes.standard import STEP, circle_inputs, circle_scene, tether_at_start
+from tetherfmu.study.scenes.standard import STEP, circle_scene, tether_at_start
 
 SEGMENTS, STEPS, REPEATS = (6, 10, 20, 40, 80, 160), 5000, 15
 FEWER = 50  # starts are so many times fewer than steps
@@ -20,8 +20,9 @@ START, OUTPUTS, FLIGHT = "start (cold)", "outputs", "step"
 
 def flight(folder, variant, segments, steps):
     """The circle as a function of whether outputs are computed too; it returns internal steps, or iterations for a shape."""
-    model = tether_at_start(circle_scene(segments), variant=variant, library=folder)
-    start, inputs, before = model.get_state(), circle_inputs(steps), sum(model.counters.values())
+    scene = circle_scene(segments)
+    model = tether_at_start(scene, variant=variant, library=folder)
+    start, inputs, before = model.get_state(), scene.inputs(STEP)[:steps], sum(model.counters.values())
 
     def fly(with_outputs):
         model.set_state(start)
@@ -36,7 +37,7 @@ def starts(folder, variant, segments, count):
     scene = circle_scene(segments)
     instance = Instance(load(folder, variant), segments + 1)
     instance.set_up((effective(scene.tether, variant),), scene.environment, Solver())
-    inputs = [array("d", row) for row in circle_inputs(count)]
+    inputs = [array("d", row) for row in scene.inputs(STEP)[:count]]
 
     def start():
         iterations = 0
@@ -52,10 +53,7 @@ def starts(folder, variant, segments, count):
 
 
 def kernel_table(folder, segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
-    """Time and work (internal steps or iterations) of the kernels per communication step or start, a DataFrame.
-
-    folder : with the libraries of all variants.
-    """
+    """Time and work (internal steps or iterations) per communication step or start, of all libraries in a folder."""
     jobs = {}
     for variant in VARIANTS:
         for n in (1,) if variant in WITHOUT_NODES else segments:

@@ -1,9 +1,8 @@
 """Peer: MoorDyn flies the circle.
 
-Its water stands for the air: density 1.225 kg/m3, 50 km deep, the scene far below its surface. Buoyancy is made up for by
-a stronger gravity. Wind: both ends move against it through air at rest, which is the same flight seen from the air. Drag is
-taken at nodes instead of at segments and slack segments have no stiffness, so the forces differ by 1 to 4 percent: an
-error against our reference would compare the models. What is compared is the cost at the largest step that is stable.
+Its water stands for the air, far below its surface. Buoyancy is made up for by a stronger gravity. Wind: both ends move
+against it through air at rest, which is the same flight seen from the air. Drag is taken at nodes and slack segments have no
+stiffness: an error against our reference would compare the models, so the cost at the largest stable steps is compared.
 """
 
 import os
@@ -43,8 +42,8 @@ def silence():
 
 def ends(scene, time):
     """Positions and velocities of both ends for MoorDyn, lists of six numbers."""
-    position, velocity = scene.path(time)
-    drift = -np.array(scene.wind)
+    position, velocity = scene.flight.motion(time)[:2]
+    drift = -np.array(scene.wind.velocity)
     below = np.array([0.0, 0.0, -DEPTH / 2.0]) + drift * time
     return [*below, *(below + position)], [*drift, *(velocity + drift)]
 
@@ -69,10 +68,7 @@ def moordyn_flight(scene, scheme, step):
 
 
 def moordyn_table(libraries, quick):
-    """The circle in MoorDyn at its largest stable steps, and in our tether, interleaved; a DataFrame.
-
-    libraries : folder of those of the FMUs.
-    """
+    """The circle in MoorDyn at its largest stable steps, and in our tether with a folder of libraries; a DataFrame."""
     scene = circle_scene(20, 6.0 if quick else 40.0)
     jobs = {}
     for scheme, step in SCHEMES:

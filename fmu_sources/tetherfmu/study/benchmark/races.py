@@ -10,7 +10,7 @@ import pandas as pd
 
 from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.measuring.reference import error, exact
-from tetherfmu.study.scenes.standard import STEP, inputs_of, tether_at_start
+from tetherfmu.study.scenes.standard import STEP, tether_at_start
 
 OURS, WHOLE, RESTARTED = "TetherDynamic", "CVODES, one call", "CVODES, restarted"
 COMPILED = ", compiled C"
@@ -30,7 +30,7 @@ def our_run(folder, scene, step, tolerance, counters):
     """
     model = tether_at_start(scene, tolerance, library=folder)
     start, first = model.get_state(), model.positions[None]
-    inputs, every = inputs_of(scene, step), round(scene.every / step)
+    inputs, every = scene.inputs(step), round(scene.every / step)
     free = slice(1, None if scene.kite_is_free else -1)
 
     def run():

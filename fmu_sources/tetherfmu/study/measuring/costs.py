@@ -2,13 +2,11 @@
 
     cost = calls (a + b n) + work (c + d n),   n segments
 
-calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of the
-others.
+calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of others.
 a, b, c, d are fitted to times measured on one machine and stored in costs.csv: `python -m tetherfmu.study costs`.
 """
 
 import tempfile
-from functools import cache
 from itertools import product
 from pathlib import Path
 
@@ -26,6 +24,7 @@ from .runs import Config, run
 from .through_fmpy import measured
 
 TABLE = Path(__file__).with_name("costs.csv")
+UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
@@ -37,20 +36,14 @@ def regressors(config, calls, work):
     return np.array([calls, calls * config.segments, work, work * config.segments], float)
 
 
-@cache
-def units():
-    """Unit costs [s], a DataFrame with a row of `COLUMNS` for each variant and one for the host."""
-    return pd.read_csv(TABLE, index_col="variant")
-
-
 def cost(scene, config, calls, work):
     """Kernel time per simulated second [-], of the machine of costs.csv."""
-    return float(units().loc[config.variant].to_numpy() @ regressors(config, calls, work)) / (scene.count * scene.every)
+    return float(UNITS.loc[config.variant].to_numpy() @ regressors(config, calls, work)) / (scene.count * scene.every)
 
 
 def host_cost(step):
     """What FMPy adds per simulated second [-] at a communication step [s]."""
-    return float(units().at[HOST, "per call"]) / step
+    return float(UNITS.at[HOST, "per call"]) / step
 
 
 def fitted(scenes, variant):
@@ -69,16 +62,15 @@ def fitted(scenes, variant):
 
 
 def measure_costs(_):
-    """Measure all unit costs in random scenes, store and print them; a command without options."""
+    """Measure all unit costs in random scenes, store and print them; a command without options.
+
+    What FMPy adds to a communication step is the time of a straight tether's FMU, whose kernel costs next to nothing.
+    """
     scenes = random_scenes(SCENES)
-    rows = {variant: fitted(scenes, variant) for variant in VARIANTS} | {HOST: [host_seconds(), 0.0, 0.0, 0.0]}
+    rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
+    with tempfile.TemporaryDirectory() as folder:
+        path = build("TetherStraight", folder, platforms=(this_platform(),))
+        rows[HOST] = [sum(measured(path, HOST_STEPS, REPEATS)[1:]), 0.0, 0.0, 0.0]
     found = pd.DataFrame.from_dict(rows, orient="index", columns=COLUMNS).rename_axis("variant")
     found.map("{:.3g}".format).to_csv(TABLE, lineterminator="\r\n")
     print(TABLE.read_text(encoding="utf-8"), end="")
-
-
-def host_seconds():
-    """What FMPy adds to a communication step [s]: time of a straight tether's FMU, whose kernel costs next to nothing."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = build("TetherStraight", folder, platforms=(this_platform(),))
-        return sum(measured(path, HOST_STEPS, REPEATS)[1:])

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.scenes.files import OUTPUTS
 
 from .runs import Config, Run, run
 
@@ -46,16 +45,9 @@ def settled(scene, reference):
     return min(rows, int(LONGEST_SETTLING * scene.count))
 
 
-def direction_error(force, reference):
-    """Error of the direction of a force, each time weighted with the size of the force."""
-    sizes = size(reference)
-    units = [each / np.maximum(size(each), 1e-12)[:, None] for each in (force, reference)]
-    return rms(sizes * size(units[0] - units[1])) / rms(sizes)
-
-
 def power_error(scene, flown, reference, first):
     """Error of the power at the kite or at the winch, the larger one; 0 where there is no power."""
-    motion = scene.flight.motion(scene.every * np.arange(1, scene.count + 1))
+    motion = scene.flight.motion(scene.times[1:])
     at_kite, at_winch = (
         [np.sum(each.kite_force * motion.kite_velocity, -1)[first:] for each in (flown, reference)],
         [(each.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed)[first:] for each in (flown, reference)],
@@ -66,19 +58,20 @@ def power_error(scene, flown, reference, first):
 def errors(scene, flown, reference):
     """Errors [-] of a flight against a reference, both `Flown`; dict by the names of `scenes.files.OUTPUTS`."""
     first = settled(scene, reference)
-    found = {}
-    for end, force, right in (
-        ("kite", flown.kite_force[first:], reference.kite_force[first:]),
-        ("ground", flown.ground_force[first:], reference.ground_force[first:]),
-    ):
-        found[f"{end}_force"] = rms(size(force) - size(right)) / rms(size(right))
-        found[f"{end}_direction"] = direction_error(force, right)
     peak, right = flown.peak[first:].max(), reference.peak[first:].max()
-    found["peak_force"] = float(abs(peak - right) / right)
-    found["power"] = power_error(scene, flown, reference, first)
-    lengths = reference.outputs[first:, at.TETHER_LENGTH]
-    found["shape"] = rms(size(flown.shape - reference.shape)[first:]) / float(np.mean(lengths))
-    return {name: found[name] for name in OUTPUTS}
+    distances, lengths = size(flown.shape - reference.shape)[first:], reference.outputs[first:, at.TETHER_LENGTH]
+    found = {
+        "peak_force": float(abs(peak - right) / right),
+        "power": power_error(scene, flown, reference, first),
+        "shape": rms(distances) / float(np.mean(lengths)),
+    }
+    for end in ("kite", "ground"):
+        forces = [getattr(each, f"{end}_force")[first:] for each in (flown, reference)]
+        mine, right = map(size, forces)
+        turned = np.subtract(*(force / np.maximum(size(force), 1e-12)[:, None] for force in forces))
+        found[f"{end}_force"] = rms(mine - right) / rms(right)
+        found[f"{end}_direction"] = rms(right * size(turned)) / rms(right)
+    return found
 
 
 def worst(found, names):
@@ -115,11 +108,11 @@ def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
         finest = fly(n, step, TOLERANCE)
         space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
         time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
-        in_space, in_time = worst(space, names), worst(time, names)
+        found = Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
         finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
-        if in_space + in_time <= target or not any(finer):
-            return Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
-        if (in_space >= in_time and finer[0]) or not finer[1]:
+        if found.own_error(names) <= target or not any(finer):
+            return found
+        if (worst(space, names) >= worst(time, names) and finer[0]) or not finer[1]:
             n *= 2
         else:
             step /= 2.0

@@ -13,8 +13,7 @@ def finished(executor, tasks):
     """Results of tasks (function, arguments...), as they finish; those not begun are cancelled if the loop is left."""
     futures = [executor.submit(*task) for task in tasks]
     try:
-        for future in as_completed(futures):
-            yield future.result()
+        yield from (future.result() for future in as_completed(futures))
     finally:
         for future in futures:
             future.cancel()

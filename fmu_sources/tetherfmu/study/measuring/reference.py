@@ -31,7 +31,7 @@ def free_state(scene, model):
 
 def right_hand_side(scene):
     """dy/dt as a function (t, y), of our kernels, without any of our solvers."""
-    n, reeling = scene.tether.segments, scene.reel_out_speed
+    n, reeling, wind = scene.tether.segments, scene.reel_out_speed, scene.wind.velocity
     parameters = np.array(pack((scene.tether,), scene.environment, Solver(), TOLERANCE))
     x, v, force = np.zeros((3, 3 * (n + 1)))
     mass = np.zeros(n + 1)
@@ -40,9 +40,9 @@ def right_hand_side(scene):
     def slope(t, y):
         x[3 : 3 + half], v[3 : 3 + half] = y[:half], y[half:]
         if not scene.kite_is_free:
-            x[-3:], v[-3:] = scene.path(t)
+            x[-3:], v[-3:] = scene.flight.motion(t)[:2]
         length = scene.tether.initial_length + reeling * t
-        accelerations(n, x, v, length, reeling, scene.wind, parameters, mass, force)
+        accelerations(n, x, v, length, reeling, wind, parameters, mass, force)
         return np.concatenate([y[half:], force[3 : 3 + half]])
 
     return slope

@@ -3,12 +3,8 @@
 from dataclasses import asdict, replace
 from typing import NamedTuple
 
-import numpy as np
-
 from tetherfmu.models import Flown, StepRefused
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Solver
-from tetherfmu.study.scenes.standard import MODELS, QUASI_STEADY_START
+from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
 SHAPE_POINTS = 21
 
@@ -42,23 +38,14 @@ def parameters_of(scene, config):
     return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
 
 
-def started(scene, config, first):
-    """A tether of the Python API as configured, initialized with the first inputs of a scene."""
-    tether = replace(scene.tether, segments=config.segments or 1)
-    solver = Solver(relative_tolerance=config.tolerance, initial_shape=QUASI_STEADY_START)
-    model = MODELS[config.variant](tether, scene.environment, solver, shape_points=SHAPE_POINTS)
-    ends = np.split(first[at.KITE_POSITION : at.GROUND_VELOCITY + 3], 4)
-    model.initialize(*ends, first[at.REEL_OUT_SPEED], first[at.WIND_VELOCITY : at.WIND_VELOCITY + 3])
-    return model
-
-
 def run(scene, config, exact=False):
     """`Run` of a `Config` through a scene; StepRefused if the tether refuses the start or a step.
 
     exact : whether with the exact reel-out and wind of each step, see `Scene.inputs`.
     """
     inputs = scene.inputs(config.step, exact)
-    model = started(scene, config, inputs[0])
+    scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
+    model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], shape_points=SHAPE_POINTS)
     try:
         flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
     except StepRefused as refusal:

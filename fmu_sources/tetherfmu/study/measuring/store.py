@@ -9,26 +9,32 @@ from pathlib import Path
 
 from tetherfmu.libraries.sources import PACKAGE
 
+POINTS = "points.jsonl"  # file of the points of a trade-off study
+
 
 @cache
 def package_digest():
     """Hash of all sources and tables of the package: a finished result of other sources is not taken."""
-    digest = hashlib.sha256()
-    for path in sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".py", ".csv")):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode("utf-8"))
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:12]
+    files = sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".py", ".csv"))
+    contents = (path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes() for path in files)
+    return hashlib.sha256(b"".join(contents)).hexdigest()[:12]
 
 
-class Lines:
-    """A file of finished results, by key.
+def key(*what):
+    """Name of a result: a hash of the sources, and of what it is a result of."""
+    return hashlib.sha256(repr((package_digest(), *what)).encode()).hexdigest()[:24]
 
-    points : dict of what was added, those of earlier runs included.
+
+class Store:
+    """A file of finished results, and in its folder what is kept whole.
+
+    points : dict of results by key, those of earlier runs included.
     """
 
     def __init__(self, file):
         self._file = Path(file)
-        self._file.parent.mkdir(parents=True, exist_ok=True)
+        self.folder = self._file.parent
+        self.folder.mkdir(parents=True, exist_ok=True)
         self.points = {}
         text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
         for line in text.splitlines():
@@ -50,14 +56,6 @@ class Lines:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
-
-
-class Store(Lines):
-    """A folder of finished results: `Lines`, and what is kept whole."""
-
-    def __init__(self, folder):
-        self.folder = Path(folder)
-        super().__init__(self.folder / "points.jsonl")
 
     def kept(self, key, make):
         """What `make` returned when it was first asked for under this key."""

@@ -18,10 +18,9 @@ PACKAGES = ("numpy", "numba", "scipy", "fmpy", "pythonfmu", "casadi", "moordyn")
 def processor():
     """Name of the processor."""
     information = Path("/proc/cpuinfo")
-    names = (
-        re.findall(r"^model name\s*: *(.*\S)", information.read_text(encoding="utf-8"), re.M) if information.exists() else []
-    )
-    return names[0] if names else platform.processor() or platform.machine()
+    text = information.read_text(encoding="utf-8") if information.exists() else ""
+    name = re.search(r"^model name\s*: *(.*\S)", text, re.M)
+    return name[1] if name else platform.processor() or platform.machine()
 
 
 def installed(package):
@@ -47,9 +46,9 @@ def cell(value):
         return "-"
     if not isinstance(value, float):
         return str(value)
-    if value != 0.0 and abs(value) < 0.01:
-        return f"{value:.2g}"
-    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
+    if abs(value) >= 100.0:
+        return f"{value:.0f}"
+    return f"{value:.2g}" if abs(value) < 0.01 else f"{value:.3g}"
 
 
 def markdown(table):
@@ -69,18 +68,12 @@ def factor(cost):
 
 def templates_in(folder):
     """Jinja environment of the templates in a folder; filters: `table` (writes a DataFrame), `percent` and `factor`."""
-    environment = Environment(
-        loader=FileSystemLoader(folder),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    spaces = {"trim_blocks": True, "lstrip_blocks": True, "keep_trailing_newline": True}
+    environment = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, **spaces)
     environment.filters |= {"table": markdown, "percent": percent, "factor": factor}
     return environment
 
 
 def page(template, **facts):
     """Text of a Jinja template (path), filled with facts and the circumstances."""
-    template = Path(template)
     return templates_in(template.parent).get_template(template.name).render(facts, circumstances=circumstances())

@@ -13,11 +13,9 @@ import pandas as pd
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.runtime.variables import INPUT_NAMES
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.scenes.standard import CIRCLE_LENGTH, QUASI_STEADY_START, STEP, circle_inputs
+from tetherfmu.study.scenes.standard import STEP, circle_scene
 
-from .runs import parameters_of
-
-CIRCLE = {"initial_length": CIRCLE_LENGTH, "initial_shape": QUASI_STEADY_START}  # parameters of the scene "circle"
+from .runs import Config, parameters_of
 
 
 class Hosted(NamedTuple):
@@ -80,25 +78,23 @@ def fly(path, parameters, inputs, step):
     return Hosted(times[0, 2] - began, np.diff(times), forces[3:])
 
 
-def hosted(path, parameters, inputs, step, repeats=1):
-    """`Hosted` of so many flights, each in a new process; see `fly`."""
+def hosted(path, scene, config, steps=None, repeats=1):
+    """`Hosted` of so many flights of a configuration through a scene, or its first steps, each in a new process."""
+    flight = str(path), parameters_of(scene, config), by_name(scene.inputs(config.step)[:steps]), config.step
     one_each = {"max_workers": 1, "mp_context": multiprocessing.get_context("spawn"), "max_tasks_per_child": 1}
     with ProcessPoolExecutor(**one_each) as executor:
-        tasks = [executor.submit(fly, str(path), parameters, inputs, step) for _ in range(repeats)]
+        tasks = [executor.submit(fly, *flight) for _ in range(repeats)]
         return [task.result() for task in tasks]
 
 
 def measured(path, steps, repeats):
     """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
-    flights = hosted(path, CIRCLE, by_name(circle_inputs(steps)), STEP, repeats)
+    flights = hosted(path, circle_scene(20), Config("dynamic", 20, 0.0, STEP), steps, repeats)
     return np.median([(each.start, *np.median(each.costs, axis=0)) for each in flights], axis=0).tolist()
 
 
 def flown(folder, scene, config):
-    """Time per simulated second [-] through FMPy, and the last force on the kite [N], of a configuration.
-
-    folder : with the FMUs.
-    """
+    """Time per simulated second [-] and last force on the kite [N] of a configuration, through FMPy; FMUs in a folder."""
     path = Path(folder) / f"{class_name(config.variant)}.fmu"
-    (flight,) = hosted(path, parameters_of(scene, config), by_name(scene.inputs(config.step)), config.step)
+    (flight,) = hosted(path, scene, config)
     return float(flight.costs.sum()) / (scene.count * scene.every), flight.kite_force

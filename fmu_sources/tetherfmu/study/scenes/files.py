@@ -1,7 +1,4 @@
-"""Scenes as files: what is flown with which tether in which wind, and what the user wants to know of it.
-
-Docs: docs/how_much_tether.md, "Scene files". Every number is declared once, as a quantity of a record.
-"""
+"""Scenes as files: what is flown with which tether in which wind; see docs/how_much_tether.md, "Scene files"."""
 
 import hashlib
 import tomllib
@@ -10,25 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.runtime.quantities import quantities, quantity
+from tetherfmu.runtime.quantities import check, quantities, quantity
 
-from .flights import KINDS, Checked, Flight
+from .flights import KINDS, Flight
 from .series import Series
 
-UNITS = {  # unit of a quantity: what else it may be given in, and the factor to the unit
-    "": {"%": 0.01},
-    "m": {"mm": 1e-3, "cm": 1e-2, "km": 1e3},
-    "s": {"ms": 1e-3, "min": 60.0, "h": 3600.0},
-    "rad": {"deg": 0.017453292519943295},
-    "rad/s": {"deg/s": 0.017453292519943295, "rpm": 0.10471975511965977},
-    "m/s": {"km/h": 1.0 / 3.6, "kn": 1852.0 / 3600.0},
-    "kg/m3": {"g/cm3": 1000.0},
-    "N": {"kN": 1e3, "MN": 1e6},
-    "N.s": {"kN.s": 1e3},
-}
+# what else a quantity may be given in than in its unit, and the factor to the unit
+UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # time between two compared outputs [s], about
 REQUIRED = {
@@ -44,41 +32,47 @@ class SceneError(ValueError):
 
 
 @dataclass(frozen=True)
-class Wind(Checked):
+class Wind:
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
     velocity: tuple = (0.0, 0.0, 0.0)
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
+    __post_init__ = check
 
-    def at(self, time):
-        """Wind [m/s], array (times, 3)."""
+    def __call__(self, time):
+        """Wind [m/s] at times [s], array (times, 3)."""
         factor = 1.0 + self.gust * np.sin(np.pi / self.gust_period * time) ** 2
         return np.multiply.outer(factor, self.velocity)
 
 
 @dataclass(frozen=True)
-class Wanted(Checked):
+class Wanted:
     """What the user asks for; an error counts relative to the reference's own size (docs/how_much_tether.md, "Errors")."""
 
     outputs: tuple = ("kite_force",)
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
+    __post_init__ = check
+
+
+RECORDS = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}  # of a scene, by section
 
 
 @dataclass(frozen=True)
-class Scene(Checked):
+class Scene:
     """A scene; `digest` tells scenes apart by all that they hold."""
 
     name: str
     duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
-    flight: Any = field(default=None)
-    tether: Tether = field(default=None)
-    environment: Environment = field(default=None)
-    wind: Wind = field(default=None)
-    wanted: Wanted = field(default=None)
+    flight: Any = None
+    tether: Tether = None
+    environment: Environment = field(default_factory=Environment)
+    wind: Any = Wind()  # a function of times [s], at the reference height
+    wanted: Wanted = Wanted()
     digest: str = ""
+    __post_init__ = check
 
     @property
     def every(self):
@@ -91,36 +85,26 @@ class Scene(Checked):
         """Number of compared outputs after the start."""
         return int(self.duration / self.every + 1e-9)
 
+    @property
+    def times(self):
+        """Times [s] of the compared outputs, the start included."""
+        return self.every * np.arange(self.count + 1)
+
     def inputs(self, step, exact=False):
-        """Inputs of all communication steps, array (steps, `layout.INPUTS`).
+        """Inputs of all communication steps, array (steps, INPUTS), in the order of `layout`.
 
         step : communication step [s], a whole part of `every`.  exact : give the mean reel-out speed and the wind of the
         middle of each step instead of those of its start; no importer knows them, a reference does.
         """
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
-        inputs = np.zeros((len(time), at.INPUTS))
-        inputs[:, at.KITE_POSITION : at.GROUND_VELOCITY + 3] = np.hstack(motion[:4])  # both ends, in the order of `Motion`
-        inputs[:, at.REEL_OUT_SPEED] = motion.reel_out_speed
-        if exact:
-            inputs[:, at.REEL_OUT_SPEED] = (self.flight.motion(time + step).reeled - motion.reeled) / step
-        inputs[:, at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = self.wind_at(time + 0.5 * step * exact)
-        return inputs
-
-    def wind_at(self, time):
-        """Wind [m/s] at the reference height, array (times, 3)."""
-        own = self.flight.wind(time)
-        return self.wind.at(time) if own is None else own
+        speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
+        load = np.zeros((len(time), 3))
+        return np.column_stack([*motion[:4], speed, self.wind(time + 0.5 * step * exact), load])
 
 
 def load(path):
-    """Read a scene file.
-
-    Raises
-    ------
-    SceneError
-        In one line: file, key, value and what is allowed.
-    """
+    """`Scene` of a file; SceneError says in one line what is wrong with it."""
     path = Path(path)
     try:
         return read(tomllib.loads(path.read_text(encoding="utf-8")), path, path.stem)
@@ -137,10 +121,11 @@ def read(table, path, name):
     """`Scene` from the table of a file; ValueError names the key."""
     require(table, "", ("name", "duration", "flight", "tether", "environment", "wind", "wanted"))
     flight = read_flight(table["flight"], path.parent)
-    kinds = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}
-    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in kinds.items()}
-    if "wind" in table and flight.wind(np.zeros(1)) is not None:
-        raise ValueError("wind is given here and in the columns of the series; it must be given once")
+    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in RECORDS.items()}
+    if flight.wind:
+        if "wind" in table:
+            raise ValueError("wind is given here and in the columns of the series; it must be given once")
+        records["wind"] = flight.wind
     name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
     flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
     digest = hashlib.sha256(repr((name, table)).encode() + flown).hexdigest()[:16]
@@ -196,9 +181,7 @@ def value_of(kind, key, value, label):
     try:
         if declared is None:
             return SPECIAL[key](value)
-        if value in declared.choices:
-            return 1 + declared.choices.index(value)
-        number = in_si(value, declared.unit)
+        number = 1 + declared.choices.index(value) if value in declared.choices else in_si(value, declared.unit)
     except ValueError as error:
         more = f", {declared.range()}" if declared else ""
         raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None
@@ -207,9 +190,14 @@ def value_of(kind, key, value, label):
     return number
 
 
+def factors(unit):
+    """Units in which a quantity may be given, and their factors to its unit."""
+    return {unit: 1.0} | UNITS[UNITS.unit == unit].set_index("spelled").factor.to_dict()
+
+
 def spellings(unit):
     """Units in which a quantity may be given, in words."""
-    return ", ".join([unit or "no unit", *UNITS.get(unit, {})])
+    return ", ".join(each or "no unit" for each in factors(unit))
 
 
 def in_si(value, unit):
@@ -219,14 +207,10 @@ def in_si(value, unit):
     if not isinstance(value, str):
         return value
     amount, _, spelled = value.strip().partition(" ")
-    factor = 1.0 if spelled.strip() == unit else UNITS.get(unit, {}).get(spelled.strip())
     try:
-        number = float(amount)
-    except ValueError:
-        number = None
-    if factor is None or number is None:
-        raise ValueError(f"it must be a number with one of the units {spellings(unit)}")
-    return number * factor
+        return float(amount) * factors(unit)[spelled.strip()]
+    except (ValueError, KeyError):
+        raise ValueError(f"it must be a number with one of the units {spellings(unit)}") from None
 
 
 def velocity(value):

@@ -6,6 +6,7 @@ Frame: z up, ground station at the origin at the start, azimuth from the x axis.
 
 import re
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -37,20 +38,10 @@ radians = declared("rad", -np.pi / 2, np.pi / 2)
 metres_per_second = declared("m/s", -200.0, 200.0)
 
 
-def rate(function, time):
-    """Time derivative of a formula: Im f(t + i TINY) / TINY."""
-    return np.imag(function(np.asarray(time, float) + 1j * TINY)) / TINY
-
-
 def polar(distance, elevation, azimuth):
     """Point [m] at a distance [m] and two angles [rad] from the origin: x, y, z."""
     across = distance * np.cos(elevation)
     return across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)
-
-
-def stacked(point):
-    """A point as array (times, 3)."""
-    return np.stack(np.broadcast_arrays(*point), -1)
 
 
 def swing(amplitude, period, time):
@@ -70,23 +61,15 @@ def ramp_integral(u):
     return np.where(np.real(u) > 1.0, u - 0.5, inside**4 * (inside * (inside - 3.0) + 2.5))
 
 
-class Checked:
-    """A record of quantities that is checked as it is made."""
-
-    def __post_init__(self):
-        check(self)
-
-
 @dataclass(frozen=True)
-class Flight(Checked):
-    """A flight by formulas. A kind gives `kite`, and where they move, `ground` and `reeled`.
+class Flight:
+    """A flight by formulas. A kind gives `kite`, its position [m], and where they move, `ground` and `reeled`.
 
     The formulas take numbers, arrays of them and CasADi symbols; points are triples x, y, z.
     """
 
-    def kite(self, time):
-        """Position of the kite [m]."""
-        raise NotImplementedError
+    wind = None  # a record may bring its own, see `series`
+    __post_init__ = check
 
     def ground(self, time):
         """Position of the ground end [m]."""
@@ -97,12 +80,14 @@ class Flight(Checked):
         return 0.0 * time
 
     def motion(self, time):
-        """`Motion` at times [s]."""
-        ends = [lambda t, end=end: stacked(end(t)) for end in (self.kite, self.ground)]
-        return Motion(*(each for f in (*ends, self.reeled) for each in (f(time), rate(f, time))))
+        """`Motion` at times [s]; the rate of a formula f is Im f(t + i TINY) / TINY."""
 
-    def wind(self, time):
-        """Wind [m/s] that a record brings with it, array (times, 3); None: that of the scene."""
+        def values(t):
+            ends = [np.stack(np.broadcast_arrays(*end(t)), -1) for end in (self.kite, self.ground)]
+            return *ends, self.reeled(t)
+
+        beyond = values(np.asarray(time, float) + 1j * TINY)
+        return Motion(*chain(*((f, np.imag(df) / TINY) for f, df in zip(values(time), beyond, strict=True))))
 
 
 @dataclass(frozen=True)

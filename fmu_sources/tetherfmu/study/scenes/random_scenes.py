@@ -4,6 +4,7 @@ from itertools import cycle, islice
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from .files import read
 from .flights import KINDS
@@ -11,20 +12,13 @@ from .flights import KINDS
 SEED = 6
 ALLOWED = (0.1, 0.03, 0.01, 0.003)
 DURATION = 20.0  # [s]
-FLIGHTS = {  # by kind: a number, or the limits between which it lies
-    "circle": {"distance": (100, 600), "half_angle": (0.1, 0.4), "rate": (0.05, 0.5)},
-    "figure_of_eight": {"distance": (150, 600), "elevation": (0.3, 0.9), "speed": (10, 45)},
-    "parked": {"distance": (50, 500), "sway": (0, 10), "sway_period": (8, 30)},
-    "launch": {"distance": (20, 60), "climb_time": (6, 15)},
-    "landing": {"distance": 100.0, "final_distance": (60, 90), "reeled_in": (5, 9)},
-    "towing": {"distance": (50, 300), "speed": (3, 20), "weave": (0, 0.3)},
-    "reel": {"distance": (100, 400), "speed": (1, 8), "weave": (0, 0.2)},
-}
+FLIGHTS = pd.read_csv(Path(__file__).with_name("random_flights.csv"))  # by kind: limits between which a number lies
 
 
 def random_table(random, kind):
     """Table of a scene file. The tether is up to 0.3 % shorter than the distance of the kite, or up to 5 % longer."""
-    numbers = {name: random.uniform(*each) if isinstance(each, tuple) else each for name, each in FLIGHTS[kind].items()}
+    limits = FLIGHTS[FLIGHTS.kind == kind].itertuples()
+    numbers = {each.number: random.uniform(each.low, each.high) if each.low < each.high else each.low for each in limits}
     flight = {"kind": kind, **numbers}
     slack = random.choice([random.uniform(-0.003, 0.0), random.uniform(0.0, 0.005), random.uniform(0.005, 0.05)])
     diameter = random.uniform(0.002, 0.008)

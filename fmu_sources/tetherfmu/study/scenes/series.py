@@ -56,26 +56,20 @@ class Series:
     """The flight of a CSV file, from its first time on.
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
-    speed and wind are monotone cubic curves.
+    speed and wind are monotone cubic curves; `wind` is None if the file has none.
     """
 
     def __init__(self, path):
         table = read_columns(Path(path))
         time = table["time"].to_numpy() - table["time"].iloc[0]
-        given = [vector for vector in VECTORS if f"{vector}[1]" in table]
-        values = {vector: table[[vector + axis for axis in AXES]].to_numpy() for vector in given}
-        ends = [(values.get(f"{end}_position"), values.get(f"{end}_velocity")) for end in ("kite", "ground")]
+        given = [table[[v + axis for axis in AXES]].to_numpy() if f"{v}[1]" in table else None for v in VECTORS]
+        kite, kite_velocity, ground, ground_velocity, wind = given
         self.duration = float(time[-1])
-        self._ends = [curve(time, *end) for end in ends]
-        self._reeling = PchipInterpolator(time, table["reel_out_speed"]) if "reel_out_speed" in table else None
-        self._wind = PchipInterpolator(time, values["wind_velocity"]) if "wind_velocity" in values else None
+        self._ends = curve(time, kite, kite_velocity), curve(time, ground, ground_velocity)
+        self._reeling = PchipInterpolator(time, table.get("reel_out_speed", 0.0 * time))
+        self.wind = None if wind is None else PchipInterpolator(time, wind)
 
     def motion(self, time):
         """`Motion` at an array of times [s]."""
-        reel = self._reeling
-        paid_out = (reel.antiderivative()(time), reel(time)) if reel else (0.0 * time, 0.0 * time)
-        return Motion(*(end(time, order) for end in self._ends for order in (0, 1)), *paid_out)
-
-    def wind(self, time):
-        """Wind [m/s] of the file, array (times, 3); None: it has none."""
-        return self._wind(time) if self._wind else None
+        ends = (end(time, order) for end in self._ends for order in (0, 1))
+        return Motion(*ends, self._reeling.antiderivative()(time), self._reeling(time))

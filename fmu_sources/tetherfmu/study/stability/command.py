@@ -1,9 +1,4 @@
-"""The command `python -m tetherfmu.study stability`: where the tethers hold at the extremes, and where they refuse.
-
-It judges random points (`points.py`) and writes the page stability.md with its heat maps. It may be stopped at any time and
-goes on where it was: finished points are kept in the file of results. With `--point` it judges one point and prints all that
-is known about it.
-"""
+"""The command `python -m tetherfmu.study stability`: it judges random points, and writes stability.md and its heat maps."""
 
 import sys
 from pathlib import Path

@@ -1,24 +1,19 @@
 """Heat maps of the stability map: one column per pair of axes, one row per quantity, a figure per group of variants."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from scipy.stats import binned_statistic_2d
 
 EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
-AXES = {  # label, edges of the cells; by column of the results as `report.prepared` makes them
-    "length": ("length [m]", np.geomspace(1.0, 1e4, EDGES)),
-    "segment_length": ("segment [m]", np.geomspace(0.01, 1000.0, EDGES)),
-    "axial_stiffness": ("EA [N]", np.geomspace(1e3, 1e9, EDGES)),
-    "step": ("communication step [s]", np.geomspace(1e-4, 1.0, EDGES)),
-    "fixed_step": ("fixed step [s]", np.geomspace(1e-5, 1.0, EDGES)),
-    "frequency": ("axial frequency [Hz]", np.geomspace(1.0, 1e6, EDGES)),
-    "slack_percent": ("slack [%]", np.linspace(-1.0, 90.0, EDGES)),
-    "wind": ("wind [m/s]", np.linspace(0.0, 60.0, EDGES)),
-}
+# by column of the results as `report.prepared` makes them: head in tables; name, unit and bands as a region; axis in maps;
+# name where the largest is told
+QUANTITIES = pd.read_csv(Path(__file__).with_name("quantities.csv"), index_col="name")
 ENDS = {"length": "axial_stiffness"}, {"slack_percent": "wind"}
 PAIRS = ENDS[0] | {"step": "axial_stiffness", "segment_length": "step"} | ENDS[1]
 FIXED_PAIRS = ENDS[0] | {"frequency": "fixed_step", "segment_length": "fixed_step"} | ENDS[1]
@@ -46,6 +41,12 @@ FIGURES = {
 COMPARED = ("dynamic (adaptive and fixed step) and quasi-steady", (*DYNAMIC, STATIC[0]), PAIRS, (HELD,))
 
 
+def edges(axis):
+    """Edges of the cells along an axis."""
+    space = np.geomspace if QUANTITIES.scale[axis] == "log" else np.linspace
+    return space(QUANTITIES.low[axis], QUANTITIES.high[axis], EDGES)
+
+
 def cells(results, row, up, across):
     """Array of the quantity of a row [%] over two axes, nan where there are fewer than `FEWEST` points."""
     values = results.verdict.isin(row.verdicts) if row.verdicts else results.error
@@ -55,8 +56,7 @@ def cells(results, row, up, across):
         return np.nan if len(found) < FEWEST else 100.0 * (found.mean() if row.verdicts else found.median())
 
     places = np.arange(float(len(results)))  # scipy takes finite numbers only, and an error may be infinite
-    edges = [AXES[axis][1] for axis in (up, across)]
-    return binned_statistic_2d(results[up], results[across], places, of_cell, edges).statistic
+    return binned_statistic_2d(results[up], results[across], places, of_cell, [edges(up), edges(across)]).statistic
 
 
 def draw(results, figure_of, path, when=""):
@@ -66,11 +66,10 @@ def draw(results, figure_of, path, when=""):
     figure = Figure(figsize=(3.3 * len(pairs), 2.9 * len(rows)), layout="constrained")
     axes = figure.subplots(len(rows), len(pairs), squeeze=False)
     for line, row in zip(axes, rows, strict=True):
-        for panel, (across, up) in zip(line, pairs.items(), strict=True):
-            (xlabel, x), (ylabel, y) = AXES[across], AXES[up]
-            mesh = panel.pcolormesh(x, y, cells(results, row, up, across), norm=row.norm, cmap=row.colours)
-            xscale, yscale = ("log" if edges[0] > 0.0 else "linear" for edges in (x, y))
-            panel.set(facecolor="0.9", xscale=xscale, yscale=yscale, xlabel=xlabel, ylabel=ylabel)
+        for panel, (x, y) in zip(line, pairs.items(), strict=True):
+            mesh = panel.pcolormesh(edges(x), edges(y), cells(results, row, y, x), norm=row.norm, cmap=row.colours)
+            scales = {"xscale": QUANTITIES.scale[x], "yscale": QUANTITIES.scale[y]}
+            panel.set(facecolor="0.9", **scales, xlabel=QUANTITIES.axis[x], ylabel=QUANTITIES.axis[y])
         figure.colorbar(mesh, ax=line, label=row.label, extend="both" if row is ERROR else "neither", pad=0.01)
     figure.suptitle(f"{when}{title}: {len(results)} points; grey: fewer than {FEWEST} points")
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -27,7 +27,7 @@ from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.study.scenes.standard import MODELS
 
-from .points import CALLS, MOST_REELED, kite, wind
+from .points import CALLS, MOST_REELED, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
@@ -35,7 +35,11 @@ MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
 LINE_DENSITY = DEFAULT.line_density  # [kg/m]
-REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
+REFUSALS = {  # how their sentences begin, and their names in words
+    status.SENTENCES[code].split("{")[0]: name.lower().replace("_", " ")
+    for name, code in vars(status).items()
+    if isinstance(code, int)
+}
 
 
 class MapFlight(NamedTuple):
@@ -50,14 +54,6 @@ class MapFlight(NamedTuple):
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
     finite: bool = True
-
-
-def name_of(message):
-    """Which status a refusal says in its sentence, in words."""
-    for code, name in REFUSALS.items():
-        if message.startswith(status.SENTENCES[code].split("{")[0]):
-            return name
-    raise ValueError(f"unknown refusal: {message}")
 
 
 def model_of(point, refinement):
@@ -104,16 +100,17 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     refinement : divides the communication step too; see `model_of`.  calls : communication steps (of the unrefined flight).
     """
     step, model = point.step / refinement, model_of(point, refinement)
+    wind = point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))
     outputs, states, refusal, work, longest = [], [], "", 0.0, 0.0
     for k in range(calls * refinement + 1):
         position, velocity = kite(point, max(0, k - 1) * step)
-        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind(point)}
+        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
         started = process_time()
         try:
             call = partial(model.step, step) if k else model.initialize
             outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
         except StepRefused as error:
-            refusal = name_of(str(error))
+            (refusal,) = (name for sentence, name in REFUSALS.items() if str(error).startswith(sentence))
             break
         finally:
             longest = max(longest, process_time() - started)

@@ -112,8 +112,3 @@ def kite(point, time):
     direction = np.cos(point.cone) * axis + np.sin(point.cone) * (np.cos(angle) * side + np.sin(angle) * up)
     turning = rate * np.sin(point.cone) * (np.cos(angle) * up - np.sin(angle) * side)
     return distance * direction, ratio * point.reel_out_speed * direction + distance * turning
-
-
-def wind(point):
-    """Wind [m/s], array of 3."""
-    return point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))

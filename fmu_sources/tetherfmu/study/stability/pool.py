@@ -1,11 +1,5 @@
-"""Judge many points in parallel, keep each verdict in a file at once, and survive what a point may do to its process.
+"""Judge many points in parallel, keep each verdict in a file at once, and survive what a point may do to its process."""
 
-A line of the file (`store.Lines`) holds a point and its verdict, a row of the table of results. Its key is made of the point
-and of the sources of the package, so a verdict is used again only for what it was found with.
-"""
-
-import hashlib
-import json
 import multiprocessing
 import os
 from concurrent.futures import as_completed
@@ -14,19 +8,14 @@ import pandas as pd
 from pebble import ProcessExpired, ProcessPool
 
 from tetherfmu.study.measuring.executors import progress_bar
-from tetherfmu.study.measuring.store import Lines, package_digest
+from tetherfmu.study.measuring.store import Store, key
 
 from .points import MapPoint
 from .verdict import Verdict, judge
 
 COLUMNS = MapPoint._fields + Verdict._fields
+ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
 MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
-
-
-def key(point):
-    """Name of a point and of the sources that judge it: 16 hexadecimal digits."""
-    text = json.dumps([package_digest(), *point])
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def table(lines):
@@ -36,17 +25,7 @@ def table(lines):
 
 def read(path):
     """Table of the results in a file; empty where there is no file, without lines of another form."""
-    return table(line for line in Lines(path).points.values() if line.keys() == set(COLUMNS))
-
-
-def verdict_of(future):
-    """What became of a judgement; a process that died or took too long is a verdict too."""
-    try:
-        return future.result()
-    except TimeoutError:
-        return Verdict("hanging")
-    except ProcessExpired:
-        return Verdict("crashed")
+    return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
 
 
 def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=None):
@@ -55,15 +34,16 @@ def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_S
     processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
     progress : wraps an iterator of known length, as `progress_bar` does.
     """
-    lines, names = Lines(path), [key(point) for point in points]
-    missing = {name: point for name, point in zip(names, points, strict=True) if name not in lines.points}
+    store, names = Store(path), [key(*point) for point in points]
+    missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
     pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
     try:
         futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
         for future in (progress or progress_bar("points"))(as_completed(futures), len(futures)):
-            name = futures[future]
-            lines.add(name, {**missing[name]._asdict(), **verdict_of(future)._asdict()})
+            name, ended = futures[future], ENDED.get(type(future.exception()))
+            verdict = Verdict(ended) if ended else future.result()
+            store.add(name, {**missing[name]._asdict(), **verdict._asdict()})
     finally:
         pool.stop()  # also those that are still at work, if something stops this loop
         pool.join()
-    return table(lines.points[name] for name in names)
+    return table(store.points[name] for name in names)

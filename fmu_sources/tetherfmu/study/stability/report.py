@@ -8,40 +8,16 @@ import pandas as pd
 
 from tetherfmu.study.measuring.tables import markdown, page
 
-from .figure import COMPARED, FIGURES, draw
+from .figure import COMPARED, DYNAMIC, FIGURES, QUANTITIES, STATIC, draw
 from .flight import AMPLIFICATION, LINE_DENSITY
 from .points import VARIANTS, MapPoint
 from .verdict import LONGEST_CALL, VERDICTS
 
 PAGE = Path(__file__).with_name("page.md.j2")
-NAMES = ("dynamic, adaptive", "dynamic, fixed step", "quasi-steady", "catenary", "straight")  # of `VARIANTS`
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
-WORST = {
-    "tension_ratio": "tension over its bound",
-    "speed_ratio": "speed over its bound",
-    "error": "error",
-    "longest": "longest call [s]",
-}
-FACTS = {
-    "verdict": "verdict",
-    "number": "point",
-    "segments": "segments",
-    "length": "length m",
-    "axial_stiffness": "EA N",
-    "axial_damping": "damping N s",
-    "slack_percent": "slack %",
-    "step": "step s",
-}
-REGIONS = {  # by column: name, limits of the bands, unit
-    "segment_length": ("segment", (0.01, 0.1, 1.0, 10.0, 1000.0), "m"),
-    "axial_stiffness": ("EA", (1e3, 1e5, 1e7, 1e8, 1e9), "N"),
-    "axial_damping": ("damping", (0.0, 0.1, 10.0, 1e3, 1e5), "N s"),
-    "slack_percent": ("slack", (-1.0, 0.0, 5.0, 30.0, 90.0), "%"),
-    "step": ("communication step", (1e-4, 1e-3, 0.01, 0.1, 1.0), "s"),
-    "wind": ("wind", (0.0, 20.0, 40.0, 60.0), "m/s"),
-    "speed": ("kite", (0.0, 30.0, 80.0, 150.0), "m/s"),
-}
-FIXED_STEPS = {"fixed_step": ("fixed step", (1e-5, 1e-3, 5e-3, 0.02, 0.05, 0.2, 1.0), "s")}
+WORST = QUANTITIES.worst.dropna().to_dict()
+FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
+REGIONS = QUANTITIES.dropna(subset="bands")
 
 
 def prepared(results):
@@ -50,7 +26,7 @@ def prepared(results):
     frequency : of a node between two taut segments, axially [Hz]: sqrt(4 k/m)/(2 pi) = sqrt(EA/mu)/(pi l0).
     """
     return results.assign(
-        variant=pd.Categorical(results.variant, VARIANTS).rename_categories(NAMES),
+        variant=pd.Categorical(results.variant, VARIANTS).rename_categories((*DYNAMIC, *STATIC)),
         verdict=pd.Categorical(results.verdict, VERDICTS),
         start=pd.Categorical(results.initial_shape, (1, 2, 3)).rename_categories(STARTS),
         segment_length=results.length / results.segments,
@@ -60,10 +36,7 @@ def prepared(results):
 
 
 def counted(results, name, *labellings):
-    """Table with a row for each label of the points, of one labelling after the other; the column of labels has a name.
-
-    Number of points, shares or numbers of the verdicts, quantiles of the error [%].
-    """
+    """Points, verdicts and quantiles of the error [%]: a row for each label, of one labelling after the other."""
     tables = []
     for labels in labellings:
         verdicts = pd.get_dummies(results.verdict).groupby(labels, observed=False)
@@ -81,12 +54,11 @@ def by_variant(results):
 
 def by_region(results, variant):
     """Table of one variant with a row per band of each of the regions, and per start."""
-    mine = results[results.variant == variant]
-    regions = FIXED_STEPS | REGIONS if variant == "dynamic, fixed step" else REGIONS
-    bands = [
-        pd.cut(mine[column], limits, right=False, labels=[f"{name} {a:g} to {b:g} {unit}" for a, b in pairwise(limits)])
-        for column, (name, limits, unit) in regions.items()
-    ]
+    mine, bands = results[results.variant == variant], []
+    for each in REGIONS.drop([] if variant == "dynamic, fixed step" else "fixed_step").itertuples():
+        limits = [float(limit) for limit in each.bands.split()]
+        labels = [f"{each.region} {a:g} to {b:g} {each.unit}" for a, b in pairwise(limits)]
+        bands.append(pd.cut(mine[each.Index], limits, right=False, labels=labels))
     return counted(mine, "region", *bands, mine.start).replace({"region": {"damping 0 to 0.1 N s": "without damping"}})
 
 
@@ -124,14 +96,13 @@ def compared(both):
 
 def figures(results, both, folder):
     """Draw the heat maps into a folder; returns their paths, as seen from it, by title."""
-    drawn = {
-        f"{figure[0]}: heat maps": (f"figures/stability_{name}.png", results, figure) for name, figure in FIGURES.items()
-    }
+    path = "figures/stability_{}.png".format
+    for name, figure in FIGURES.items():
+        draw(results, figure, folder / path(name))
     for when, found in both.items():
-        drawn[f"Heat maps, {when}"] = (f"figures/stability_{when}.png", found, COMPARED, f"{when}: ")
-    for path, found, figure, *when in drawn.values():
-        draw(found, figure, folder / path, *when)
-    return {title: path for title, (path, *_) in drawn.items()}
+        draw(found, COMPARED, folder / path(when), f"{when}: ")
+    titles = {f"{figure[0]}: heat maps": path(name) for name, figure in FIGURES.items()}
+    return titles | {f"Heat maps, {when}": path(when) for when in both}
 
 
 def write(results, before, folder, with_figures):
