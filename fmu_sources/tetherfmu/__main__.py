@@ -35,7 +35,8 @@ def main(arguments=None):
         return WRONG_USE
     module, _ = COMMANDS[name]
     try:
-        return import_module(module).main([name, *rest] if module == STUDY else rest) or 0
+        run = import_module(module).main
+        return (run([name, *rest], prog="tetherfmu") if module == STUDY else run(rest)) or 0
     except ModuleNotFoundError as missing:
         if (missing.name or "tetherfmu").startswith("tetherfmu"):
             raise

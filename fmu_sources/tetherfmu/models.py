@@ -186,8 +186,8 @@ class TetherModel:
         kite_load : (3,) array
             External force [N] on a free kite end.
         tether_length : float
-            Unstretched length [m] at the end of the step, for the tethers without waves (all but the dynamic one), whatever it
-            was before. `reel_out_speed` still says how fast material moves along the tether.
+            Unstretched length [m] at the end of the step, whatever it was before, for the tethers without waves (all but the
+            dynamic one). `reel_out_speed` still says how fast material moves along the tether.
 
         Returns
         -------
@@ -197,21 +197,27 @@ class TetherModel:
         Raises
         ------
         StepRefused
-            If the step cannot be done; the tether keeps the state of before.
+            If the step cannot be done; the tether keeps the state and the inputs of before.
         ValueError
-            If an argument has another shape.
+            If an argument has another shape; nothing is changed.
         """
         if not self._runs:
             raise self._not_initialized()
-        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load)
+        if tether_length is not None and self.variant == "dynamic":
+            raise ValueError(
+                "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
+            )
         try:
             step = float(step)
         except (TypeError, ValueError):
             raise ValueError(f"step is {step!r}; it must be a number [s]") from None
+        inputs, length = self._inputs.copy(), self._state[at.LENGTH]
+        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load)
         if tether_length is not None:
-            return self._step_to(tether_length, step)
+            self._state[at.LENGTH] = float(tether_length) - self._inputs[at.REEL_OUT_SPEED] * step
         problem = self._instance.advance(step)
         if problem:
+            self._inputs[:], self._state[at.LENGTH] = inputs, length
             raise StepRefused(problem, self._instance.status)
         return self._present()
 
@@ -331,7 +337,7 @@ class TetherModel:
         return {name: int(self._state[place]) for name, place in places.items()}
 
     def _set(self, *inputs):
-        """Set the inputs that are given, in the order of `layout.py`; ValueError if one has another shape, and none is set."""
+        """Set the inputs that are given, in the order of `layout.py`; none, and ValueError, if a shape is wrong."""
         changes = []
         for (name, place, size), value in zip(_INPUTS, inputs, strict=True):
             if value is not None:
@@ -376,21 +382,6 @@ class TetherModel:
         if not least <= length < np.inf:
             raise ValueError(f"slack is {slack!r}: the tether would be {length:g} m long; it must be at least {least:g} m")
         return length
-
-    def _step_to(self, tether_length, step):
-        """Step with the unstretched length [m] at its end."""
-        if self.variant == "dynamic":
-            raise ValueError(
-                "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
-            )
-        kept = self._state[at.LENGTH]
-        self._state[at.LENGTH] = tether_length - self._inputs[at.REEL_OUT_SPEED] * step
-        problem = self._instance.advance(step)
-        if problem:
-            self._state[at.LENGTH] = kept
-            self._instance.observe()
-            raise StepRefused(problem, self._instance.status)
-        return self._present()
 
     def _account(self, reel_out_speed, wind_velocity, kite_load):
         """Energies, powers and tensions of the present state, see `kernels.chain.power_balance`."""

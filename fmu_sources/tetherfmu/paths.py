@@ -22,7 +22,8 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     [500.0, 0.0, 0.0]
     """
     across = distance * cos(elevation)
-    return np.asarray(ground_position, float) + (across * cos(azimuth), across * sin(azimuth), distance * sin(elevation))
+    direction = across * cos(azimuth), across * sin(azimuth), distance * sin(elevation)
+    return np.add(ground_position, direction)
 
 
 @dataclass(frozen=True)

@@ -65,9 +65,10 @@ def solve(case):
     model = TetherQuasiSteady(case.tether)
     inputs = {name: getattr(case, name) for name in ("kite_position", "kite_velocity", "wind_velocity")}
     refusal, time = attempt(model.initialize, **inputs)
-    positions, iterations = model.positions, model.counters["iterations"]
+    iterations = model.counters["iterations"]
     if refusal:
-        return Result(case, refusal, positions, iterations, time, False, None, None, 0, 0.0)
+        return Result(case, refusal, None, iterations, time, False, None, None, 0, 0.0)
+    positions = model.positions
     slack = model.outputs().slack_segments > 0
     refused_step, next_time = attempt(model.step, STEP, **inputs)
     next_iterations = model.counters["iterations"] - iterations

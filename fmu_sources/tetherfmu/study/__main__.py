@@ -3,24 +3,18 @@
 import argparse
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
-from tetherfmu.models import StepRefused
-from tetherfmu.study.advice import scene_report
-from tetherfmu.study.advice.advise import advise, explain
-from tetherfmu.study.advice.forecast import fast_advice
-from tetherfmu.study.advice.page import make
-from tetherfmu.study.advice.thresholds import thresholds, write
-from tetherfmu.study.advice.tradeoff import LEVELS, cheapest, study
-from tetherfmu.study.benchmark import command as benchmark
-from tetherfmu.study.measuring.costs import measure_costs
+from tetherfmu.results import StepRefused
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.measuring.store import POINTS, Store
-from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import SceneError, load
-from tetherfmu.study.stability import command as stability
 
 GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
+WITH_OWN_OPTIONS = {
+    "stability": "find where the tethers hold and where they refuse",
+    "benchmark": "measure what the tethers cost, in races too",
+}
 
 
 class Parser(argparse.ArgumentParser):
@@ -38,9 +32,9 @@ def processes(text):
     return int(text)
 
 
-def parse(arguments):
+def parse(arguments, prog):
     """Command line options."""
-    parser = Parser(prog="python -m tetherfmu.study", description="Studies of the tethers: advice, costs, limits.")
+    parser = Parser(prog=prog, description="Studies of the tethers: advice, costs, limits.")
     commands = parser.add_subparsers(dest="command", required=True)
 
     def command(run, name, about):
@@ -58,19 +52,26 @@ def parse(arguments):
     trade.add_argument("--dask", metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
     trade.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
     trade.add_argument("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
-    command(measure_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
+    command(run_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
     command(run_thresholds, "thresholds", "measure the thresholds anew (thresholds.csv of this package)")
     page = command(run_page, "page", "measure and write docs/how_much_tether.md and its figures")
     page.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
     page.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
     page.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
-    stability.add_arguments(command(stability.run, "stability", "find where the tethers hold and where they refuse"))
-    benchmark.add_arguments(command(benchmark.run, "benchmark", "measure what the tethers cost, in races too"))
+    for name, about in WITH_OWN_OPTIONS.items():
+        if name in arguments:
+            module = import_module(f"{__package__}.{name}.command")
+            module.add_arguments(command(module.run, name, about))
+        else:
+            command(None, name, about)  # for the list of commands; what it needs takes a second to import
     return parser.parse_args(arguments)
 
 
 def run_advise(options):
     """Print the advice for a scene; returns 1 if nothing meets what it asks for."""
+    from tetherfmu.study.advice.advise import advise, explain
+    from tetherfmu.study.advice.forecast import fast_advice
+
     scene = load(options.scene)
     advice = fast_advice(scene) if options.fast else advise(scene)
     print(explain(scene, advice))
@@ -79,6 +80,9 @@ def run_advise(options):
 
 def fmpy_times(scene, points, folder):
     """Measured time per simulated second through FMPy of the configurations that the report names; builds missing FMUs."""
+    from tetherfmu.study.advice.tradeoff import LEVELS, cheapest
+    from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
+
     best = [cheapest(points, level) for level in {*LEVELS, scene.wanted.allowed_error}]
     with tempfile.TemporaryDirectory() as temporary:
         fmus_in(folder or temporary)
@@ -87,6 +91,10 @@ def fmpy_times(scene, points, folder):
 
 def run_tradeoff(options):
     """Study a scene, write and print the report."""
+    from tetherfmu.study.advice import scene_report
+    from tetherfmu.study.advice.tradeoff import study
+    from tetherfmu.study.measuring.store import POINTS, Store
+
     scene = load(options.scene)
     store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
     with executor_of(options.dask, options.processes) as executor:
@@ -95,21 +103,30 @@ def run_tradeoff(options):
     print(scene_report.write(scene, reference, points, through_fmpy, store.folder))
 
 
+def run_costs(_):
+    """Measure and store the unit costs."""
+    import_module("tetherfmu.study.measuring.costs").measure_costs()
+
+
 def run_thresholds(_):
     """Measure and store the thresholds."""
+    from tetherfmu.study.advice.thresholds import thresholds, write
+
     with executor_of() as executor:
         write(*thresholds(executor, progress_bar("thresholds")))
 
 
 def run_page(options):
     """Write the page of the manual."""
+    from tetherfmu.study.advice.page import make
+
     with executor_of() as executor:
         make(options.scenes, options.out, options.store, executor, progress_bar)
 
 
-def main(arguments=None):
+def main(arguments=None, prog="python -m tetherfmu.study"):
     """Do what the command line says; returns the exit status, 2 for a wrong file, 130 after Ctrl-C."""
-    options = parse(arguments)
+    options = parse(sys.argv[1:] if arguments is None else arguments, prog)
     try:
         return options.run(options) or 0
     except (SceneError, OSError) as error:

@@ -52,7 +52,7 @@ def test_a_line_has_no_memory(variant, path):
 def rested(model, position):
     """Outputs after three steps with the kite at rest: its speed is estimated from the last two inputs."""
     for _ in range(3):
-        out = model.step(STEP, kite_position=position, wind_velocity=WIND)
+        out = model.step(STEP, position, (0.0, 0.0, 0.0), wind_velocity=WIND)
     return out
 
 
@@ -101,7 +101,7 @@ def test_dynamic_tether_accounts_for_its_energy_and_comes_to_rest(path):
     assert residual < 0.01
     end = path(COUNT * STEP)["kite_position"]
     for _ in range(1500):
-        out = model.step(STEP, kite_position=end, wind_velocity=WIND)
+        out = model.step(STEP, end, (0.0, 0.0, 0.0), wind_velocity=WIND)
     expected = TetherDynamic(TETHER).initialize(end, wind_velocity=WIND)
     # 30 s of swinging in a breeze: 4 cm of 100 m are left
     np.testing.assert_allclose(out.shape, expected.shape, rtol=0, atol=0.1)

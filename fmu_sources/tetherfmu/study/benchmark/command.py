@@ -2,13 +2,11 @@
 
 import importlib
 import os
-import shutil
 import tempfile
 from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.runtime.resources import KERNELS_FOLDER
 from tetherfmu.study.measuring.tables import circumstances, page
 from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
 from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
@@ -80,20 +78,17 @@ def run(options):
     moordyn = None if options.no_peers or flights else peer("moordyn_line", "moordyn")
     with tempfile.TemporaryDirectory() as temporary:
         paths = fmus_in(options.fmus or temporary)
-        for path in paths.values():
-            shutil.unpack_archive(path, temporary, "zip")
-        libraries = Path(temporary) / "resources" / KERNELS_FOLDER
         if not flights:
-            tables["Kernels"] = kernel_table(libraries, **(QUICK_KERNELS if quick else {}))
+            tables["Kernels"] = kernel_table(**(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
         raced = scenes(quick, flights)
-        runs = pd.concat([race(libraries, scene, cvodes, quick, not (quick or flights)) for scene in raced])
+        runs = pd.concat([race(scene, cvodes, quick, not (quick or flights)) for scene in raced])
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
         tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:
             tables["At equal error"] = equal_errors(runs)
         if moordyn:
-            tables["MoorDyn"] = moordyn.moordyn_table(libraries, quick)
+            tables["MoorDyn"] = moordyn.moordyn_table(quick)
     if options.figure:
         draw(runs, options.figure)
     slopes = max(cvodes.largest_difference(scene) for scene in raced) if cvodes else None

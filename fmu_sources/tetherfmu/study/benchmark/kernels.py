@@ -1,13 +1,13 @@
-"""Time of the compiled kernels of an FMU: flights over many communication steps, compiled too, and starts."""
+"""Time of the compiled kernels, those of the FMUs: flights over many communication steps, compiled too, and starts."""
 
 from array import array
 from functools import partial
 
 import pandas as pd
 
+from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
-from tetherfmu.runtime.kernel_library import load
 from tetherfmu.runtime.parameters import Solver
 from tetherfmu.runtime.variants import VARIANTS, WITHOUT_NODES, effective
 from tetherfmu.study.measuring.clock import interleaved
@@ -18,10 +18,10 @@ FEWER = 50  # starts are so many times fewer than steps
 START, OUTPUTS, FLIGHT = "start (cold)", "outputs", "step"
 
 
-def flight(folder, variant, segments, steps):
+def flight(variant, segments, steps):
     """The circle as a function of whether outputs are computed too; it returns internal steps, or iterations for a shape."""
     scene = circle_scene(segments)
-    model = tether_at_start(scene, variant=variant, library=folder)
+    model = tether_at_start(scene, variant=variant)
     start, inputs, before = model.get_state(), scene.inputs(STEP)[:steps], sum(model.counters.values())
 
     def fly(with_outputs):
@@ -32,10 +32,10 @@ def flight(folder, variant, segments, steps):
     return fly
 
 
-def starts(folder, variant, segments, count):
+def starts(variant, segments, count):
     """A new start at so many points of the circle, as a function that returns the iterations for all shapes."""
     scene = circle_scene(segments)
-    instance = Instance(load(folder, variant), segments + 1)
+    instance = Instance(kernels(variant), segments + 1)
     instance.set_up((effective(scene.tether, variant),), scene.environment, Solver())
     inputs = [array("d", row) for row in scene.inputs(STEP)[:count]]
 
@@ -52,15 +52,15 @@ def starts(folder, variant, segments, count):
     return start
 
 
-def kernel_table(folder, segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
-    """Time and work (internal steps or iterations) per communication step or start, of all libraries in a folder."""
+def kernel_table(segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
+    """Time and work (internal steps or iterations) of the kernels per communication step or start."""
     jobs = {}
     for variant in VARIANTS:
         for n in (1,) if variant in WITHOUT_NODES else segments:
-            fly = flight(folder, variant, n, steps)
+            fly = flight(variant, n, steps)
             jobs |= {(variant, what, n): partial(fly, what == OUTPUTS) for what in (FLIGHT, OUTPUTS)}
             if variant == "quasi_steady":
-                jobs[variant, START, n] = starts(folder, variant, n, steps // FEWER)
+                jobs[variant, START, n] = starts(variant, n, steps // FEWER)
     times, work = interleaved(jobs, repeats, min)
     rows = []
     for (variant, what, n), seconds in times.items():

@@ -67,15 +67,15 @@ def moordyn_flight(scene, scheme, step):
     return fly
 
 
-def moordyn_table(libraries, quick):
-    """The circle in MoorDyn at its largest stable steps, and in our tether with a folder of libraries; a DataFrame."""
+def moordyn_table(quick):
+    """The circle in MoorDyn at its largest stable steps, and in our tether; a DataFrame."""
     scene = circle_scene(20, 6.0 if quick else 40.0)
     jobs = {}
     for scheme, step in SCHEMES:
         fly = moordyn_flight(scene, scheme, step)
         fly(PART if quick else WARM_UP)
         jobs[f"MoorDyn {scheme}, {1000 * step:.3g} ms"] = partial(fly, PART)
-    jobs[OURS] = our_run(libraries, circle_scene(20, PART * STEP), STEP, DEFAULT, {})
+    jobs[OURS] = our_run(circle_scene(20, PART * STEP), STEP, DEFAULT, {})
     times = pd.Series(interleaved(jobs, 2 if quick else 20)[0])
     table = pd.DataFrame({"us per step": 1e6 * times / PART, "ratio": times / times[OURS]})
     return table.rename_axis("solver").reset_index()

@@ -23,12 +23,12 @@ LADDERS = (  # tolerances of our tether, of CVODES in one call, of CVODES restar
 QUICK_LADDERS = LADDERS[0][::2], LADDERS[1][::3], LADDERS[2][:1]
 
 
-def our_run(folder, scene, step, tolerance, counters):
-    """Our dynamic tether, kernels of the FMU's library, as a function that returns what `exact` returns.
+def our_run(scene, step, tolerance, counters):
+    """Our dynamic tether as a function that returns what `exact` returns.
 
     The internal steps of the last call are put into `counters` under the solver and the tolerance.
     """
-    model = tether_at_start(scene, tolerance, library=folder)
+    model = tether_at_start(scene, tolerance)
     start, first = model.get_state(), model.positions[None]
     inputs, every = scene.inputs(step), round(scene.every / step)
     free = slice(1, None if scene.kite_is_free else -1)
@@ -42,15 +42,14 @@ def our_run(folder, scene, step, tolerance, counters):
     return run
 
 
-def race(folder, scene, peers, quick, compiled_too):
+def race(scene, peers, quick, compiled_too):
     """Table of all solvers in a scene.
 
-    folder : with the library of the dynamic tether.  peers : the module `cvodes`, or None.  compiled_too : whether CVODES
-    also gets its equations as compiled C.
+    peers : the module `cvodes`, or None.  compiled_too : whether CVODES also gets its equations as compiled C.
     """
     step, counters = scene.every if scene.kite_is_free else STEP, {}
     ours, whole, restarted = QUICK_LADDERS if quick else LADDERS
-    jobs = {(OURS, tolerance): our_run(folder, scene, step, tolerance, counters) for tolerance in ours}
+    jobs = {(OURS, tolerance): our_run(scene, step, tolerance, counters) for tolerance in ours}
     if peers:
         for suffix in ("", COMPILED) if peers.COMPILER and compiled_too else ("",):
             jobs |= {(WHOLE + suffix, each): peers.whole_run(scene, each, bool(suffix)) for each in whole}

@@ -16,7 +16,6 @@ from scipy.optimize import nnls
 
 from tetherfmu.export.archive import build
 from tetherfmu.models import StepRefused
-from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.scenes.random_scenes import random_scenes
 
@@ -61,15 +60,15 @@ def fitted(scenes, variant):
     return nnls(np.array(rows), np.ones(len(rows)))[0]
 
 
-def measure_costs(_):
-    """Measure all unit costs in random scenes, store and print them; a command without options.
+def measure_costs():
+    """Measure all unit costs in random scenes, store and print them.
 
     What FMPy adds to a communication step is the time of a straight tether's FMU, whose kernel costs next to nothing.
     """
     scenes = random_scenes(SCENES)
     rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
     with tempfile.TemporaryDirectory() as folder:
-        path = build("TetherStraight", folder, platforms=(this_platform(),))
+        path = build("TetherStraight", folder)
         rows[HOST] = [sum(measured(path, HOST_STEPS, REPEATS)[1:]), 0.0, 0.0, 0.0]
     found = pd.DataFrame.from_dict(rows, orient="index", columns=COLUMNS).rename_axis("variant")
     found.map("{:.3g}".format).to_csv(TABLE, lineterminator="\r\n")

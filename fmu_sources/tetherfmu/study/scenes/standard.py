@@ -84,5 +84,6 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **optio
     solver = Solver(relative_tolerance=tolerance, initial_shape=shape)
     model = MODELS[variant](scene.tether, scene.environment, solver, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
-    model.initialize(*np.split(first, INPUT_STARTS)[:-1])
+    *ends, (reel_out_speed,), wind_velocity, _ = np.split(first, INPUT_STARTS)
+    model.initialize(*ends, reel_out_speed, wind_velocity)
     return model

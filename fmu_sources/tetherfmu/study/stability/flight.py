@@ -34,7 +34,7 @@ ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
-LINE_DENSITY = DEFAULT.line_density  # [kg/m]
+LINE_DENSITY = DEFAULT.mass_per_meter  # [kg/m]
 REFUSALS = {  # how their sentences begin, and their names in words
     status.SENTENCES[code].split("{")[0]: name.lower().replace("_", " ")
     for name, code in vars(status).items()
