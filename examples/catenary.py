@@ -6,13 +6,16 @@ exact elastic catenary, TetherQuasiSteady a chain of 5 and of 22 segments.
     python examples/catenary.py
 """
 
-import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
 from circular_flight import find_fmu
-from flight_figures import plt
 from still import hold
+
+from tetherfmu.console.ending import command
+from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.progress import now
 
 KITE = (100.0, 100.0, 800.0)
 LENGTH = 1.05 * np.linalg.norm(KITE)
@@ -34,6 +37,8 @@ def compare(files=None):
 
 def plot(rests):
     """Side view in the vertical plane through ground station and kite; the lower end enlarged."""
+    from flight_figures import plt
+
     figure, panels = plt.subplots(1, 2, figsize=(9.0, 5.5), layout="constrained")
     for axes in panels:
         for (name, rest), style in zip(rests.items(), ("ks", "--", "-"), strict=True):
@@ -48,18 +53,21 @@ def plot(rests):
     return figure
 
 
+@command
 def main(arguments=None):
     """Print the end forces, write the figure."""
-    parser = argparse.ArgumentParser(description="The chain against the exact catenary.")
-    parser.add_argument("--out", type=Path, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    parser = Parser(description="The chain against the exact catenary.")
+    parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
     given = parser.parse_args(arguments)
+    now("holding the tethers")
     rests = compare()
     for name, rest in rests.items():
         ground, kite = (", ".join(f"{part:.3f}" for part in force) for force in (rest.ground_force, rest.kite_force))
         print(f"{name}: force on the ground station ({ground}) N, on the kite ({kite}) N")
     given.out.mkdir(parents=True, exist_ok=True)
+    now("drawing")
     plot(rests).savefig(given.out / "catenary.png", dpi=150)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -18,17 +18,22 @@ the jolt, 274 N at the ground in still air instead of 46 N, is damped out within
 
 import argparse
 import atexit
-import shutil
 import sys
+import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
 from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from tetherfmu.commands.build import main as build
+from tetherfmu.console.ending import WrongUse, command, ctrl_c_waits
+from tetherfmu.console.options import Parser, file, folder, number
+from tetherfmu.console.progress import now
+from tetherfmu.export.archive import build
 from tetherfmu.runtime.variants import class_name, variant_of
 
 TETHERS = {variant: class_name(variant) for variant in ("dynamic", "quasi_steady", "catenary", "straight")}
@@ -54,10 +59,10 @@ def circle(time, rate):
     return position, TURN @ (-radius * rate * sin, radius * rate * cos, 0.0)
 
 
-def co_simulate(fmu, inputs, outputs, rate, step, count):
+def co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed):
     """Initialize the tether and do `count` communication steps; returns rows of outputs and the wall time [s].
 
-    inputs, outputs : value references of kite position and velocity, and of what is read.
+    inputs, outputs : value references of kite position and velocity, and of what is read.  stop_if_pressed : for Ctrl-C.
     """
     fmu.setReal(inputs, np.concatenate(circle(0.0, rate)))
     fmu.exitInitializationMode()
@@ -71,6 +76,7 @@ def co_simulate(fmu, inputs, outputs, rate, step, count):
         fmu.doStep(k * step, step)
         # 3. Its forces and its shape at the end of the step, the time (k + 1) step.
         rows.append(fmu.getReal(outputs))
+        stop_if_pressed()
     return np.array(rows), perf_counter() - started
 
 
@@ -81,44 +87,79 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     duration [s] : None for one turn.  start : a key of `STARTS`, how the tether is at the start.
     """
     count = round((duration or 2.0 * np.pi / rate) / step)
-    description = read_model_description(str(fmu_file))
+    if count == 0:
+        raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
+    description = description_of(fmu_file)
     reference = {variable.name: variable.valueReference for variable in description.modelVariables}
-
-    def vectors(*names):
-        return [reference[f"{name}[{i}]"] for name in names for i in (1, 2, 3)]
-
     points = [value for name, value in reference.items() if name.startswith("shape[")]
     if not points:
-        raise ValueError(f"{fmu_file} has no output shape; build it with --shape-points 21")
-    fmu, folder = load(fmu_file, description)
-    fmu.setupExperiment(startTime=0.0)
-    fmu.setReal([reference["initial_length"]], [length])
-    fmu.setInteger([reference["initial_shape"]], [STARTS[start]])
-    fmu.enterInitializationMode()
-    fmu.setReal(vectors("wind_velocity"), wind)  # an input that is set once stays
-    inputs, outputs = vectors("kite_position", "kite_velocity"), vectors("ground_force", "kite_force") + points
-    rows, wall_time = co_simulate(fmu, inputs, outputs, rate, step, count)
-    fmu.terminate()
-    fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
-    shutil.rmtree(folder, ignore_errors=True)
+        raise WrongUse(f"{fmu_file} has no output shape; build it with --shape-points 21")
+
+    def references(*names):
+        return references_of(fmu_file, reference, names)
+
+    inputs, outputs = references("kite_position", "kite_velocity"), references("ground_force", "kite_force") + points
+    with running(fmu_file, description) as (fmu, stop_if_pressed):
+        fmu.setupExperiment(startTime=0.0)
+        fmu.setReal(references("initial_length"), [length])
+        fmu.setInteger(references("initial_shape"), [STARTS[start]])
+        fmu.enterInitializationMode()
+        if any(wind):
+            fmu.setReal(references("wind_velocity"), wind)  # an input that is set once stays
+        rows, wall_time = co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed)
+        fmu.terminate()
     shape = rows[:, 6:].reshape(count + 1, -1, 3)
     return Flight(step * np.arange(count + 1), rows[:, :3], rows[:, 3:6], shape, wall_time)
 
 
-def load(fmu_file, description):
-    """Extract and instantiate an FMU; returns it and its folder.
+def description_of(fmu_file):
+    """Model description of an FMU for co-simulation by FMI 2.0; WrongUse if the file is none."""
+    try:
+        description = read_model_description(str(fmu_file))
+    except Exception as error:  # also what zipfile and the readers of XML raise
+        raise WrongUse(f"{fmu_file} is no FMU that can be read: {' '.join(str(error).split())}") from None
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0")
+    return description
+
+
+def references_of(fmu_file, reference, names):
+    """Value references of variables and of the components of vectors; WrongUse names one that the FMU does not have."""
+    found = []
+    for name in names:
+        elements = [each for each in (name, *(f"{name}[{i}]" for i in (1, 2, 3))) if each in reference]
+        if not elements:
+            raise WrongUse(f"{fmu_file} has no variable {name}; take one that tetherfmu build makes without --scene")
+        found += [reference[each] for each in elements]
+    return found
+
+
+@contextmanager
+def running(fmu_file, description):
+    """An instance of an FMU and a function to call between its steps, for Ctrl-C; RuntimeError if it refuses something."""
+    try:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, ctrl_c_waits() as stop_if_pressed:
+            fmu = load(fmu_file, description, folder)
+            yield fmu, stop_if_pressed
+            fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
+    except FMICallException as error:
+        raise RuntimeError(f"{fmu_file}: {error}; the FMU has said why") from None
+
+
+def load(fmu_file, description, folder):
+    """Extract an FMU to a folder and instantiate it.
 
     When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
     function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
     `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
     """
-    folder = extract(str(fmu_file))
+    extract(str(fmu_file), folder)
     name = description.coSimulation.modelIdentifier
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
     if hasattr(fmu.dll, "finalizePythonInterpreter"):
         atexit.register(fmu.dll.finalizePythonInterpreter)
     fmu.instantiate(loggingOn=True)
-    return fmu, folder
+    return fmu
 
 
 def summary(name, flight):
@@ -131,17 +172,9 @@ def summary(name, flight):
 def find_fmu(name):
     """Path of an FMU in dist/, which is built if it is not there."""
     file = Path("dist") / f"{name}.fmu"
-    if not file.exists() and build([name, "--out", str(file.parent)]) != 0:
-        sys.exit(f"{file.name} could not be built")
+    if not file.exists():
+        print(f"{build(name, file.parent)} is built")
     return file
-
-
-def positive(text):
-    """A finite number above zero."""
-    number = float(text)
-    if not 0.0 < number < np.inf:
-        raise ValueError
-    return number
 
 
 def tether(text):
@@ -154,18 +187,31 @@ def tether(text):
 
 def parse(arguments, prog):
     """Command line options."""
-    parser = argparse.ArgumentParser(prog=prog, description="Fly a kite on a circle and plot its tether.")
+    parser = Parser(prog=prog, description="Fly a kite on a circle and plot its tether.")
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
     option("--tether", type=tether, default="dynamic", metavar="NAME", help=f"{allowed}, or all (default: dynamic)")
-    option("--fmu", type=Path, metavar="FILE", help="a tether FMU of your own instead")
-    option("--length", type=positive, default=525.0, metavar="L", help="of the tether, unstretched [m] (default: 525)")
-    option("--rate", type=positive, default=0.05, metavar="G", help="of the turn [rad/s] (default: 0.05)")
-    option("--wind", type=float, nargs=3, default=[0.0] * 3, metavar=("WX", "WY", "WZ"), help="[m/s] (default: none)")
-    option("--step", type=positive, default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
-    option("--duration", type=positive, metavar="T", help="of the flight [s] (default: one turn)")
+    option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead")
+    option(
+        "--length",
+        type=number(1e-3, 1e5, "m"),
+        default=525.0,
+        metavar="L",
+        help="of the tether, unstretched [m] (default: 525)",
+    )
+    option("--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help="of the turn [rad/s] (default: 0.05)")
+    option(
+        "--wind",
+        type=number(unit="m/s"),
+        nargs=3,
+        default=[0.0] * 3,
+        metavar=("WX", "WY", "WZ"),
+        help="[m/s] (default: none)",
+    )
+    option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help="of the flight [s] (default: one turn)")
     option("--start", choices=STARTS, default="quasi_steady", help="the tether at the start (default: quasi_steady)")
-    option("--out", type=Path, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
+    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
     return parser.parse_args(arguments)
 
@@ -184,21 +230,21 @@ def write_figures(flights, folder):
     return paths
 
 
+@command
 def main(arguments=None, prog=None):
     """Fly, print a line on each flight, write the figures, print where they are."""
     given = parse(arguments, prog)
     if given.html:
-        try:
-            from flight_page import write_page
-        except ImportError:
-            sys.exit("--html needs plotly: pip install plotly")
+        from flight_page import write_page  # before the flight, which would be in vain without plotly
     names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
     flights = {}
-    for file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
-        flight = fly(file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
-        flights[file.stem] = flight
-        print(summary(file.stem, flight))
+    for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
+        now(f"flying {fmu_file}")
+        flight = fly(fmu_file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
+        flights[fmu_file.stem] = flight
+        print(summary(fmu_file.stem, flight))
     given.out.mkdir(parents=True, exist_ok=True)
+    now("drawing")
     written = write_figures(flights, given.out)
     if given.html:
         written.append(given.out / "circular_flight.html")
@@ -207,4 +253,4 @@ def main(arguments=None, prog=None):
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -6,13 +6,16 @@ FMU, and several lengths around 500 m. The dynamic tether is in its static equil
     python examples/forces_over_wind_and_slack.py
 """
 
-import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
 from circular_flight import TETHERS, find_fmu
-from flight_figures import plt
 from still import hold
+
+from tetherfmu.console.ending import command
+from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.progress import now
 
 KITE = (300.0, 0.0, 400.0)
 SLACKS = (-0.002, 0.0, 0.01, 0.05)
@@ -37,6 +40,8 @@ def survey(files=None, slacks=SLACKS, winds=WINDS):
 
 def plot(forces, slacks=SLACKS, winds=WINDS):
     """Force at both ends over the wind, a colour for each slack and a line style for each tether."""
+    from flight_figures import plt
+
     figure, panels = plt.subplots(1, 2, figsize=(10.0, 5.5), sharey=True, layout="constrained")
     styles = {"dynamic": "-", "quasi_steady": "o", "catenary": "--", "straight": ":"}
     for end, (axes, title) in enumerate(zip(panels, ("ground station", "kite"), strict=True)):
@@ -53,11 +58,13 @@ def plot(forces, slacks=SLACKS, winds=WINDS):
     return figure
 
 
+@command
 def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
-    parser = argparse.ArgumentParser(description="Force of a tether over wind and slack.")
-    parser.add_argument("--out", type=Path, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    parser = Parser(description="Force of a tether over wind and slack.")
+    parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
     given = parser.parse_args(arguments)
+    now(f"holding {len(TETHERS)} tethers in {len(WINDS)} winds")
     forces = survey()
     for name, values in forces.items():
         at_the_kite = ", ".join(
@@ -65,8 +72,9 @@ def main(arguments=None):
         )
         print(f"{name}: on the kite in {WINDS[-1]:.0f} m/s {at_the_kite} slack")
     given.out.mkdir(parents=True, exist_ok=True)
+    now("drawing")
     plot(forces).savefig(given.out / "forces_over_wind_and_slack.png", dpi=150)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,11 +1,9 @@
 """How does a tether FMU hang while nothing moves? Helper of the examples on tethers at rest."""
 
-import shutil
 from typing import NamedTuple
 
 import numpy as np
-from circular_flight import load
-from fmpy import read_model_description
+from circular_flight import description_of, references_of, running
 
 
 class Rest(NamedTuple):
@@ -21,29 +19,26 @@ def hold(fmu_file, cases, kite):
 
     cases : dicts of the parameters to change, and `wind` [m/s], a vector.  kite [m] : its position.
     """
-    description = read_model_description(str(fmu_file))
-    variables = {variable.name: variable for variable in description.modelVariables}
-    outputs = [f"{name}[{i}]" for name in ("ground_force", "kite_force") for i in (1, 2, 3)]
-    outputs += [name for name in variables if name.startswith("shape[")]
-    fmu, folder = load(fmu_file, description)
-
-    def set_values(values):
-        for name, value in values.items():
-            put = fmu.setInteger if variables[name].type in ("Integer", "Enumeration") else fmu.setReal
-            put([variables[name].valueReference], [value])
-
+    description = description_of(fmu_file)
+    reference = {variable.name: variable.valueReference for variable in description.modelVariables}
+    outputs = references_of(fmu_file, reference, ["ground_force", "kite_force"])
+    outputs += [value for name, value in reference.items() if name.startswith("shape[")]
     rests = []
-    for case in cases:
-        parameters = {name: value for name, value in case.items() if name != "wind"}
-        fmu.setupExperiment(startTime=0.0)
-        set_values(parameters)
-        fmu.enterInitializationMode()
-        set_values({f"kite_position[{i + 1}]": value for i, value in enumerate(kite)})
-        set_values({f"wind_velocity[{i + 1}]": value for i, value in enumerate(case.get("wind", (0.0, 0.0, 0.0)))})
-        fmu.exitInitializationMode()
-        values = np.array(fmu.getReal([variables[name].valueReference for name in outputs]))
-        rests.append(Rest(values[:3], values[3:6], values[6:].reshape(-1, 3)))
-        fmu.reset()
-    fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
-    shutil.rmtree(folder, ignore_errors=True)
+    with running(fmu_file, description) as (fmu, stop_if_pressed):
+
+        def set_values(values):
+            for name, value in values.items():
+                put = fmu.setInteger if isinstance(value, int) else fmu.setReal
+                put(references_of(fmu_file, reference, [name]), np.ravel(value))
+
+        for case in cases:
+            fmu.setupExperiment(startTime=0.0)
+            set_values({name: value for name, value in case.items() if name != "wind"})
+            fmu.enterInitializationMode()
+            set_values({"kite_position": kite, "wind_velocity": case.get("wind", (0.0, 0.0, 0.0))})
+            fmu.exitInitializationMode()
+            values = np.array(fmu.getReal(outputs))
+            rests.append(Rest(values[:3], values[3:6], values[6:].reshape(-1, 3)))
+            fmu.reset()
+            stop_if_pressed()
     return rests

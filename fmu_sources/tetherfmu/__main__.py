@@ -3,8 +3,9 @@
 import sys
 from importlib import import_module
 
+from .console.ending import WrongUse, command
+
 STUDY = "tetherfmu.study.__main__"
-EXTRAS = {STUDY: "study", "tetherfmu.commands.release": "release"}  # what a module needs more than the package itself
 COMMANDS = {  # name: (module, what it does)
     "build": ("tetherfmu.commands.build", "build FMUs"),
     "fly": ("tetherfmu.commands.fly", "fly a kite on a circle with tether FMUs"),
@@ -15,7 +16,6 @@ COMMANDS = {  # name: (module, what it does)
     "stability": (STUDY, "find where the tethers hold and where they refuse"),
     "benchmark": (STUDY, "measure what the tethers cost, in races too"),
 }
-WRONG_USE, STOPPED = 2, 130  # exit status
 
 
 def usage():
@@ -24,6 +24,7 @@ def usage():
     return "\n".join(["usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help tells the options", "", *lines])
 
 
+@command
 def main(arguments=None):
     """Do what the command line says; returns the exit status."""
     name, *rest = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
@@ -31,21 +32,10 @@ def main(arguments=None):
         print(usage())
         return 0
     if name not in COMMANDS:
-        print(f"tetherfmu has no command {name}; choose from {', '.join(COMMANDS)}", file=sys.stderr)
-        return WRONG_USE
+        raise WrongUse(f"tetherfmu: there is no command {name!r}; choose from {', '.join(COMMANDS)}")
     module, _ = COMMANDS[name]
-    try:
-        run = import_module(module).main
-        return (run([name, *rest], prog="tetherfmu") if module == STUDY else run(rest)) or 0
-    except ModuleNotFoundError as missing:
-        if (missing.name or "tetherfmu").startswith("tetherfmu"):
-            raise
-        extra = EXTRAS.get(module, "examples")
-        print(f'{name} needs {missing.name}, which is not installed: pip install "tetherfmu[{extra}]"', file=sys.stderr)
-        return WRONG_USE
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return STOPPED
+    run = import_module(module).main
+    return run([name, *rest], prog="tetherfmu") if module == STUDY else run(rest, prog=f"tetherfmu {name}")
 
 
 if __name__ == "__main__":

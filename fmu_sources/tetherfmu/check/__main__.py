@@ -4,7 +4,6 @@ It validates the archive and the model description, looks for what is known to m
 the evidence set in a process of its own. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
 """
 
-import argparse
 import importlib.util
 import json
 import subprocess
@@ -12,6 +11,11 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
+
+from tetherfmu.console.ending import command
+from tetherfmu.console.options import Parser, file
+from tetherfmu.console.progress import now
+from tetherfmu.libraries.children import finished
 
 from . import inspection
 from .inspection import NOTE, OK, PROBLEM, Finding
@@ -56,15 +60,14 @@ def evidence(path, ready):
 def run_apart(path):
     """Run the evidence set in a process of its own: (result, None) or (None, Finding)."""
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "result.json"
-        command = [sys.executable, "-m", "tetherfmu.check.replay", str(path), str(file)]
+        result = Path(folder) / "result.json"
         try:
-            done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, timeout=TIMEOUT)
+            done = finished([sys.executable, "-m", "tetherfmu.check.replay", str(path), str(result)], TIMEOUT)
         except subprocess.TimeoutExpired:
             return None, Finding(PROBLEM, f"the run of the evidence set did not end within {TIMEOUT:.0f} s")
         said = " | ".join(done.stderr.strip().splitlines()[-LAST_LINES:])
         if done.returncode == 0:
-            return json.loads(file.read_text(encoding="utf-8")), None
+            return json.loads(result.read_text(encoding="utf-8")), None
     if done.returncode < 0 or done.returncode > 255:
         text = f"the process that ran the FMU died (exit code {done.returncode}); it said last: {said or 'nothing'}"
         return None, Finding(PROBLEM, text, "look at `Traps for hosts` in docs/fmi.md of TetherFMU")
@@ -113,22 +116,19 @@ def show(found):
             print(f"          remedy: {remedy}")
 
 
-def main(arguments=None):
+@command
+def main(arguments=None, prog="python -m tetherfmu.check"):
     """Check the FMUs that are named; returns the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m tetherfmu.check", description="Check FMUs on this machine.")
-    parser.add_argument("files", nargs="+", metavar="FILE.fmu", type=Path)
+    parser = Parser(prog=prog, description="Check FMUs on this machine.")
+    parser.add_argument("files", nargs="+", metavar="FILE.fmu", type=file)
     files = parser.parse_args(arguments).files
     if importlib.util.find_spec("fmpy") is None:
-        print("The check needs FMPy, which is not installed: python -m pip install fmpy", file=sys.stderr)
-        return 2
-    for path in files:
-        if not path.is_file():
-            print(f"There is no file {path}", file=sys.stderr)
-            return 2
+        raise ModuleNotFoundError(name="fmpy")
     sys.stdout.reconfigure(errors="backslashreplace")  # paths may have letters that the terminal does not know
     show(inspection.machine())
     problems = 0
     for path in files:
+        now(f"checking {path}")
         print(path)
         found = findings(path)
         show(found)

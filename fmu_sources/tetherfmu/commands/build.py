@@ -1,64 +1,104 @@
 """Build FMUs: all or the named ones, for this platform or others, or the one that is advised for a scene."""
 
 import argparse
-import sys
 
+from tetherfmu.console.ending import FAILED, command
+from tetherfmu.console.options import Parser, amount, folder
+from tetherfmu.console.progress import now
 from tetherfmu.export.archive import SLAVES, build, contents
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.layout import MAX_SEGMENTS
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.variants import class_name, variant_of
 
 MAX_SHAPE_POINTS = 1001
+QUANTITIES = dict(quantities(Tether))
+OF_THE_DIAMETER = ("diameter", "axial_stiffness", "axial_damping")
 
 
-def parse(arguments):
+def fmu(text):
+    """Type of a name of an FMU, in any spelling."""
+    try:
+        return class_name(variant_of(text))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def platforms(text):
+    """Type of a list of platforms, separated by commas, or all."""
+    names = list(TARGETS) if text == "all" else text.split(",")
+    for name in names:
+        if name not in TARGETS:
+            raise argparse.ArgumentTypeError(f"no platform is called {name!r}; choose from {', '.join(TARGETS)}, or all")
+    return names
+
+
+def shape_points(text):
+    """Type of the number of points of the shape."""
+    if not text.isdecimal() or int(text) not in (0, *range(2, MAX_SHAPE_POINTS + 1)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be 0, or from 2 to {MAX_SHAPE_POINTS}")
+    return int(text)
+
+
+def starts_of_diameter(text):
+    """Type of a diameter [m]: start values of the default tether, pairs (parameter, value), with this diameter instead."""
+    try:
+        tether = Tether().with_diameter(amount(QUANTITIES["diameter"])(text))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible: {error}") from None
+    return [(name, getattr(tether, name)) for name in OF_THE_DIAMETER]
+
+
+def parse(arguments, prog="tetherfmu build"):
     """Command line options; wrong ones end the program with status 2."""
-    parser = argparse.ArgumentParser(prog="tetherfmu build", description="Build tether FMUs.")
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"FMUs to build: {', '.join(SLAVES)}; none: all")
-    parser.add_argument("--out", default="dist", metavar="DIR", help="output folder (default: dist)")
-    parser.add_argument("--segments", type=int, default=20, metavar="N", help="start value of segments (default: 20)")
-    parser.add_argument(
-        "--shape-points", type=int, default=21, metavar="K", help="points of the output shape, 0 for none (default: 21)"
+    parser = Parser(prog=prog, description="Build tether FMUs.")
+    option = parser.add_argument
+    option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build: {', '.join(SLAVES)}; none: all")
+    option("--out", default="dist", type=folder, metavar="DIR", help="output folder (default: dist)")
+    option(
+        "--segments",
+        type=amount(QUANTITIES["segments"], whole=True),
+        metavar="N",
+        help="start value of segments (default: 20)",
     )
-    parser.add_argument(
+    option(
+        "--diameter",
+        type=starts_of_diameter,
+        metavar="D",
+        help="start value of diameter [m] (default: 0.004); those of stiffness and damping grow with its square",
+    )
+    option(
+        "--shape-points",
+        type=shape_points,
+        default=21,
+        metavar="K",
+        help="points of the output shape, 0 for none (default: 21)",
+    )
+    option(
         "--platforms",
+        type=platforms,
         default=this_platform(),
         metavar="P,...",
         help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
     )
-    parser.add_argument(
-        "--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs"
-    )
+    option("--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs")
     options = parser.parse_args(arguments)
-    options.platforms = list(TARGETS) if options.platforms == "all" else options.platforms.split(",")
-    for platform in options.platforms:
-        if platform not in TARGETS:
-            parser.error(f"no platform is called {platform}; choose from {', '.join(TARGETS)}")
-    try:
-        options.names = [class_name(variant_of(name)) for name in options.names]
-    except ValueError as error:
-        parser.error(str(error))
-    if not 1 <= options.segments <= MAX_SEGMENTS:
-        parser.error(f"--segments is {options.segments}; it must be from 1 to {MAX_SEGMENTS}")
-    if options.shape_points not in (0, *range(2, MAX_SHAPE_POINTS + 1)):
-        parser.error(f"--shape-points is {options.shape_points}; it must be 0, or from 2 to {MAX_SHAPE_POINTS}")
+    if options.scene is not None and (options.names or options.segments or options.diameter):
+        parser.error("--scene chooses the FMU and its start values: it goes without NAME, --segments and --diameter")
     return options
 
 
 def build_for_scene(options):
-    """Build the FMU that is advised for a scene; returns 0, 1 if nothing meets what it asks for, 2 if the file is wrong."""
-    from tetherfmu.study.advice.scene_build import SceneError, advised
+    """Build the FMU that is advised for a scene; returns 1 if nothing meets what it asks for."""
+    from tetherfmu.study.advice.scene_build import advised
 
-    try:
-        advice = advised(options.scene, options.shape_points)
-    except SceneError as error:
-        print(error, file=sys.stderr)
-        return 2
+    now(f"flying {options.scene} with what may do, and with a finer model")
+    advice = advised(options.scene, options.shape_points)
     print(advice.text)
     if not advice.met:
-        return 1
+        return FAILED
     show(build(advice.fmu, options.out, advice.segments, advice.shape_points, options.platforms, advice.trim))
     return 0
 
@@ -68,17 +108,15 @@ def show(path):
     print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(contents(path))}")
 
 
-def main(arguments=None):
+@command
+def main(arguments=None, prog="tetherfmu build"):
     """Build what was asked for; returns the exit status, 0 only if all was built."""
-    options = parse(arguments)
+    options = parse(arguments, prog)
+    if options.scene is not None:
+        return build_for_scene(options)
     names = options.names or list(SLAVES)
-    try:
-        if options.scene:
-            return build_for_scene(options)
-        ready.folders([SLAVES[name][1] for name in names], options.platforms)  # all at once is faster
-        for name in names:
-            show(build(name, options.out, options.segments, options.shape_points, options.platforms))
-    except (OSError, RuntimeError) as error:
-        print(f"not built: {error}", file=sys.stderr)
-        return 1
+    ready.folders([SLAVES[name][1] for name in names], options.platforms)  # all at once is faster
+    for name in names:
+        starts = options.diameter or ()
+        show(build(name, options.out, options.segments or 20, options.shape_points, options.platforms, starts=starts))
     return 0

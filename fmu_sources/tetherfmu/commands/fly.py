@@ -8,7 +8,7 @@ from tetherfmu.libraries.sources import PACKAGE
 IN_CHECKOUT, IN_WHEEL = PACKAGE.parents[1] / "examples", PACKAGE / "examples"
 
 
-def main(arguments=None):
+def main(arguments=None, prog="tetherfmu fly"):
     """Run the example with these options; returns its exit status."""
     sys.path.insert(0, str(IN_WHEEL if IN_WHEEL.exists() else IN_CHECKOUT))
-    return import_module("circular_flight").main(arguments, prog="tetherfmu fly")
+    return import_module("circular_flight").main(arguments, prog)

@@ -1,13 +1,15 @@
 """Make the folder that users download from: FMUs for all platforms, wheel and sdist, checksums, what to download when."""
 
-import argparse
 import hashlib
-import subprocess
 import sys
-from pathlib import Path
+from importlib.util import find_spec
 
+from tetherfmu.console.ending import FAILED, WrongUse, command
+from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.progress import now
 from tetherfmu.export.documents import filled
 from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.libraries.children import finished
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 
@@ -19,12 +21,11 @@ README, CHECKSUMS = "README.txt", "SHA256SUMS"
 
 def make_packages(folder):
     """Write wheel and sdist of the checkout to a folder; RuntimeError with what was said if that fails."""
-    if not (CHECKOUT / "pyproject.toml").exists():
-        raise RuntimeError("a release is made in a checkout of the sources, not by an installed wheel")
-    command = [sys.executable, "-m", "build", "--no-isolation", "--sdist", "--wheel", "--outdir", str(folder), str(CHECKOUT)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    options = ("--no-isolation", "--sdist", "--wheel", "--outdir")
+    done = finished([sys.executable, "-m", "build", *options, str(folder), str(CHECKOUT)])
     if done.returncode != 0:
-        raise RuntimeError(f'{(done.stdout + done.stderr).strip()}\n(what it needs comes with: pip install -e ".[release]")')
+        said = " ".join((done.stdout + done.stderr).split())
+        raise RuntimeError(f'no release: {said} (what it needs comes with: pip install -e ".[release]")')
 
 
 def write_checksums(folder):
@@ -34,25 +35,26 @@ def write_checksums(folder):
     (folder / CHECKSUMS).write_text("".join(lines), encoding="ascii", newline="\n")
 
 
-def main(arguments=None):
+@command
+def main(arguments=None, prog="tetherfmu release"):
     """Make the release; returns the exit status."""
-    parser = argparse.ArgumentParser(prog="tetherfmu release", description="Make a folder with all that users download.")
+    parser = Parser(prog=prog, description="Make a folder with all that users download.")
     parser.add_argument(
-        "--out", default="release", type=Path, metavar="DIR", help="an empty or new folder (default: release)"
+        "--out", default="release", type=folder, metavar="DIR", help="an empty or new folder (default: release)"
     )
-    folder = parser.parse_args(arguments).out
-    try:
-        if folder.exists() and any(folder.iterdir()):
-            raise RuntimeError(f"{folder} is not empty")
-        if build.main(["--out", str(folder), "--platforms", "all"]) != 0:
-            return 1
-        make_packages(folder)
-        platforms = ", ".join(TARGETS)
-        text = filled("release.txt", version=__version__, platforms=platforms)
-        (folder / README).write_text(text, encoding="utf-8", newline="\n")
-        write_checksums(folder)
-    except (OSError, RuntimeError) as error:
-        print(f"no release: {error}", file=sys.stderr)
-        return 1
-    print("\n".join(f"{path}  {path.stat().st_size / 1024:.0f} kB" for path in sorted(folder.iterdir())))
+    place = parser.parse_args(arguments).out
+    if place.exists() and any(place.iterdir()):
+        parser.error(f"argument --out: {place} is not empty; it must be an empty or new folder")
+    if not (CHECKOUT / "pyproject.toml").exists():
+        raise WrongUse("a release is made in a checkout of the sources, not by an installed wheel")
+    if find_spec("build") is None:
+        raise ModuleNotFoundError(name="build")
+    if build.main(["--out", str(place), "--platforms", "all"]) != 0:
+        return FAILED
+    now("making wheel and sdist")
+    make_packages(place)
+    text = filled("release.txt", version=__version__, platforms=", ".join(TARGETS))
+    (place / README).write_text(text, encoding="utf-8", newline="\n")
+    write_checksums(place)
+    print("\n".join(f"{path}  {path.stat().st_size / 1024:.0f} kB" for path in sorted(place.iterdir())))
     return 0

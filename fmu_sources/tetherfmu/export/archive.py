@@ -49,7 +49,7 @@ class Trim(NamedTuple):
     page: str  # documentation, HTML
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None):
+def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None, starts=()):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
@@ -57,6 +57,7 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in; None for
     that of this machine.
     scene : `Trim` for an FMU of one scene: what it starts with, what it goes without, and its documentation.
+    starts : pairs (parameter of the tether, start value) of an FMU that is for no scene, where it is not the default.
     """
     folder, platforms = Path(folder), platforms or [this_platform()]
     folder.mkdir(parents=True, exist_ok=True)
@@ -70,6 +71,8 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
         options = {"segments": segments, "shape_points": shape_points}
+        if starts:
+            options["starts"] = [list(each) for each in starts]
         if scene:
             options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))

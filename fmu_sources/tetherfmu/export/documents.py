@@ -9,6 +9,7 @@ from string import Template
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
 
 from . import evidence, osp
@@ -41,7 +42,8 @@ def documents(name, variant, description, options, platforms, scene_page=None):
     if not scene_page:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
-        for file, text in evidence.files(name, options["segments"]).items():
+        tether = Tether(segments=options["segments"], **dict(options.get("starts", ())))
+        for file, text in evidence.files(name, tether).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
     return {
         "model.png": (ASSETS / "model.png").read_bytes(),

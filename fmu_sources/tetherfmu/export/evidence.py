@@ -7,7 +7,7 @@ rises, the tether pays out and becomes taut. The reference is the Python API wit
 from math import cos, sin
 
 from tetherfmu import models
-from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver, Tether
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver
 from tetherfmu.runtime.variables import INPUT, KITE_AT_START, OUTPUT, variables
 
 STEP, STEPS = 0.05, 200  # of communication [s], and how many of them
@@ -47,16 +47,16 @@ def inputs_at(time):
     return {"kite_position": position, "kite_velocity": velocity, "reel_out_speed": reel_out, "wind_velocity": wind}
 
 
-def files(name, segments):
+def files(name, tether):
     """Inputs and reference of an FMU: dict of file name to text.
 
-    name : of the FMU and of its class in `models`.  segments : start value of `segments` in the FMU.
+    name : of the FMU and of its class in `models`.  tether : `Tether` of the start values of the FMU.
     """
     model = getattr(models, name)
     scene = [{key: _rounded(value) for key, value in inputs_at(k * STEP).items()} for k in range(STEPS + 1)]
     return {
         f"{name}_in.csv": _table(_names(INPUT), [_flat(inputs, _names(INPUT)) for inputs in scene], INPUT_DIGITS),
-        f"{name}_ref.csv": _table(_names(OUTPUT), reference(model, segments, scene), OUTPUT_DIGITS),
+        f"{name}_ref.csv": _table(_names(OUTPUT), reference(model, tether, scene), OUTPUT_DIGITS),
     }
 
 
@@ -66,9 +66,9 @@ def facts(variant):
     return {"step": STEP, "stop": STEP * STEPS, "allowed": ALLOWED[variant], **tolerances}
 
 
-def reference(model, segments, scene):
+def reference(model, tether, scene):
     """Recorded outputs of the Python API at the start and after each step: list of lists of numbers."""
-    tether = model(Tether(segments=segments), solver=Solver(relative_tolerance=REFERENCE_TOLERANCE))
+    tether = model(tether, solver=Solver(relative_tolerance=REFERENCE_TOLERANCE))
     rows = [tether.initialize(**scene[0])]
     rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]
     return [_flat(row._asdict(), _names(OUTPUT)) for row in rows]

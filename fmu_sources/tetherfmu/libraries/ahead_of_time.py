@@ -11,7 +11,9 @@ writes the libraries of each variant into its folder, and the name of each varia
 
 import os
 import re
+import signal
 import sys
+import tempfile
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
@@ -125,7 +127,7 @@ def write_libraries(folder, variant, platforms, code):
     folder.mkdir(parents=True, exist_ok=True)
     for platform, objects in object_files(code, platforms):
         path = folder / file_name(variant, platform)
-        partial = path.with_name(f"partial-{os.getpid()}-{path.name}")
+        partial = Path(tempfile.gettempdir()) / f"{os.getpid()}-{path.name}"  # where `ready` tidies up
         partial.write_bytes(link(objects, variant, platform))
         partial.replace(path)
     return variant
@@ -138,7 +140,9 @@ def main(arguments):
     way, platforms, *variants = arguments
     if way == "fast":
         intermediate_code.write_only()
-    with ProcessPoolExecutor(max_workers=os.cpu_count(), mp_context=get_context("spawn")) as pool:
+    at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
+    signal.signal(*at_once)
+    with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
         waiting = []
         for each in variants:
             variant, _, folder = each.partition("=")

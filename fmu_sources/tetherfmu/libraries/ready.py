@@ -14,6 +14,7 @@ from tetherfmu.runtime import kernel_library
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 
 from .ahead_of_time import TARGETS
+from .children import child
 from .sources import PACKAGE, digest
 
 IN_WHEEL = PACKAGE / "libraries" / "compiled"
@@ -22,6 +23,7 @@ SLOWEST_FIRST = {"dynamic": 14, "quasi_steady": 10, "catenary": 4, "straight": 3
 SECONDS_TO_START = 5
 TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
 SLOW_WAY = 4  # times as long
+TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # environment variables that name the folder for temporary files
 # numba writes for the plainest processor, as the targets of `ahead_of_time` are
 PLAIN_CPU = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
 
@@ -104,13 +106,26 @@ def _compile(folders, platforms, way):
     command = [sys.executable, "-m", "tetherfmu.libraries.ahead_of_time", way, ",".join(platforms)]
     command += [f"{variant}={folder}" for variant, folder in folders.items()]
     path = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]  # the child compiles this very package
-    environment = {**os.environ, **PLAIN_CPU, "PYTHONPATH": os.pathsep.join(path)}
+    root = next(iter(folders.values())).parent
+    root.mkdir(parents=True, exist_ok=True)
     with (
+        tempfile.TemporaryDirectory(dir=root, prefix="partial-") as unfinished,  # also what is so when Ctrl-C ends the child
         tempfile.TemporaryFile("w+") as problems,
-        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=problems, text=True) as child,
     ):
-        for line in child.stdout:
+        environment = {
+            **os.environ,
+            **PLAIN_CPU,
+            "PYTHONPATH": os.pathsep.join(path),
+            **dict.fromkeys(TEMPORARY, unfinished),
+        }
+        _follow(command, environment, problems, began)
+
+
+def _follow(command, environment, problems, began):
+    """Run what compiles, and tell which variants are done; RuntimeError with what it wrote to the file `problems`."""
+    with child(command, env=environment, stdout=subprocess.PIPE, stderr=problems) as started:
+        for line in started.stdout:
             print(f"  {line.strip()} after {monotonic() - began:.0f} s", file=sys.stderr, flush=True)
-        if child.wait() != 0:
+        if started.wait() != 0:
             problems.seek(0)
             raise RuntimeError(f"compiling the kernels failed: {problems.read().strip()}")

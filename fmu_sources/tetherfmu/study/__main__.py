@@ -1,14 +1,13 @@
 """All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`."""
 
-import argparse
 import sys
 import tempfile
 from importlib import import_module
 from pathlib import Path
 
-from tetherfmu.results import StepRefused
-from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.scenes.files import SceneError, load
+from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.console.progress import now
 
 GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
 WITH_OWN_OPTIONS = {
@@ -17,53 +16,42 @@ WITH_OWN_OPTIONS = {
 }
 
 
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong with the command line in one line."""
-
-    def error(self, message):
-        """Leave with status 2."""
-        self.exit(2, f"{self.prog}: {message}\n")
-
-
-def processes(text):
-    """A number of processes from the command line."""
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of processes; it must be a whole number above 0")
-    return int(text)
-
-
 def parse(arguments, prog):
     """Command line options."""
     parser = Parser(prog=prog, description="Studies of the tethers: advice, costs, limits.")
     commands = parser.add_subparsers(dest="command", required=True)
 
-    def command(run, name, about):
-        added = commands.add_parser(name, help=about, description=about)
-        added.set_defaults(run=run)
-        return added
+    def added(run, name, about):
+        sub = commands.add_parser(name, help=about, description=about)
+        sub.set_defaults(run=run)
+        return sub
 
-    advice = command(run_advise, "advise", "say which FMU, segments, tolerance and communication step to use")
+    advice = added(run_advise, "advise", "say which FMU, segments, tolerance and communication step to use")
     advice.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
     advice.add_argument("--fast", action="store_true", help="from the dimensionless numbers alone, not checked")
-    trade = command(run_tradeoff, "tradeoff", "measure error and cost of every configuration in a scene")
+    trade = added(run_tradeoff, "tradeoff", "measure error and cost of every configuration in a scene")
     trade.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
-    trade.add_argument("--out", metavar="DIR", help="folder of results (default: study/NAME); goes on where it was stopped")
-    trade.add_argument("--processes", type=processes, metavar="N", help="default: one per core")
+    trade.add_argument(
+        "--out", type=folder, metavar="DIR", help="folder of results (default: study/NAME); goes on where it was stopped"
+    )
+    trade.add_argument("--processes", type=number(1, whole=True), metavar="N", help="default: one per core")
     trade.add_argument("--dask", metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
-    trade.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
+    trade.add_argument("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
     trade.add_argument("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
-    command(run_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
-    command(run_thresholds, "thresholds", "measure the thresholds anew (thresholds.csv of this package)")
-    page = command(run_page, "page", "measure and write docs/how_much_tether.md and its figures")
+    added(run_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
+    added(run_thresholds, "thresholds", "measure the thresholds anew (thresholds.csv of this package)")
+    page = added(run_page, "page", "measure and write docs/how_much_tether.md and its figures")
     page.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
-    page.add_argument("--out", metavar="DIR", default="docs", help="folder of the page (default: docs)")
-    page.add_argument("--store", metavar="DIR", default="study", help="folder of finished points (default: study)")
+    page.add_argument("--out", type=folder, metavar="DIR", default="docs", help="folder of the page (default: docs)")
+    page.add_argument(
+        "--store", type=folder, metavar="DIR", default="study", help="folder of finished points (default: study)"
+    )
     for name, about in WITH_OWN_OPTIONS.items():
         if name in arguments:
             module = import_module(f"{__package__}.{name}.command")
-            module.add_arguments(command(module.run, name, about))
+            module.add_arguments(added(module.run, name, about))
         else:
-            command(None, name, about)  # for the list of commands; what it needs takes a second to import
+            added(None, name, about)  # for the list of commands; what it needs takes a second to import
     return parser.parse_args(arguments)
 
 
@@ -71,8 +59,11 @@ def run_advise(options):
     """Print the advice for a scene; returns 1 if nothing meets what it asks for."""
     from tetherfmu.study.advice.advise import advise, explain
     from tetherfmu.study.advice.forecast import fast_advice
+    from tetherfmu.study.scenes.files import load
 
     scene = load(options.scene)
+    if not options.fast:
+        now(f"flying {scene.name} with what may do, and with a finer model")
     advice = fast_advice(scene) if options.fast else advise(scene)
     print(explain(scene, advice))
     return 0 if advice.met else 1
@@ -83,6 +74,7 @@ def fmpy_times(scene, points, folder):
     from tetherfmu.study.advice.tradeoff import LEVELS, cheapest
     from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 
+    now("measuring through FMPy")
     best = [cheapest(points, level) for level in {*LEVELS, scene.wanted.allowed_error}]
     with tempfile.TemporaryDirectory() as temporary:
         fmus_in(folder or temporary)
@@ -93,7 +85,9 @@ def run_tradeoff(options):
     """Study a scene, write and print the report."""
     from tetherfmu.study.advice import scene_report
     from tetherfmu.study.advice.tradeoff import study
+    from tetherfmu.study.measuring.executors import executor_of, progress_bar
     from tetherfmu.study.measuring.store import POINTS, Store
+    from tetherfmu.study.scenes.files import load
 
     scene = load(options.scene)
     store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
@@ -105,12 +99,14 @@ def run_tradeoff(options):
 
 def run_costs(_):
     """Measure and store the unit costs."""
+    now("measuring the unit costs")
     import_module("tetherfmu.study.measuring.costs").measure_costs()
 
 
 def run_thresholds(_):
     """Measure and store the thresholds."""
     from tetherfmu.study.advice.thresholds import thresholds, write
+    from tetherfmu.study.measuring.executors import executor_of, progress_bar
 
     with executor_of() as executor:
         write(*thresholds(executor, progress_bar("thresholds")))
@@ -119,26 +115,26 @@ def run_thresholds(_):
 def run_page(options):
     """Write the page of the manual."""
     from tetherfmu.study.advice.page import make
+    from tetherfmu.study.measuring.executors import executor_of, progress_bar
 
     with executor_of() as executor:
         make(options.scenes, options.out, options.store, executor, progress_bar)
 
 
+@command
 def main(arguments=None, prog="python -m tetherfmu.study"):
-    """Do what the command line says; returns the exit status, 2 for a wrong file, 130 after Ctrl-C."""
+    """Do what the command line says; returns the exit status."""
     options = parse(sys.argv[1:] if arguments is None else arguments, prog)
+    from tetherfmu.results import StepRefused
+
     try:
-        return options.run(options) or 0
-    except (SceneError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 2
+        return options.run(options)
     except StepRefused as refusal:
-        print(f"{getattr(options, 'scene', options.command)}: this scene cannot be flown: {refusal}", file=sys.stderr)
-        return 2
+        raise WrongUse(f"{getattr(options, 'scene', options.command)}: this scene cannot be flown: {refusal}") from None
     except KeyboardInterrupt:
-        kept = "; the finished points are kept, the same command goes on" if options.command in GOING_ON else ""
-        print(f"stopped{kept}", file=sys.stderr)
-        return 130
+        if options.command in GOING_ON:
+            raise KeyboardInterrupt("the finished points are kept, the same command goes on") from None
+        raise
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ from tetherfmu.study.scenes.files import SceneError, load
 from .advise import advise, explain
 from .scene_report import html
 
-__all__ = ["SceneError", "advised"]
 VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name
     "kite_direction": {"kite_force"},
     "peak_force": {"kite_force"},

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from tetherfmu.console.options import folder
+from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.tables import circumstances, page
 from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
 from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
@@ -24,8 +26,10 @@ def add_arguments(parser):
     parser.add_argument("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
     parser.add_argument("--flights", action="store_true", help="only the races of the two flights, without compiled C")
     parser.add_argument("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
-    parser.add_argument("--fmus", metavar="DIR", help="folder of the FMUs (default: build them)")
-    parser.add_argument("--out", metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv")
+    parser.add_argument("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
+    parser.add_argument(
+        "--out", type=folder, metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv"
+    )
     parser.add_argument("--figure", metavar="FILE", help="draw the work-precision diagram to this PNG file")
 
 
@@ -79,15 +83,19 @@ def run(options):
     with tempfile.TemporaryDirectory() as temporary:
         paths = fmus_in(options.fmus or temporary)
         if not flights:
+            now("measuring kernels and FMUs")
             tables["Kernels"] = kernel_table(**(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
         raced = scenes(quick, flights)
-        runs = pd.concat([race(scene, cvodes, quick, not (quick or flights)) for scene in raced])
+        runs = pd.concat(
+            [race(scene, cvodes, quick, not (quick or flights)) for scene in progress_bar("races")(raced, len(raced))]
+        )
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
         tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:
             tables["At equal error"] = equal_errors(runs)
         if moordyn:
+            now("racing MoorDyn")
             tables["MoorDyn"] = moordyn.moordyn_table(quick)
     if options.figure:
         draw(runs, options.figure)

@@ -20,11 +20,14 @@ def finished(executor, tasks):
 
 
 @contextmanager
-def executor_of(dask=None, processes=None):
-    """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core)."""
+def executor_of(dask=None, processes=None, **more):
+    """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core).
+
+    more : options of `ProcessPoolExecutor`.
+    """
     if dask is None:
         silently = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process without a traceback
-        executor = ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently)
+        executor = ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently, **more)
         try:
             yield executor
         except BrokenProcessPool:
@@ -33,10 +36,8 @@ def executor_of(dask=None, processes=None):
         finally:
             executor.shutdown(cancel_futures=True)
         return
-    try:
-        from distributed import Client
-    except ModuleNotFoundError:
-        raise SystemExit("--dask needs the extra cluster: pip install tetherfmu[cluster]") from None
+    from distributed import Client
+
     with Client(dask) as client, client.get_executor() as executor:
         yield executor
 

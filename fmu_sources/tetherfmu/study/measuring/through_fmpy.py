@@ -2,7 +2,6 @@
 
 import atexit
 import multiprocessing
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -15,6 +14,7 @@ from tetherfmu.runtime.variables import INPUT_NAMES
 from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.scenes.standard import STEP, circle_scene
 
+from .executors import executor_of
 from .runs import Config, parameters_of
 
 
@@ -81,8 +81,7 @@ def fly(path, parameters, inputs, step):
 def hosted(path, scene, config, steps=None, repeats=1):
     """`Hosted` of so many flights of a configuration through a scene, or its first steps, each in a new process."""
     flight = str(path), parameters_of(scene, config), by_name(scene.inputs(config.step)[:steps]), config.step
-    one_each = {"max_workers": 1, "mp_context": multiprocessing.get_context("spawn"), "max_tasks_per_child": 1}
-    with ProcessPoolExecutor(**one_each) as executor:
+    with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
         tasks = [executor.submit(fly, *flight) for _ in range(repeats)]
         return [task.result() for task in tasks]
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tetherfmu.console.ending import WrongUse
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
@@ -27,7 +28,7 @@ REQUIRED = {
 }
 
 
-class SceneError(ValueError):
+class SceneError(WrongUse):
     """A scene file that cannot be used; the message is one line with file, key, value and what is allowed."""
 
 

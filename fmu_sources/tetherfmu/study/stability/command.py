@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from tetherfmu.console.options import file, folder, number
 from tetherfmu.study.scenes.standard import MODELS
 
 from .points import point
@@ -16,14 +17,25 @@ FORBIDDEN = ("wrong", "crashed", "hanging")
 
 def add_arguments(parser):
     """Declare the options of the command."""
-    parser.add_argument("--points", type=int, default=20_000, help="number of random points (default 20000)")
-    parser.add_argument("--seed", type=int, default=1, help="of the points (default 1)")
-    parser.add_argument("--out", type=Path, default="docs", help="folder for stability.md and figures/ (default docs)")
-    parser.add_argument("--results", help="file of finished points (default: stability_<seed>.jsonl in the folder of --out)")
-    parser.add_argument("--before", help="file of results of another version, to compare with on the points of both")
-    parser.add_argument("--processes", type=int, help="how many at a time (default: one per core)")
+    parser.add_argument(
+        "--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)"
+    )
+    parser.add_argument("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
+    parser.add_argument(
+        "--out", type=folder, default=Path("docs"), metavar="DIR", help="folder for stability.md and figures/ (default docs)"
+    )
+    parser.add_argument(
+        "--results", metavar="FILE", help="file of finished points (default: stability_<seed>.jsonl in the folder of --out)"
+    )
+    parser.add_argument(
+        "--before",
+        type=file,
+        metavar="FILE",
+        help="file of results of another version, to compare with on the points of both",
+    )
+    parser.add_argument("--processes", type=number(1, whole=True), help="how many at a time (default: one per core)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} points and no figures: shows that it runs")
-    parser.add_argument("--point", type=int, help="judge this point alone and print it")
+    parser.add_argument("--point", type=number(0, whole=True), help="judge this point alone and print it")
 
 
 def run(options):
@@ -40,6 +52,6 @@ def run(options):
     before = read(options.before) if options.before else results[:0]
     print(write(results, before, options.out, with_figures=not options.quick))
     bad = results[results.verdict.isin(FORBIDDEN)]
-    for number, verdict in zip(bad.number[:20], bad.verdict, strict=False):
-        print(f"point {number}: {verdict}", file=sys.stderr)
+    for chosen, verdict in zip(bad.number[:20], bad.verdict, strict=False):
+        print(f"point {chosen}: {verdict}", file=sys.stderr)
     return 1 if len(bad) else 0

@@ -1,0 +1,59 @@
+"""Options of commands: a parser that says in one line what is wrong, and types that name what is allowed."""
+
+import argparse
+import os
+from pathlib import Path
+
+from tetherfmu.runtime.quantities import Quantity
+
+from .ending import WRONG_USE
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with the command line in one line."""
+
+    def error(self, message):
+        """Leave with status 2."""
+        self.exit(WRONG_USE, f"{self.prog}: {message}\n")
+
+
+def number(minimum=-float("inf"), maximum=float("inf"), unit="", whole=False):
+    """Type of an option that is a finite number, or a whole one, in a range."""
+    return amount(Quantity(unit, "", minimum, maximum), whole)
+
+
+def amount(quantity, whole=False):
+    """Type of an option that is a value of a quantity."""
+
+    def converted(text):
+        try:
+            value = int(text) if whole else float(text)
+            possible = quantity.allows(value)
+        except (ValueError, OverflowError):
+            possible = False
+        if not possible:
+            kind = "a whole number, " if whole else "a number, " if quantity.range() != "a finite number" else ""
+            raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be {kind}{quantity.range()}")
+        return value
+
+    return converted
+
+
+def file(text):
+    """Type of an option that is a file which is there."""
+    if Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} is a folder; it must be a file")
+    if not Path(text).is_file():
+        raise argparse.ArgumentTypeError(f"there is no file {text}")
+    return Path(text)
+
+
+def folder(text):
+    """Type of an option that is a folder to write to, which is made if it is missing."""
+    path = Path(text)
+    there = next((each for each in (path, *path.parents) if each.exists()), Path())
+    if not text or not there.is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} is no folder{f': {there} is a file' if text else ''}")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be used: nobody may write to {there} here")
+    return path
