@@ -11,6 +11,7 @@ from textwrap import fill
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = Path(__file__).with_name("figures") / "house.png"
+APART = ("check", "console")  # rooms at the right
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": ("models", "energy"),
@@ -92,12 +93,12 @@ def contents(room):
 
 
 def box(floor, rooms, k):
-    """Left, bottom, width of the box of a room; `check` stands apart, and nothing is drawn in the way of an arrow."""
-    if rooms[k] == "check":
+    """Left, bottom, width of the box of a room; `check` and `console` stand apart, and nothing is in the way of an arrow."""
+    if rooms[k] in APART:
         return 0.86, -floor - 0.3, 0.14
     if rooms[k] == "runtime":
         return 0.0, -floor - 0.3, 1.0
-    shared = [room for room in rooms if room != "check"]
+    shared = [room for room in rooms if room not in APART]
     width = 0.82 / max(len(shared), 2 if rooms[k] == "kernels.communication" else 1)
     return shared.index(rooms[k]) * (width + 0.01), -floor - 0.3, width - 0.01 * (width < 0.5)
 

@@ -30,10 +30,11 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from tetherfmu.console.ending import WrongUse, command, ctrl_c_waits
+from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
+from tetherfmu.libraries.children import ctrl_c_waits
 from tetherfmu.runtime.variants import class_name, variant_of
 
 TETHERS = {variant: class_name(variant) for variant in ("dynamic", "quasi_steady", "catenary", "straight")}

@@ -71,14 +71,14 @@ def test_wrong_use(tmp_path, fmu_folder):
     for wrong in (tmp_path / "none.fmu", tmp_path):
         status, said = run(fmu_folder / "TetherStraight.fmu", wrong)
         assert status == 2
-        assert f"There is no file {wrong}" in said
+        assert str(wrong) in said
 
 
 def test_without_fmpy_it_says_how_to_get_it(monkeypatch, capsys, fmu_folder):
     find = __main__.importlib.util.find_spec
     monkeypatch.setattr(__main__.importlib.util, "find_spec", lambda name: None if name == "fmpy" else find(name))
     assert __main__.main([str(fmu_folder / "TetherStraight.fmu")]) == 2
-    assert "python -m pip install fmpy" in capsys.readouterr().err
+    assert "pip install fmpy" in capsys.readouterr().err
 
 
 def test_files_that_are_no_fmu(tmp_path):

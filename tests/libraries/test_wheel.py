@@ -1,6 +1,7 @@
 """A wheel is all that a user needs: it builds FMUs and flies the circle where nothing can compile."""
 
 import os
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -87,6 +88,21 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     figures = [tmp_path / line for line in flown if line.endswith(".png")]
     assert len(figures) == 3
     assert all(figure.stat().st_size > 10_000 for figure in figures)
+
+
+def test_checks_and_advises_without_a_checkout(clean, tmp_path):
+    """From a folder with nothing but a scene; the FMU carries the start values that its builder was given."""
+    shutil.copy(ROOT / "examples" / "scenes" / "circle.toml", tmp_path)
+    done(clean / "tetherfmu", "build", "quasi-steady", "--diameter", "0.006", cwd=tmp_path)
+    checked = done(clean / "tetherfmu", "check", "dist/TetherQuasiSteady.fmu", cwd=tmp_path)
+    assert "evidence set: 200 steps" in checked
+    assert checked.endswith("0 problems found\n")
+    assert "Tether" in done(clean / "tetherfmu", "advise", "--fast", "circle.toml", cwd=tmp_path)
+
+
+def test_the_wheel_says_that_it_is_typed(packages):
+    with zipfile.ZipFile(packages[0]) as archive:
+        assert "tetherfmu/py.typed" in archive.namelist()
 
 
 def test_edited_kernels_are_never_replaced_by_those_of_the_wheel(clean, tmp_path):

@@ -15,7 +15,6 @@ from pathlib import Path
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file
 from tetherfmu.console.progress import now
-from tetherfmu.libraries.children import finished
 
 from . import inspection
 from .inspection import NOTE, OK, PROBLEM, Finding
@@ -62,7 +61,8 @@ def run_apart(path):
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "result.json"
         try:
-            done = finished([sys.executable, "-m", "tetherfmu.check.replay", str(path), str(result)], TIMEOUT)
+            run = [sys.executable, "-m", "tetherfmu.check.replay", str(path), str(result)]
+            done = subprocess.run(run, capture_output=True, text=True, errors="replace", check=False, timeout=TIMEOUT)
         except subprocess.TimeoutExpired:
             return None, Finding(PROBLEM, f"the run of the evidence set did not end within {TIMEOUT:.0f} s")
         said = " | ".join(done.stderr.strip().splitlines()[-LAST_LINES:])

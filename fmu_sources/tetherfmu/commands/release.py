@@ -1,6 +1,7 @@
 """Make the folder that users download from: FMUs for all platforms, wheel and sdist, checksums, what to download when."""
 
 import hashlib
+import subprocess
 import sys
 from importlib.util import find_spec
 
@@ -9,7 +10,7 @@ from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
 from tetherfmu.export.documents import filled
 from tetherfmu.libraries.ahead_of_time import TARGETS
-from tetherfmu.libraries.children import finished
+from tetherfmu.libraries.children import child
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 
@@ -21,11 +22,12 @@ README, CHECKSUMS = "README.txt", "SHA256SUMS"
 
 def make_packages(folder):
     """Write wheel and sdist of the checkout to a folder; RuntimeError with what was said if that fails."""
-    options = ("--no-isolation", "--sdist", "--wheel", "--outdir")
-    done = finished([sys.executable, "-m", "build", *options, str(folder), str(CHECKOUT)])
-    if done.returncode != 0:
-        said = " ".join((done.stdout + done.stderr).split())
-        raise RuntimeError(f'no release: {said} (what it needs comes with: pip install -e ".[release]")')
+    options = ("--no-isolation", "--sdist", "--wheel", "--outdir", str(folder))
+    building = [sys.executable, "-m", "build", *options, str(CHECKOUT)]
+    with child(building, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        said = process.communicate()[0]
+    if process.returncode != 0:
+        raise RuntimeError(f'no release: {" ".join(said.split())} (what it needs comes with: pip install -e ".[release]")')
 
 
 def write_checksums(folder):
@@ -33,6 +35,20 @@ def write_checksums(folder):
     files = sorted(path for path in folder.iterdir() if path.is_file() and path.name != CHECKSUMS)
     lines = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files]
     (folder / CHECKSUMS).write_text("".join(lines), encoding="ascii", newline="\n")
+
+
+def fill(folder):
+    """Put all files of a release into a folder; returns the exit status."""
+    status = build.main(["--out", str(folder), "--platforms", "all"])
+    if status:
+        return status
+    now("making wheel and sdist")
+    make_packages(folder)
+    text = filled("release.txt", version=__version__, platforms=", ".join(TARGETS))
+    (folder / README).write_text(text, encoding="utf-8", newline="\n")
+    write_checksums(folder)
+    print("\n".join(f"{path}  {path.stat().st_size / 1024:.0f} kB" for path in sorted(folder.iterdir())))
+    return 0
 
 
 @command
@@ -49,12 +65,11 @@ def main(arguments=None, prog="tetherfmu release"):
         raise WrongUse("a release is made in a checkout of the sources, not by an installed wheel")
     if find_spec("build") is None:
         raise ModuleNotFoundError(name="build")
-    if build.main(["--out", str(place), "--platforms", "all"]) != 0:
-        return FAILED
-    now("making wheel and sdist")
-    make_packages(place)
-    text = filled("release.txt", version=__version__, platforms=", ".join(TARGETS))
-    (place / README).write_text(text, encoding="utf-8", newline="\n")
-    write_checksums(place)
-    print("\n".join(f"{path}  {path.stat().st_size / 1024:.0f} kB" for path in sorted(place.iterdir())))
-    return 0
+    status = FAILED
+    try:
+        status = fill(place)
+    finally:
+        if status:  # the folder was empty, and is so again
+            for path in place.glob("*"):
+                path.unlink()
+    return status

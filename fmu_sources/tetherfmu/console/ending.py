@@ -7,10 +7,7 @@
 """
 
 import re
-import signal
 import sys
-import threading
-from contextlib import contextmanager
 from functools import wraps
 from importlib.metadata import PackageNotFoundError, requires
 
@@ -34,7 +31,8 @@ def command(main):
         except ModuleNotFoundError as missing:
             if (missing.name or "tetherfmu").startswith("tetherfmu"):
                 raise
-            return _said(f"{missing.name} is not installed: {remedy(missing.name)}", WRONG_USE)
+            package = missing.name.partition(".")[0]
+            return _said(f"{package} is not installed: {remedy(package)}", WRONG_USE)
         except OSError as error:
             return _said(f"{error.filename}: {error.strerror}" if error.filename else error, FAILED)
         except RuntimeError as error:
@@ -59,27 +57,3 @@ def remedy(package):
         found = ()
     extras = sorted(match[2] for match in found if match[1].lower() == package)
     return f'pip install "tetherfmu[{extras[0]}]"' if extras else f"pip install {package}"
-
-
-@contextmanager
-def ctrl_c_waits():
-    """Within the block, Ctrl-C is raised by the function that it gets, and nowhere else.
-
-    For FMUs in this process: their library would take the exception for one of their own, tell it, and refuse the step.
-    Where Ctrl-C raises nothing, or elsewhere than in the main thread, all stays as it is.
-    """
-    pressed = []
-
-    def stop_if_pressed():
-        if pressed:
-            raise KeyboardInterrupt
-
-    before = signal.getsignal(signal.SIGINT)
-    if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
-        yield stop_if_pressed
-        return
-    signal.signal(signal.SIGINT, lambda *_: pressed.append(True))
-    try:
-        yield stop_if_pressed
-    finally:
-        signal.signal(signal.SIGINT, before)

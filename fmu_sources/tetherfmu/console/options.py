@@ -48,6 +48,14 @@ def file(text):
     return Path(text)
 
 
+def new_file(text):
+    """Type of an option that is a file to write to."""
+    if not text or Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} is {'a folder' if text else 'no name'}; it must be a file")
+    folder(str(Path(text).parent))
+    return Path(text)
+
+
 def folder(text):
     """Type of an option that is a folder to write to, which is made if it is missing."""
     path = Path(text)

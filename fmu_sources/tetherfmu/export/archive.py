@@ -83,8 +83,11 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     if not scene:
         (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
     partial = folder / f"{file}.partial"
-    _write(files, partial)
-    return partial.replace(folder / file)
+    try:
+        _write(files, partial)
+        return partial.replace(folder / file)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def contents(path):

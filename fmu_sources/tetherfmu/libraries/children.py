@@ -1,11 +1,37 @@
-"""Processes that end with the one that started them."""
+"""Ctrl-C: processes that end with the one that started them, and code that it must not break into."""
 
 import os
 import signal
 import subprocess
+import threading
 from contextlib import contextmanager, suppress
 
 GRACE = 3.0  # seconds that they get to tidy up
+
+
+@contextmanager
+def ctrl_c_waits():
+    """Within the block, Ctrl-C is raised by the function that it gets, and nowhere else.
+
+    For what cannot be left just anywhere, such as an FMU in this process: its library would take the exception for one of
+    its own, tell it, and refuse the step.
+    Where Ctrl-C raises nothing, or elsewhere than in the main thread, all stays as it is.
+    """
+    pressed = []
+
+    def stop_if_pressed():
+        if pressed:
+            raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
+        yield stop_if_pressed
+        return
+    signal.signal(signal.SIGINT, lambda *_: pressed.append(True))
+    try:
+        yield stop_if_pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager
@@ -15,8 +41,11 @@ def child(command, **options):
     Ctrl-C is such an exception. It does not reach the child, which has a group of its own, but by this process.
     """
     group = {} if os.name == "nt" else {"process_group": 0}
-    with subprocess.Popen(command, stdin=subprocess.DEVNULL, text=True, errors="replace", **group, **options) as process:
+    with ctrl_c_waits() as stop_if_pressed:
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, text=True, errors="replace", **group, **options)
+    with process:
         try:
+            stop_if_pressed()
             yield process
         except BaseException:
             _end(process)
@@ -29,13 +58,6 @@ def _end(process):
         process.kill()
         return
     for number in (signal.SIGINT, signal.SIGKILL):
-        with suppress(ProcessLookupError, subprocess.TimeoutExpired):
+        with suppress(OSError, subprocess.TimeoutExpired):
             os.killpg(process.pid, number)
             process.wait(GRACE)
-
-
-def finished(command, timeout=None, **options):
-    """A finished child, as `subprocess.run` gives it with its output captured."""
-    with child(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options) as process:
-        output, errors = process.communicate(timeout=timeout)
-    return subprocess.CompletedProcess(command, process.returncode, output, errors)

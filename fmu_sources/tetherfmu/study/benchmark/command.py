@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.options import folder
+from tetherfmu.console.options import folder, new_file
+from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.tables import circumstances, page
 from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
@@ -30,7 +31,7 @@ def add_arguments(parser):
     parser.add_argument(
         "--out", type=folder, metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv"
     )
-    parser.add_argument("--figure", metavar="FILE", help="draw the work-precision diagram to this PNG file")
+    parser.add_argument("--figure", type=new_file, metavar="FILE", help="draw the work-precision diagram to this PNG file")
 
 
 def peer(module, package):
@@ -87,9 +88,8 @@ def run(options):
             tables["Kernels"] = kernel_table(**(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
         raced = scenes(quick, flights)
-        runs = pd.concat(
-            [race(scene, cvodes, quick, not (quick or flights)) for scene in progress_bar("races")(raced, len(raced))]
-        )
+        flown = progress_bar("races")(raced, len(raced))
+        runs = pd.concat([race(scene, cvodes, quick, not (quick or flights)) for scene in flown])
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
         tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from tetherfmu.console.options import file, folder, number
+from tetherfmu.console.options import file, folder, new_file, number
 from tetherfmu.study.scenes.standard import MODELS
 
 from .points import point
@@ -25,7 +25,10 @@ def add_arguments(parser):
         "--out", type=folder, default=Path("docs"), metavar="DIR", help="folder for stability.md and figures/ (default docs)"
     )
     parser.add_argument(
-        "--results", metavar="FILE", help="file of finished points (default: stability_<seed>.jsonl in the folder of --out)"
+        "--results",
+        type=new_file,
+        metavar="FILE",
+        help="of finished points (default: stability_<seed>.jsonl in the folder of --out)",
     )
     parser.add_argument(
         "--before",

@@ -1,0 +1,131 @@
+"""Ctrl-C ends a command with one line and status 130, and all that the command has started with it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+TIMEOUT = 120.0
+# whole groups get the signal from a terminal; a tool such as an editor sends it to one process
+EACH_WAY = pytest.mark.parametrize("send", [os.kill, getattr(os, "killpg", None)], ids=["process", "group"])
+LISTENING = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # also in the background
+COMMAND = f"{LISTENING}import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+COLD_BUILD = f"""{LISTENING}
+import sys
+from pathlib import Path
+from tetherfmu.libraries import ready
+import build_fmus
+ready._cache_folder = lambda: Path(sys.argv[1])
+sys.exit(build_fmus.main(["--out", sys.argv[2]]))
+"""
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
+
+
+def stopped(send, code, *arguments, begun, wait=0.0, cwd):
+    """What Python code said on stderr until Ctrl-C, sent when `begun()` is true; its status is 130, its group is gone."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
+        start_new_session=True,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        cwd=cwd,
+    )
+    try:
+        deadline = time.monotonic() + TIMEOUT
+        while not begun(process.pid):
+            assert time.monotonic() < deadline, "nothing has begun"
+            assert process.poll() is None, process.stderr.read()
+            time.sleep(0.01)
+        time.sleep(wait)
+        send(process.pid, signal.SIGINT)
+        said = process.communicate(timeout=TIMEOUT)[1]
+        assert process.returncode == 130, said
+        assert not sessions(process.pid), "a process of the command is left"
+        return said.splitlines()
+    finally:
+        for number in sessions(process.pid):
+            os.kill(number, signal.SIGKILL)
+
+
+def sessions(leader):
+    """Numbers of the processes in the session of a process, and the names of their commands."""
+    found = {}
+    for line in subprocess.run(
+        ["ps", "-ww", "-eo", "pid=,sid=,stat=,args="], capture_output=True, text=True
+    ).stdout.splitlines():
+        number, session, state, command = line.split(None, 3)
+        if int(session) == leader and not state.startswith("Z"):
+            found[int(number)] = command
+    return found
+
+
+def runs(words):
+    """Function of a process: whether one of its session has these words in its command."""
+    return lambda leader: any(words in command for command in sessions(leader).values())
+
+
+@EACH_WAY
+@pytest.mark.parametrize("wait", [0.0, 4.0])
+def test_while_kernels_compile(tmp_path, send, wait):
+    cache = tmp_path / "cache"
+    cache.mkdir()
+    begun = runs("tetherfmu.libraries.ahead_of_time")
+    head, last = stopped(send, COLD_BUILD, cache, tmp_path / "dist", begun=begun, wait=wait, cwd=tmp_path)
+    assert head.startswith("compiling kernels for ")
+    assert last == "stopped"
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+@EACH_WAY
+def test_while_an_fmu_flies(tmp_path, fmu_folder, send):
+    """Again and again: the signal comes anywhere in a step, most of which is inside the FMU."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    code = f"import tempfile; tempfile.tempdir = {str(temporary)!r}\n{COMMAND}"
+    flight = ("fly", "--fmu", fmu_folder / "TetherDynamic.fmu", "--duration", 10_000)
+    extracted = lambda _: any(temporary.rglob("*.so"))  # noqa: E731
+    for delay in (0.1, 0.31, 0.32):
+        assert stopped(send, code, *flight, begun=extracted, wait=delay, cwd=tmp_path) == ["stopped"]
+        assert not list(temporary.iterdir())
+
+
+@EACH_WAY
+def test_while_an_example_runs(tmp_path, fmu_folder, send):
+    (tmp_path / "dist").symlink_to(fmu_folder)
+    script = EXAMPLES / "forces_over_wind_and_slack.py"
+    runs_it = f"sys.path.insert(0, {str(EXAMPLES)!r}); runpy.run_path({str(script)!r}, run_name='__main__')"
+    code = f"{LISTENING}import runpy, sys; {runs_it}"
+    loaded = lambda leader: "TetherDynamic" in Path(f"/proc/{leader}/maps").read_text()  # noqa: E731
+    if not Path("/proc/self/maps").exists():
+        pytest.skip("this system does not tell which libraries a process has")
+    assert stopped(send, code, begun=loaded, cwd=tmp_path) == ["stopped"]
+
+
+@EACH_WAY
+def test_while_an_evidence_set_runs(tmp_path, fmu_folder, send):
+    begun = runs("tetherfmu.check.replay")
+    assert stopped(send, COMMAND, "check", fmu_folder / "TetherDynamic.fmu", begun=begun, wait=0.3, cwd=tmp_path) == [
+        "stopped"
+    ]
+
+
+def test_the_stability_map_keeps_finished_points(tmp_path):
+    results = tmp_path / "points.jsonl"
+    begun = lambda _: results.exists() and results.read_bytes().count(b"\n") > 1  # noqa: E731
+    options = ("--quick", "--out", tmp_path, "--results", results, "--processes", 2)
+    said = stopped(os.killpg, COMMAND, "stability", *options, begun=begun, cwd=tmp_path)
+    assert said == ["stopped; the finished points are kept, the same command goes on"]
+
+
+def test_while_the_advisor_flies(tmp_path):
+    scene = EXAMPLES / "scenes" / "figure_of_eight.toml"
+    assert stopped(os.killpg, COMMAND, "advise", scene, begun=lambda _: True, wait=1.0, cwd=tmp_path) == ["stopped"]

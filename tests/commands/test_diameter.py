@@ -1,0 +1,57 @@
+"""`tetherfmu build --diameter`: the FMU starts with the tether that the Python API has with this diameter."""
+
+import pytest
+from fmpy import read_model_description
+
+from isolation import in_own_process
+from tetherfmu import Tether, TetherDynamic
+from tetherfmu.__main__ import main
+from tetherfmu.commands.build import DIAMETER, SEGMENTS
+from tetherfmu.export.evidence import inputs_at
+
+D = 0.006  # [m], 1.5 times the default: 2.25 times its area
+SCENE = inputs_at(3.0)
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("diameter")
+    assert main(["build", "dynamic", "--diameter", str(D), "--segments", "7", "--out", str(folder)]) == 0
+    return folder / "TetherDynamic.fmu"
+
+
+def test_start_values(fmu):
+    """Stiffness and damping grow with the area, the density of the material stays."""
+    start = {each.name: each.start for each in read_model_description(fmu).modelVariables if each.start is not None}
+    default = Tether()
+    assert float(start["diameter"]) == D
+    assert float(start["axial_stiffness"]) == pytest.approx(2.25 * default.axial_stiffness, rel=1e-14)  # digits of the file
+    assert float(start["axial_damping"]) == pytest.approx(2.25 * default.axial_damping, rel=1e-14)
+    assert float(start["density"]) == default.density
+    assert float(start["drag_coefficient"]) == default.drag_coefficient
+    assert start["segments"] == "7"
+
+
+@in_own_process
+def test_the_first_step_is_that_of_the_python_api(fmu):
+    from runtime.host import Host
+
+    tether = TetherDynamic(Tether(segments=7).with_diameter(D))
+    tether.initialize(**SCENE)
+    expected = tether.step(0.02, **SCENE)
+    host = Host(fmu).start(**SCENE)
+    host.step(0.02, **SCENE)
+    assert host.get("kite_force") == expected.kite_force.tolist()
+
+
+def test_check_passes(fmu, capsys):
+    assert main(["check", str(fmu)]) == 0
+    assert "evidence set: 200 steps" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("diameter", [DIAMETER.minimum, DIAMETER.maximum])
+@pytest.mark.parametrize("segments", [SEGMENTS.minimum, SEGMENTS.maximum])
+def test_the_ends_of_what_is_allowed_pass_their_check(tmp_path, diameter, segments):
+    """All four; their evidence sets have digits enough."""
+    assert main(["build", "--diameter", str(diameter), "--segments", str(segments), "--out", str(tmp_path)]) == 0
+    assert main(["check", *map(str, tmp_path.glob("*.fmu"))]) == 0

@@ -1,0 +1,226 @@
+"""Wrong use of a command or an example: one line on stderr that names what is wrong and what is allowed, and its status."""
+
+import importlib
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tetherfmu.__main__ import COMMANDS
+from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.console.ending import remedy
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+sys.path.append(str(EXAMPLES))
+
+DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="{fmi}" modelName="other" guid="{{0}}">
+  <{kind} modelIdentifier="other"/>
+  <ModelVariables>
+    <ScalarVariable name="shape[1,1]" valueReference="0" causality="output" variability="continuous" initial="calculated">
+      <Real/>
+    </ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="1"/></Outputs><InitialUnknowns><Unknown index="1"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+SCENES = {  # name of the file: (part of a sound scene, what stands there instead)
+    "key.toml": ("525.0", "525.0\ndiametre = 0.01"),
+    "unit.toml": ("525.0", '"5 kg"'),
+    "kind.toml": ('"circle"', '"spiral"'),
+    "syntax.toml": ("duration =", "duration"),
+}
+SOUND = """duration = 20.0
+[flight]
+kind = "circle"
+[tether]
+initial_length = 525.0
+[wanted]
+allowed_error = 0.02
+"""
+WRONG = [  # what is typed, status, what must be said
+    ("nonsense", 2, ("'nonsense'", "build, fly, check")),
+    ("build elastic", 2, ("tetherfmu build", "elastic", "straight (TetherStraight)")),
+    ("build ''", 2, ("NAME", "straight (TetherStraight)")),
+    ("build --platforms nonsense", 2, ("--platforms", "'nonsense'", "x86_64-linux", "all")),
+    ("build --platforms x86_64-linux,", 2, ("--platforms", "''", "x86_64-linux")),
+    ("build --platforms ''", 2, ("--platforms", "''", "x86_64-linux")),
+    ("build --segments 1e3", 2, ("--segments", "'1e3'", "whole number, at least 1 and at most 300")),
+    ("build --segments 0", 2, ("--segments", "'0'", "at least 1")),
+    ("build --segments 301", 2, ("--segments", "'301'", "at most 300")),
+    ("build --segments ''", 2, ("--segments", "''", "whole number")),
+    ("build --segments", 2, ("--segments", "expected one argument")),
+    ("build --shape-points 1", 2, ("--shape-points", "'1'", "0, or from 2 to 1001")),
+    ("build --shape-points -5", 2, ("--shape-points", "'-5'", "0, or from 2 to 1001")),
+    ("build --diameter 0", 2, ("--diameter", "'0'", "at least 0.0001 m and at most 5 m")),
+    ("build --diameter 4mm", 2, ("--diameter", "'4mm'", "a number", "at most 5 m")),
+    ("build --diameter inf", 2, ("--diameter", "'inf'", "at most 5 m")),
+    ("build --diameter nan", 2, ("--diameter", "'nan'", "at most 5 m")),
+    ("build --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("build --out text.txt/deeper/out", 2, ("--out", "'text.txt/deeper/out'", "text.txt is a file")),
+    ("build --out ''", 2, ("--out", "''", "is no folder")),
+    ("build --colour", 2, ("tetherfmu build", "--colour")),
+    ("build --scene none.toml", 2, ("none.toml", "cannot be read")),
+    ("build --scene key.toml", 2, ("key.toml", "tether.diametre", "known are")),
+    ("build --scene ''", 2, ("cannot be read",)),
+    ("build straight --scene key.toml", 2, ("--scene", "NAME")),
+    ("build --diameter 0.01 --scene key.toml", 2, ("--scene", "--diameter")),
+    ("fly --fmu text.txt", 2, ("text.txt", "no FMU")),
+    ("fly --fmu empty.fmu", 2, ("empty.fmu", "no FMU")),
+    ("fly --fmu folder", 2, ("--fmu", "'folder'", "is a folder")),
+    ("fly --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
+    ("fly --fmu ''", 2, ("--fmu", "''")),
+    ("fly --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
+    ("fly --fmu other.fmu", 2, ("other.fmu", "no variable kite_position", "tetherfmu build")),
+    ("fly --fmu fmi3.fmu", 2, ("fmi3.fmu", "no FMU")),
+    ("fly --fmu exchange.fmu", 2, ("exchange.fmu", "co-simulation by FMI 2.0")),
+    ("fly --tether elastic", 2, ("--tether", "elastic", "straight", "all")),
+    ("fly --wind a b c", 2, ("--wind", "'a'", "finite number")),
+    ("fly --wind 1 2", 2, ("--wind", "expected 3 arguments")),
+    ("fly --wind nan 0 0", 2, ("--wind", "'nan'", "finite number")),
+    ("fly --step nan", 2, ("--step", "'nan'", "at most 1000 s")),
+    ("fly --step 0", 2, ("--step", "'0'", "at least 1e-06 s")),
+    ("fly --step ''", 2, ("--step", "''", "a number")),
+    ("fly --length -5", 2, ("--length", "'-5'", "at least 0.001 m")),
+    ("fly --rate fast", 2, ("--rate", "'fast'", "rad/s")),
+    ("fly --duration inf", 2, ("--duration", "'inf'", "at most 1e+06 s")),
+    ("fly --duration 0.001 --fmu no_shape.fmu", 2, ("0.001 s", "communication step of 0.02 s")),
+    ("fly --start upside_down", 2, ("--start", "'upside_down'", "quasi_steady")),
+    ("fly --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("check", 2, ("tetherfmu check", "FILE.fmu")),
+    ("check none.fmu", 2, ("FILE.fmu", "no file none.fmu")),
+    ("check folder", 2, ("FILE.fmu", "'folder'", "is a folder")),
+    ("check ''", 2, ("FILE.fmu", "''")),
+    ("release --out folder", 2, ("--out", "folder", "not empty", "new folder")),
+    ("release --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("advise", 2, ("tetherfmu advise", "SCENE")),
+    ("advise none.toml", 2, ("none.toml", "cannot be read")),
+    ("advise folder", 2, ("folder", "cannot be read")),
+    ("advise ''", 2, ("cannot be read",)),
+    ("advise --fast text.txt", 2, ("text.txt", "no TOML file")),
+    ("advise --fast key.toml", 2, ("key.toml", "tether.diametre", "known are")),
+    ("advise --fast unit.toml", 2, ("unit.toml", "tether.initial_length", "'5 kg'")),
+    ("advise --fast kind.toml", 2, ("kind.toml", "flight.kind", "'spiral'", "circle")),
+    ("advise --fast syntax.toml", 2, ("syntax.toml", "no TOML file")),
+    ("tradeoff key.toml --processes 0", 2, ("--processes", "'0'", "whole number, at least 1")),
+    ("tradeoff key.toml --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("tradeoff key.toml", 2, ("key.toml", "tether.diametre")),
+    ("stability --points many", 2, ("tetherfmu stability", "--points", "'many'", "whole number")),
+    ("stability --seed -1", 2, ("--seed", "'-1'", "at least 0")),
+    ("stability --before none.jsonl", 2, ("--before", "none.jsonl")),
+    ("stability --point 1.5", 2, ("--point", "'1.5'", "whole number")),
+    ("stability --results folder", 2, ("--results", "'folder'", "is a folder")),
+    ("benchmark --fmus text.txt", 2, ("tetherfmu benchmark", "--fmus", "'text.txt'")),
+    ("benchmark --figure folder", 2, ("--figure", "'folder'", "is a folder")),
+    ("catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("catenary 7", 2, ("unrecognized arguments: 7",)),
+    ("forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
+    ("forces_over_wind_and_slack --wind 3", 2, ("unrecognized arguments: --wind 3",)),
+]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """Folder with files and FMUs that cannot be used."""
+    place = tmp_path_factory.mktemp("wrong")
+    (place / "text.txt").write_text("no archive\n")
+    (place / "folder").mkdir()
+    (place / "folder" / "file").touch()
+    zipfile.ZipFile(place / "empty.fmu", "w").close()
+    for name, (sound, wrong) in SCENES.items():
+        assert sound in SOUND
+        (place / name).write_text(SOUND.replace(sound, wrong))
+    for name, fmi, kind in (("other", 2, "CoSimulation"), ("fmi3", 3, "CoSimulation"), ("exchange", 2, "ModelExchange")):
+        with zipfile.ZipFile(place / f"{name}.fmu", "w") as archive:
+            archive.writestr("modelDescription.xml", DESCRIPTION.format(fmi=f"{fmi}.0", kind=kind))
+    assert tetherfmu(["build", "straight", "--shape-points", "0", "--out", str(place)]) == 0
+    (place / "TetherStraight.fmu").rename(place / "no_shape.fmu")
+    return place
+
+
+def run(name, *arguments):
+    """Exit status of a command, or of an example by its name."""
+    try:
+        if name.startswith(("catenary", "forces")):
+            return importlib.import_module(name).main(list(arguments))
+        return tetherfmu([name, *arguments])
+    except SystemExit as end:
+        return end.code
+
+
+def words(line):
+    """Arguments of a command line, of which '' is empty."""
+    return ["" if word == "''" else word for word in line.split(" ")]
+
+
+@pytest.mark.parametrize(("line", "status", "says"), WRONG, ids=[line for line, *_ in WRONG])
+def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, status, says):
+    monkeypatch.chdir(place)
+    before = sorted(place.rglob("*"))
+    assert run(*words(line)) == status
+    said = capsys.readouterr().err
+    assert len(said.splitlines()) == 1, said
+    assert all(each in said for each in says), said
+    assert sorted(place.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("line", "package", "extra"),
+    [
+        ("fly --html", "plotly", "html"),
+        ("catenary", "matplotlib", "examples"),
+        ("stability --quick", "pebble", "study"),
+        ("advise --fast key.toml", "pandas", "study"),
+        ("tradeoff sound.toml --dask tcp://127.0.0.1:1", "distributed", "cluster"),
+    ],
+)
+def test_a_missing_package_is_named_with_its_extra(place, fmu_folder, tmp_path, line, package, extra):
+    """In a process of its own, since what is imported stays."""
+    (tmp_path / "dist").symlink_to(fmu_folder, target_is_directory=True)
+    (tmp_path / "sound.toml").write_text(SOUND)
+    name, *arguments = words(line)
+    module = "tetherfmu.__main__" if name in COMMANDS else name
+    call = f"sys.exit({module}.main({[name, *arguments] if name in COMMANDS else arguments}))"
+    code = f"import sys\nsys.modules[{package!r}] = None\nimport {module}\n{call}"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path])}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'
+
+
+def test_remedy_of_a_package_without_extra():
+    assert remedy("fmpy") == "pip install fmpy"
+
+
+def test_what_an_fmu_refuses_is_told_without_a_traceback(fmu_folder, tmp_path):
+    """The run has failed: the FMU says why, the command that it ends."""
+    code = "import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+    options = ["fly", "--fmu", fmu_folder / "TetherDynamic.fmu", "--wind", "1e9", "0", "0", "--duration", "1"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", code, *map(str, options)]
+    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "wind_velocity" in done.stderr + done.stdout
+    assert done.stderr.splitlines()[-1].endswith("the FMU has said why")
+
+
+@pytest.mark.parametrize("name", list(COMMANDS))
+def test_help_shows_the_command_as_it_is_typed(name, capsys):
+    assert run(name, "--help") == 0
+    assert capsys.readouterr().out.startswith(f"usage: tetherfmu {name} ")
+
+
+def test_a_disk_that_is_full_is_told(monkeypatch, capsys, tmp_path):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device", "dist/TetherStraight.fmu.partial")
+
+    monkeypatch.setattr("tetherfmu.commands.build.build", full)
+    assert run("build", "straight", "--out", str(tmp_path)) == 1
+    assert capsys.readouterr().err == "dist/TetherStraight.fmu.partial: No space left on device\n"
