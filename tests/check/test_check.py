@@ -9,23 +9,10 @@ import zipfile
 
 import pytest
 
+from foreign import foreign
 from tetherfmu.check import __main__, inspection
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.runtime.kernel_library import this_platform
-
-FOREIGN = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="{fmi}" modelName="foreign" guid="{{0}}">
-  <CoSimulation modelIdentifier="foreign"/>
-  <ModelVariables>
-    <ScalarVariable name="y" valueReference="0" causality="output" variability="continuous" initial="calculated">
-      <Real{wrong}/>
-    </ScalarVariable>
-  </ModelVariables>
-  <ModelStructure>
-    <Outputs><Unknown index="1"/></Outputs><InitialUnknowns><Unknown index="1"/></InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>
-"""
 
 
 def run(*arguments, **environment):
@@ -44,16 +31,6 @@ def changed(source, target, change):
             if content is not None:
                 new.writestr(name, content)
     return target
-
-
-def foreign(path, fmi="2.0", wrong=""):
-    """An FMU of another maker that has a library for this platform."""
-    import fmpy
-
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", FOREIGN.format(fmi=fmi, wrong=wrong))
-        archive.writestr(f"binaries/{fmpy.platform}/foreign{fmpy.sharedLibraryExtension}", b"no library")
-    return path
 
 
 def test_sound_fmus(fmu_folder):

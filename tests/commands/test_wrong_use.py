@@ -9,26 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from foreign import foreign
 from tetherfmu.__main__ import COMMANDS
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.console.ending import remedy
+from tetherfmu.console.ending import WrongUse, remedy
+from tetherfmu.study.measuring.through_fmpy import fmus_in
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.append(str(EXAMPLES))
 
-DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="{fmi}" modelName="other" guid="{{0}}">
-  <{kind} modelIdentifier="other"/>
-  <ModelVariables>
-    <ScalarVariable name="shape[1,1]" valueReference="0" causality="output" variability="continuous" initial="calculated">
-      <Real/>
-    </ScalarVariable>
-  </ModelVariables>
-  <ModelStructure>
-    <Outputs><Unknown index="1"/></Outputs><InitialUnknowns><Unknown index="1"/></InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>
-"""
 SCENES = {  # name of the file: (part of a sound scene, what stands there instead)
     "key.toml": ("525.0", "525.0\ndiametre = 0.01"),
     "unit.toml": ("525.0", '"5 kg"'),
@@ -117,6 +106,7 @@ WRONG = [  # what is typed, status, what must be said
     ("stability --results folder", 2, ("--results", "'folder'", "is a folder")),
     ("benchmark --fmus text.txt", 2, ("tetherfmu benchmark", "--fmus", "'text.txt'")),
     ("benchmark --figure folder", 2, ("--figure", "'folder'", "is a folder")),
+    ("benchmark --figure diagram.docx", 2, ("--figure", "'diagram.docx'", ".png")),
     ("catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("catenary 7", 2, ("unrecognized arguments: 7",)),
     ("forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
@@ -135,9 +125,9 @@ def place(tmp_path_factory):
     for name, (sound, wrong) in SCENES.items():
         assert sound in SOUND
         (place / name).write_text(SOUND.replace(sound, wrong))
-    for name, fmi, kind in (("other", 2, "CoSimulation"), ("fmi3", 3, "CoSimulation"), ("exchange", 2, "ModelExchange")):
-        with zipfile.ZipFile(place / f"{name}.fmu", "w") as archive:
-            archive.writestr("modelDescription.xml", DESCRIPTION.format(fmi=f"{fmi}.0", kind=kind))
+    foreign(place / "other.fmu", output="shape[1,1]")
+    foreign(place / "fmi3.fmu", fmi="3.0")
+    foreign(place / "exchange.fmu", kind="ModelExchange")
     assert tetherfmu(["build", "straight", "--shape-points", "0", "--out", str(place)]) == 0
     (place / "TetherStraight.fmu").rename(place / "no_shape.fmu")
     return place
@@ -224,3 +214,21 @@ def test_a_disk_that_is_full_is_told(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr("tetherfmu.commands.build.build", full)
     assert run("build", "straight", "--out", str(tmp_path)) == 1
     assert capsys.readouterr().err == "dist/TetherStraight.fmu.partial: No space left on device\n"
+
+
+def test_a_release_that_fails_leaves_an_empty_folder(monkeypatch, capsys, tmp_path):
+    def no_packages(folder):
+        assert list(folder.iterdir())
+        raise RuntimeError("no release: a reason")
+
+    monkeypatch.setattr("tetherfmu.commands.release.build.main", lambda line: (Path(line[1]) / "made").touch() or 0)
+    monkeypatch.setattr("tetherfmu.commands.release.make_packages", no_packages)
+    assert run("release", "--out", str(tmp_path)) == 1
+    assert capsys.readouterr().err == "no release: a reason\n"
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_damaged_fmu_of_a_study_is_named(tmp_path):
+    (tmp_path / "TetherStraight.fmu").write_text("no archive")
+    with pytest.raises(WrongUse, match=r"TetherStraight\.fmu is no FMU"):
+        fmus_in(tmp_path)

@@ -48,12 +48,18 @@ def file(text):
     return Path(text)
 
 
-def new_file(text):
-    """Type of an option that is a file to write to."""
-    if not text or Path(text).is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r} is {'a folder' if text else 'no name'}; it must be a file")
-    folder(str(Path(text).parent))
-    return Path(text)
+def new_file(ending):
+    """Type of an option that is a file to write to, with this ending of its name."""
+
+    def checked(text):
+        if Path(text).is_dir():
+            raise argparse.ArgumentTypeError(f"{text!r} is a folder; it must be a file")
+        if Path(text).suffix != ending:
+            raise argparse.ArgumentTypeError(f"{text!r} is not possible; the name of the file must end in {ending}")
+        folder(str(Path(text).parent))
+        return Path(text)
+
+    return checked
 
 
 def folder(text):

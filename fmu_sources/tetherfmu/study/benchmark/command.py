@@ -31,7 +31,9 @@ def add_arguments(parser):
     parser.add_argument(
         "--out", type=folder, metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv"
     )
-    parser.add_argument("--figure", type=new_file, metavar="FILE", help="draw the work-precision diagram to this PNG file")
+    parser.add_argument(
+        "--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file"
+    )
 
 
 def peer(module, package):

@@ -5,10 +5,12 @@ import multiprocessing
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
+from zipfile import is_zipfile
 
 import numpy as np
 import pandas as pd
 
+from tetherfmu.console.ending import WrongUse
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.runtime.variables import INPUT_NAMES
 from tetherfmu.runtime.variants import class_name
@@ -32,6 +34,8 @@ def fmus_in(folder):
     for name, path in paths.items():
         if not path.exists():
             build(name, folder)
+        if not is_zipfile(path):
+            raise WrongUse(f"{path} is no FMU: it is no zip archive")
     return paths
 
 

@@ -26,7 +26,7 @@ def add_arguments(parser):
     )
     parser.add_argument(
         "--results",
-        type=new_file,
+        type=new_file(".jsonl"),
         metavar="FILE",
         help="of finished points (default: stability_<seed>.jsonl in the folder of --out)",
     )
