@@ -97,6 +97,8 @@ WRONG = [  # what is typed, status, what must be said
     ("advise --fast kind.toml", 2, ("kind.toml", "flight.kind", "'spiral'", "circle")),
     ("advise --fast syntax.toml", 2, ("syntax.toml", "no TOML file")),
     ("tradeoff key.toml --processes 0", 2, ("--processes", "'0'", "whole number, at least 1")),
+    ("tradeoff key.toml --dask nonsense", 2, ("--dask", "'nonsense'", "tcp://127.0.0.1:8786")),
+    ("tradeoff key.toml --dask ''", 2, ("--dask", "''", "tcp://127.0.0.1:8786")),
     ("tradeoff key.toml --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("tradeoff key.toml", 2, ("key.toml", "tether.diametre")),
     ("stability --points many", 2, ("tetherfmu stability", "--points", "'many'", "whole number")),

@@ -18,12 +18,13 @@ from tetherfmu.runtime.variants import VARIANTS, class_name
 ROOT = Path(__file__).resolve().parents[2]
 LARGEST = 500_000  # bytes of a library
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"
+PLACES = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # which would come before the wheel
 WITHOUT_COMPILER = 'import sys\nsys.modules |= dict.fromkeys(("numba", "llvmlite", "ziglang"))\n'
 
 
 def done(*command, **options):
     """Run a command that must succeed; returns what it printed."""
-    result = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, **options)
+    result = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, env=PLACES, **options)
     assert result.returncode == 0, result.stdout + result.stderr
     return result.stdout
 
@@ -92,12 +93,12 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
 
 def test_checks_and_advises_without_a_checkout(clean, tmp_path):
     """From a folder with nothing but a scene; the FMU carries the start values that its builder was given."""
-    shutil.copy(ROOT / "examples" / "scenes" / "circle.toml", tmp_path)
+    shutil.copy(ROOT / "examples" / "scenes" / "parked.toml", tmp_path)
     done(clean / "tetherfmu", "build", "quasi-steady", "--diameter", "0.006", cwd=tmp_path)
     checked = done(clean / "tetherfmu", "check", "dist/TetherQuasiSteady.fmu", cwd=tmp_path)
     assert "evidence set: 200 steps" in checked
     assert checked.endswith("0 problems found\n")
-    assert "Tether" in done(clean / "tetherfmu", "advise", "--fast", "circle.toml", cwd=tmp_path)
+    assert "Scene parked: " in done(clean / "tetherfmu", "advise", "--fast", "parked.toml", cwd=tmp_path)
 
 
 def test_the_wheel_says_that_it_is_typed(packages):
@@ -112,7 +113,7 @@ def test_edited_kernels_are_never_replaced_by_those_of_the_wheel(clean, tmp_path
     source.write_text(text + "# edited\n", encoding="utf-8")
     try:
         start = [str(clean / "python"), "-c", "import tetherfmu; tetherfmu.TetherStraight()"]
-        failed = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, check=False)
+        failed = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, check=False, env=PLACES)
     finally:
         source.write_text(text, encoding="utf-8")
     assert failed.returncode == 1

@@ -2,11 +2,14 @@
 
 import argparse
 import os
+import re
 from pathlib import Path
 
 from tetherfmu.runtime.quantities import Quantity
 
 from .ending import WRONG_USE
+
+ADDRESS = re.compile(r"(\w+://)?[^\s:/]+:\d+")
 
 
 class Parser(argparse.ArgumentParser):
@@ -46,6 +49,13 @@ def file(text):
     if not Path(text).is_file():
         raise argparse.ArgumentTypeError(f"there is no file {text}")
     return Path(text)
+
+
+def address(text):
+    """Type of an option that is the address of a server."""
+    if not ADDRESS.fullmatch(text):
+        raise argparse.ArgumentTypeError(f"{text!r} is no address; it must be one such as tcp://127.0.0.1:8786")
+    return text
 
 
 def new_file(ending):

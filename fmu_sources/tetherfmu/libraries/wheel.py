@@ -39,6 +39,13 @@ def build_wheel(*arguments, **options):
 class WholeCheckout(sdist):
     """Takes what a checkout has beside the package, too: the project can be tested and released from its sdist."""
 
+    def make_distribution(self):
+        """Make the archive; the folder that it is made of does not stay, also if Ctrl-C ends this."""
+        try:
+            super().make_distribution()
+        finally:
+            shutil.rmtree(self.distribution.get_fullname(), ignore_errors=True)
+
     def make_release_tree(self, base_dir, files):
         """Fill the folder that becomes the archive."""
         super().make_release_tree(base_dir, files)

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from tetherfmu.console.ending import WrongUse, command
-from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.console.options import Parser, address, folder, number
 from tetherfmu.console.progress import now
 
 GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
@@ -35,7 +35,9 @@ def parse(arguments, prog):
         "--out", type=folder, metavar="DIR", help="folder of results (default: study/NAME); goes on where it was stopped"
     )
     trade.add_argument("--processes", type=number(1, whole=True), metavar="N", help="default: one per core")
-    trade.add_argument("--dask", metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
+    trade.add_argument(
+        "--dask", type=address, metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)"
+    )
     trade.add_argument("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
     trade.add_argument("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
     added(run_costs, "costs", "measure the unit costs anew (costs.csv of this package)")
