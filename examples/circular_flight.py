@@ -30,7 +30,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import WrongUse, command, one_line
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
@@ -87,7 +87,8 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     length [m] : of the tether, unstretched.  rate [rad/s] : of the turn.  wind [m/s].  step [s] : communication step.
     duration [s] : None for one turn.  start : a key of `STARTS`, how the tether is at the start.
     """
-    count = round((duration or 2.0 * np.pi / rate) / step)
+    duration = duration or 2.0 * np.pi / rate
+    count = round(duration / step)
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
     description = description_of(fmu_file)
@@ -118,7 +119,7 @@ def description_of(fmu_file):
     try:
         description = read_model_description(str(fmu_file))
     except Exception as error:  # also what zipfile and the readers of XML raise
-        raise WrongUse(f"{fmu_file} is no FMU that can be read: {' '.join(str(error).split())}") from None
+        raise WrongUse(f"{fmu_file} is no FMU that can be read: {one_line(error)}") from None
     if description.fmiVersion != "2.0" or description.coSimulation is None:
         raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0")
     return description
@@ -148,18 +149,21 @@ def running(fmu_file, description):
 
 
 def load(fmu_file, description, folder):
-    """Extract an FMU to a folder and instantiate it.
+    """Extract an FMU to a folder and instantiate it; RuntimeError if it has no library that this machine can load.
 
     When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
     function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
     `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
     """
-    extract(str(fmu_file), folder)
     name = description.coSimulation.modelIdentifier
-    fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
-    if hasattr(fmu.dll, "finalizePythonInterpreter"):
-        atexit.register(fmu.dll.finalizePythonInterpreter)
-    fmu.instantiate(loggingOn=True)
+    try:
+        extract(str(fmu_file), folder)
+        fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
+        if hasattr(fmu.dll, "finalizePythonInterpreter"):
+            atexit.register(fmu.dll.finalizePythonInterpreter)
+        fmu.instantiate(loggingOn=True)
+    except Exception as error:  # FMPy has no other class for this
+        raise RuntimeError(f"{fmu_file} cannot be loaded: {one_line(error)}; try tetherfmu check {fmu_file}") from None
     return fmu
 
 

@@ -68,6 +68,8 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --fmu other.fmu", 2, ("other.fmu", "no variable kite_position", "tetherfmu build")),
     ("fly --fmu fmi3.fmu", 2, ("fmi3.fmu", "no FMU")),
     ("fly --fmu exchange.fmu", 2, ("exchange.fmu", "co-simulation by FMI 2.0")),
+    ("fly --fmu no_library.fmu", 1, ("no_library.fmu cannot be loaded", "tetherfmu check no_library.fmu")),
+    ("fly --rate 1000 --fmu no_shape.fmu", 2, ("0.00628319 s", "communication step of 0.02 s")),
     ("fly --tether elastic", 2, ("--tether", "elastic", "straight", "all")),
     ("fly --wind a b c", 2, ("--wind", "'a'", "finite number")),
     ("fly --wind 1 2", 2, ("--wind", "expected 3 arguments")),
@@ -132,6 +134,11 @@ def place(tmp_path_factory):
     foreign(place / "exchange.fmu", kind="ModelExchange")
     assert tetherfmu(["build", "straight", "--shape-points", "0", "--out", str(place)]) == 0
     (place / "TetherStraight.fmu").rename(place / "no_shape.fmu")
+    assert tetherfmu(["build", "straight", "--shape-points", "2", "--out", str(place)]) == 0
+    with zipfile.ZipFile(place / "TetherStraight.fmu") as sound, zipfile.ZipFile(place / "no_library.fmu", "w") as archive:
+        for name in sound.namelist():
+            if not name.startswith("binaries/"):
+                archive.writestr(name, sound.read(name))
     return place
 
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from importlib.util import find_spec
 
-from tetherfmu.console.ending import FAILED, WrongUse, command
+from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
 from tetherfmu.export.documents import filled
@@ -27,7 +27,7 @@ def make_packages(folder):
     with child(building, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
         said = process.communicate()[0]
     if process.returncode != 0:
-        raise RuntimeError(f'no release: {" ".join(said.split())} (what it needs comes with: pip install -e ".[release]")')
+        raise RuntimeError(f'no release: {one_line(said)} (what it needs comes with: pip install -e ".[release]")')
 
 
 def write_checksums(folder):

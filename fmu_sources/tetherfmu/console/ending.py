@@ -43,6 +43,11 @@ def command(main):
     return run
 
 
+def one_line(error):
+    """What an error says, in one line."""
+    return " ".join(str(error).split())
+
+
 def _said(text, status):
     """The status, after a text on stderr."""
     print(text, file=sys.stderr)
