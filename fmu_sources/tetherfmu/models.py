@@ -142,7 +142,7 @@ class TetherModel:
         nodes = self._nodes(positions, velocities)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
-        before = self._inputs.copy(), self._parameters.copy()
+        inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
             self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _ZERO)
             if slack is not None:
@@ -150,12 +150,13 @@ class TetherModel:
             if nodes is not None:
                 self._parameters[at.INITIAL_SHAPE] = at.STRAIGHT
             problem = self._instance.start()
-            self._parameters[at.INITIAL_SHAPE] = before[1][at.INITIAL_SHAPE]
             if problem:
                 raise StepRefused(problem, self._instance.status)
         except ValueError:
-            self._inputs[:], self._parameters[:] = before
+            self._inputs[:] = inputs
             raise
+        finally:
+            self._parameters[:] = parameters
         if nodes is not None:
             self._state[at.STATE_HEADER :] = nodes.ravel()
             self._instance.observe()
