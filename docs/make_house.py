@@ -13,7 +13,7 @@ PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = Path(__file__).with_name("figures") / "house.png"
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
-    "Python API": ("models", "energy"),
+    "Python API": ("models", "energy", "materials", "paths", "results"),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
 
