@@ -58,8 +58,8 @@ class Series:
     """The flight of a CSV file, from its first time on.
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
-    speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves; `wind` is None if the file has
-    none, and so is `initial_length` [m].
+    speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
+    [m] are None if the file has none.
     """
 
     def __init__(self, path):
