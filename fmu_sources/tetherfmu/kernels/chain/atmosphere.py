@@ -55,7 +55,7 @@ def wind_factor(height, parameters):
         if 2.0 * logarithm <= power:
             return 0.0, 0.0
         return 2.0 * logarithm - power, 2.0 * logarithm_slope - power_slope
-    return 1.0, 0.0
+    return 1.0, 0.0  # uniform, or given at the nodes
 
 
 @kernel

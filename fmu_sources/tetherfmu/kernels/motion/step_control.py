@@ -12,7 +12,7 @@ from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..algebra.vectors import dot, get, norm, sub
 from ..chain import segment
-from ..chain.properties import rest_length
+from ..chain.properties import has_node_winds, node_wind, rest_length
 from ..communication.drive import chain_during
 from ..compilation import kernel
 from .rodas4p import GAMMA
@@ -109,14 +109,15 @@ def relative_damper_error(chain, w):
 def allowed_errors(drive, v):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
-    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed and the speed
-    after falling freely over one segment.
+    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed (at the reference
+    height, or the largest one at a node) and the speed after falling freely over one segment.
     """
     tolerance = drive.parameters[at.RELATIVE_TOLERANCE]
     segment_length = drive.length / drive.n
-    square = max(2.0 * drive.parameters[at.GRAVITY] * segment_length, dot(drive.wind, drive.wind))
+    square = 2.0 * drive.parameters[at.GRAVITY] * segment_length
     for i in range(drive.n + 1):
-        square = max(square, dot(get(v, i), get(v, i)))
+        wind = node_wind(drive, i, 0) if has_node_winds(drive) else drive.wind
+        square = max(square, dot(wind, wind), dot(get(v, i), get(v, i)))
     return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
 
 
