@@ -25,10 +25,10 @@ from math import sqrt
 from tetherfmu.runtime import layout as at
 
 from ..algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
-from ..algebra.pairs import choose
+from ..algebra.pairs import alike, choose
 from ..algebra.vectors import add, along, cross, dot, scale, sub
 from ..compilation import kernel
-from .atmosphere import air
+from .atmosphere import is_uniform, varying_air
 from .properties import has_node_winds, node_wind, property_of, rest_length
 
 # places in the record of derivatives, see `nodes.record_of`
@@ -93,7 +93,10 @@ def air_of(chain, s, height):
 
     Mean height of its nodes [m]. A wind that is given at the nodes has no slope: it goes where they go.
     """
-    factor, density, wind_slope, density_slope = air(height, chain.parameters)
+    if is_uniform(chain.parameters):
+        density, zero = alike((chain.parameters[at.AIR_DENSITY], 0.0), height)
+        return alike(chain.wind, height), density, (zero, zero, zero), zero
+    factor, density, wind_slope, density_slope = varying_air(height, chain.parameters)
     wind = scale(factor, chain.wind)
     if has_node_winds(chain):
         wind = scale(0.5, add(node_wind(chain, s, 0), node_wind(chain, s, 1)))

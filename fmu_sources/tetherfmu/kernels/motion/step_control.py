@@ -106,18 +106,29 @@ def relative_damper_error(chain, w):
 
 
 @kernel
+def square_of_wind(drive):
+    """Square of the wind at the reference height [m2/s2], or of the largest one that is given at a node."""
+    if not has_node_winds(drive):
+        return dot(drive.wind, drive.wind)
+    square = 0.0
+    for i in range(drive.n + 1):
+        wind = node_wind(drive, i, 0)
+        square = max(square, dot(wind, wind))
+    return square
+
+
+@kernel
 def allowed_errors(drive, v):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
-    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed (at the reference
-    height, or the largest one at a node) and the speed after falling freely over one segment.
+    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed and the speed
+    after falling freely over one segment.
     """
     tolerance = drive.parameters[at.RELATIVE_TOLERANCE]
     segment_length = drive.length / drive.n
-    square = 2.0 * drive.parameters[at.GRAVITY] * segment_length
+    square = max(2.0 * drive.parameters[at.GRAVITY] * segment_length, square_of_wind(drive))
     for i in range(drive.n + 1):
-        wind = node_wind(drive, i, 0) if has_node_winds(drive) else drive.wind
-        square = max(square, dot(wind, wind), dot(get(v, i), get(v, i)))
+        square = max(square, dot(get(v, i), get(v, i)))
     return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
 
 
