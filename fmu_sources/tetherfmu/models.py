@@ -87,6 +87,7 @@ class TetherModel:
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
         self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
         self._runs = False
+        self._wind_profile = environment.wind_profile
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
@@ -398,6 +399,24 @@ class TetherModel:
         arrays = self._parameters, self._state, inputs, numbers, self._work
         self._kernels.account(self.segments, *(each.ctypes.data for each in arrays))
         return numbers
+
+    def _set_node_winds(self, winds):
+        """Let the wind at each node be `winds` [m/s], array (segments + 1, 3); None: again inputs times wind profile.
+
+        Held until it is set anew. ValueError if the tether has no nodes, for another shape, or for numbers out of range.
+        """
+        if winds is None:
+            self._parameters[at.WIND_PROFILE] = self._wind_profile
+            return
+        winds = np.asarray(winds, dtype=float)
+        if self.variant in WITHOUT_NODES:
+            raise ValueError(f"{type(self).__name__} has no nodes, so no wind at them")
+        if winds.shape != (self.segments + 1, 3):
+            raise ValueError(f"the winds have the shape {winds.shape}; it must be {(self.segments + 1, 3)}")
+        if not np.all(np.abs(winds) <= at.LARGEST_INPUT):
+            raise ValueError(f"each wind must be a finite number of at most {at.LARGEST_INPUT} m/s")
+        self._parameters[-winds.size :] = winds.T.ravel()
+        self._parameters[at.WIND_PROFILE] = at.AT_NODES
 
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
