@@ -61,7 +61,8 @@ def accelerations(model, reel_out_speed, free_ends):
 @pytest.mark.parametrize("free_ends", [(False, False), (False, True), (True, False), (True, True)], ids=str)
 def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
     model = shaken(free_ends)
-    model._set_node_winds(node_winds)
+    if node_winds is not None:
+        model._set_wind(node_winds)
     now = model.energy(reel_out_speed, WIND, LOAD)
     a = accelerations(model, reel_out_speed, free_ends)
     start = model.get_state()
