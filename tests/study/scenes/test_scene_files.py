@@ -34,6 +34,14 @@ WRONG_SERIES = {
     "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] is ''"),
     "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "Expected 4 fields in line 2, saw 5"),
     "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "time must grow"),
+    "length twice": (
+        (HEAD.replace("time", "time,reel_out_speed,tether_length") + "0,0,505,1,2,3\n" * 5).encode(),
+        "has the columns reel_out_speed and tether_length; it must have one of them",
+    ),
+    "another length": (
+        (HEAD.replace("time", "time,tether_length") + "".join(f"{k},501,{k},2,3\n" for k in range(5))).encode(),
+        "tether.initial_length is 505.0 m; tether_length of the series begins with 501.0 m",
+    ),
     "too short": (
         (HEAD + "".join(f"0.{k},1,2,3\n" for k in range(5))).encode(),
         "duration is 2.0; it must be at most 0.4 s",
@@ -75,6 +83,20 @@ def test_numbers_with_units_and_in_si_are_the_same_scene(tmp_path):
     assert scenes[0].tether == scenes[1].tether
     assert scenes[0].wanted == scenes[1].wanted
     assert scenes[0].tether.initial_length == 505.0
+
+
+def test_a_series_may_give_the_length_instead_of_its_rate(tmp_path):
+    """A parabola of the length, sampled every 0.2 s: its length and its rate at all times but the first and last ones."""
+    time = 0.2 * np.arange(16)
+    rows = np.column_stack([time, 505.0 + 0.4 * time + 0.1 * time**2, 300.0 + time, time, time])
+    text = HEAD.replace("time", "time,tether_length") + "\n".join(",".join(map(repr, row.tolist())) for row in rows)
+    (tmp_path / "flight.csv").write_text(text, encoding="utf-8")
+    times = np.linspace(0.3, 2.7, 13)
+    motion = load(written(tmp_path, SERIES, "series")).flight.motion(times)
+    # the slope is the harmonic mean of both sides instead of the mean: wrong by (h x2/2)^2/x1, x1 = 0.4 at least
+    bound = (0.2 * 0.2 / 2.0) ** 2 / 0.4
+    np.testing.assert_allclose(motion.reel_out_speed, 0.4 + 0.2 * times, rtol=0, atol=2.0 * bound)
+    np.testing.assert_allclose(motion.reeled, 0.4 * times + 0.1 * times**2, rtol=0, atol=0.2 * bound)
 
 
 def test_a_series_is_the_flight_that_it_samples(tmp_path):

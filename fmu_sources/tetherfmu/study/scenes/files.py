@@ -127,6 +127,10 @@ def read(table, path, name):
         if "wind" in table:
             raise ValueError("wind is given here and in the columns of the series; it must be given once")
         records["wind"] = flight.wind
+    first = getattr(flight, "initial_length", None)
+    if first is not None and not np.isclose(first, records["tether"].initial_length, rtol=1e-6):
+        length = records["tether"].initial_length
+        raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")
     name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
     flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
     digest = hashlib.sha256(repr((name, table)).encode() + flown).hexdigest()[:16]

@@ -10,7 +10,7 @@ from .flights import Motion
 
 AXES = ("[1]", "[2]", "[3]")
 VECTORS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
-COLUMNS = ("time", *(name + axis for name in VECTORS for axis in AXES), "reel_out_speed")
+COLUMNS = ("time", *(name + axis for name in VECTORS for axis in AXES), "reel_out_speed", "tether_length")
 FEWEST_ROWS = 4  # that a C2 spline needs
 
 
@@ -39,6 +39,8 @@ def problems(table, numbers):
     needed = {"time", *(vector + axis for vector in given.intersection(VECTORS) for axis in AXES)}
     for name in sorted(needed.difference(table)):
         yield f"the column {name} is missing"
+    if {"reel_out_speed", "tether_length"} <= {*table}:
+        yield "has the columns reel_out_speed and tether_length; it must have one of them"
     if len(table) < FEWEST_ROWS:
         yield f"has {len(table)} rows; it must have at least {FEWEST_ROWS}"
     if not numbers["time"].is_monotonic_increasing or not numbers["time"].is_unique:
@@ -56,7 +58,8 @@ class Series:
     """The flight of a CSV file, from its first time on.
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
-    speed and wind are monotone cubic curves; `wind` is None if the file has none.
+    speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
+    [m] are None if the file has none.
     """
 
     def __init__(self, path):
@@ -66,10 +69,15 @@ class Series:
         kite, kite_velocity, ground, ground_velocity, wind = given
         self.duration = float(time[-1])
         self._ends = curve(time, kite, kite_velocity), curve(time, ground, ground_velocity)
-        self._reeling = PchipInterpolator(time, table.get("reel_out_speed", 0.0 * time))
+        if "tether_length" in table:
+            self._length = PchipInterpolator(time, table["tether_length"])
+            self._speed, self.initial_length = self._length.derivative(), float(table["tether_length"].iloc[0])
+        else:
+            self._speed, self.initial_length = PchipInterpolator(time, table.get("reel_out_speed", 0.0 * time)), None
+            self._length = self._speed.antiderivative()
         self.wind = None if wind is None else PchipInterpolator(time, wind)
 
     def motion(self, time):
         """`Motion` at an array of times [s]."""
         ends = (end(time, order) for end in self._ends for order in (0, 1))
-        return Motion(*ends, self._reeling.antiderivative()(time), self._reeling(time))
+        return Motion(*ends, self._length(time) - self._length(0.0), self._speed(time))

@@ -1,0 +1,103 @@
+"""Wrong uses of the Python API: each is refused with a sentence that names what is wrong and what is allowed."""
+
+import numpy as np
+import pytest
+
+import tetherfmu
+from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, inputs_along, tether_of
+
+
+def running(model=TetherDynamic, **quantities):
+    tether = model(**quantities)
+    tether.initialize()
+    return tether
+
+
+WRONG = {
+    "number for a tether": (lambda: TetherDynamic(505), TypeError, "tether is 505; it must be a Tether or a sequence"),
+    "number among tethers": (
+        lambda: TetherDynamic([Tether(), 3]),
+        TypeError,
+        r"or in short TetherDynamic\(initial_length=505",
+    ),
+    "no tether": (lambda: TetherDynamic(()), TypeError, "must be a Tether or a sequence of them"),
+    "wrong record": (lambda: TetherDynamic(Tether(), Tether()), TypeError, "it must be an Environment, as in"),
+    "unknown quantity": (
+        lambda: TetherDynamic(length=5.0),
+        TypeError,
+        "has no quantity length; there are segments, initial_",
+    ),
+    "quantity of several": (lambda: TetherDynamic([Tether()] * 2, diameter=0.1), TypeError, "to each of the 2 tethers"),
+    "no segments": (lambda: TetherDynamic(segments=0), ValueError, "segments is 0; it must be at least 1 and at most 300"),
+    "half a segment": (lambda: TetherDynamic(segments=1.5), ValueError, "segments is 1.5; it must be a whole number"),
+    "text": (lambda: TetherDynamic(diameter="4 mm"), ValueError, "diameter is '4 mm'; it must be at least 1e-06 m"),
+    "not a number": (lambda: Tether(density=np.nan), ValueError, "density is nan; it must be at least 0.001 kg/m3"),
+    "unknown name": (lambda: TetherDynamic(wind_profile="log"), ValueError, r"wind_profile is 'log'; .* 3 \(logarithmic\)"),
+    "short segments": (lambda: TetherDynamic(initial_length=0.1), ValueError, "it must be at least 0.01 m for each"),
+    "nodes of a line": (lambda: TetherCatenary(point_masses={0: 1.0}), ValueError, "one uniform line: it takes one Tether"),
+    "no such node": (lambda: TetherDynamic(point_masses={21: 1.0}), ValueError, "a node from 0 to 20"),
+    "negative mass": (lambda: TetherDynamic(point_masses={2: -1.0}), ValueError, "at least 0 kg"),
+    "points": (lambda: TetherDynamic(shape_points=-1), ValueError, "shape_points is -1; it must be a whole number"),
+    "one number": (lambda: TetherDynamic().initialize(5.0), ValueError, "kite_position is 5.0; it must be three numbers"),
+    "two numbers": (
+        lambda: TetherDynamic().initialize((1.0, 2.0)),
+        ValueError,
+        "kite_position is .* it must be three numbers",
+    ),
+    "letters": (lambda: running().step(0.02, "abc"), ValueError, "kite_position is 'abc'; it must be three numbers"),
+    "matrix": (lambda: running().step(0.02, np.zeros((3, 3))), ValueError, "it must be three numbers"),
+    "vector speed": (lambda: running().step(0.02, reel_out_speed=(1.0, 2.0)), ValueError, "reel_out_speed .* a number"),
+    "nan": (lambda: running().step(0.02, (np.nan, 0, 0)), tetherfmu.StepRefused, r"kite_position\[1\] is nan"),
+    "infinite wind": (
+        lambda: running().step(0.02, wind_velocity=(0, 0, np.inf)),
+        tetherfmu.StepRefused,
+        r"wind_velocity\[3\]",
+    ),
+    "wind of nodes": (
+        lambda: running().step(0.02, wind_velocity=np.zeros((5, 3))),
+        ValueError,
+        r"or \(21, 3\) for a wind at",
+    ),
+    "no time": (
+        lambda: running().step(0.0),
+        tetherfmu.StepRefused,
+        "communication step is 0.0 s; it must be greater than 0",
+    ),
+    "back in time": (lambda: running().step(-0.02), tetherfmu.StepRefused, "must be greater than 0"),
+    "step in words": (lambda: running().step("soon"), ValueError, r"step is 'soon'; it must be a number \[s\]"),
+    "length of a wave": (
+        lambda: running().step(0.02, tether_length=5.0),
+        ValueError,
+        "tether_length is an input of .* without",
+    ),
+    "too short": (lambda: TetherDynamic().initialize(slack=-2.0), ValueError, "slack is -2.0: the tether would be"),
+    "nodes": (lambda: TetherDynamic().initialize(positions=np.zeros((3, 3))), ValueError, r"it must be \(21, 3\)"),
+    "half of nodes": (
+        lambda: TetherDynamic().initialize(velocities=np.zeros((21, 3))),
+        ValueError,
+        "without their positions",
+    ),
+    "nodes at rest": (
+        lambda: TetherQuasiSteady().initialize(positions=np.zeros((21, 3))),
+        ValueError,
+        "TetherQuasiSteady is always in equilibrium",
+    ),
+    "far nodes": (lambda: TetherDynamic().initialize(positions=np.full((21, 3), np.inf)), ValueError, "not finite"),
+    "flight": (lambda: running().fly(np.zeros((3, 4)), 0.02), ValueError, r"shape \(3, 4\); it must be \(steps, 19\)"),
+    "rows": (lambda: running().fly(np.zeros((3, 19)), 0.02, every=-1), ValueError, "every is -1; it must be at least 0"),
+    "state": (lambda: running().set_state(np.zeros(3)), ValueError, r"state has the shape \(3,\)"),
+    "material": (lambda: tether_of("rope", 0.01), ValueError, "material is 'rope'; it must be one of dyneema_sk75"),
+    "path": (
+        lambda: MovingEnd(lambda t: (t, t)).at(1.0),
+        ValueError,
+        r"position of the moving end at 1.0 s has the shape \(2,\)",
+    ),
+    "paths": (lambda: inputs_along(2, 0.02, kite=MovingEnd(lambda t: t)), ValueError, "must be"),
+}
+
+
+@pytest.mark.parametrize("name", list(WRONG))
+def test_is_refused_in_words(name):
+    wrong, error, words = WRONG[name]
+    with pytest.raises(error, match=words):
+        wrong()
