@@ -27,18 +27,31 @@ def wind_factor(z, air):
     return {1: np.ones_like(z), 2: power, 3: log, 4: np.maximum(2.0 * log - power, 0.0)}[air.wind_profile]
 
 
-def drag(positions, velocities, wind, tether, air):
-    """Sum of the drag 1/2 rho cd d l |w| w [N] of all segments; w: apparent wind across a segment."""
+def air_velocities(positions, wind, air):
+    """Wind at the segments (n, 3) [m/s]: one wind times its profile, or the means of winds at the nodes (n + 1, 3)."""
+    wind = np.asarray(wind)
+    if wind.ndim == 2:
+        return 0.5 * (wind[1:] + wind[:-1])
+    return wind_factor(0.5 * (positions[1:, 2] + positions[:-1, 2]), air)[:, None] * wind
+
+
+def drags(positions, velocities, wind, tether, air):
+    """Drag 1/2 rho cd d l |w| w (n, 3) [N] of all segments; w: apparent wind across it, wind: see `air_velocities`."""
     r = np.diff(positions, axis=0)
     length = np.linalg.norm(r, axis=1)[:, None]
     e = r / length
     height = 0.5 * (positions[1:, 2] + positions[:-1, 2])
     scale_height = air.air_density_scale_height
     density = air.air_density * (np.exp(-height / scale_height) if scale_height else np.ones_like(height))
-    relative = wind_factor(height, air)[:, None] * np.asarray(wind) - 0.5 * (velocities[1:] + velocities[:-1])
+    relative = air_velocities(positions, wind, air) - 0.5 * (velocities[1:] + velocities[:-1])
     w = relative - np.sum(relative * e, axis=1)[:, None] * e
     width = tether.drag_coefficient * tether.diameter
-    return np.sum(0.5 * density[:, None] * width * length * np.linalg.norm(w, axis=1)[:, None] * w, axis=0)
+    return 0.5 * density[:, None] * width * length * np.linalg.norm(w, axis=1)[:, None] * w
+
+
+def drag(positions, velocities, wind, tether, air):
+    """Sum of the `drags` of all segments [N]."""
+    return np.sum(drags(positions, velocities, wind, tether, air), axis=0)
 
 
 def energy(positions, velocities, tether, gravity=9.81):

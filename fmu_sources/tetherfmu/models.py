@@ -87,6 +87,7 @@ class TetherModel:
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
         self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
         self._runs = False
+        self._wind_profile = environment.wind_profile
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
@@ -118,8 +119,8 @@ class TetherModel:
             Their velocities [m/s].
         reel_out_speed : float
             Rate of change of the unstretched length [m/s]; positive pays out.
-        wind_velocity : (3,) array
-            Wind [m/s] at `wind_reference_height`.
+        wind_velocity : (3,) or (segments + 1, 3) array
+            Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
         slack : float or None
             The unstretched length is (1 + slack) times the distance of the ends, instead of `initial_length`; -0.01 for a
             tether that is stretched by about 1 %.
@@ -144,7 +145,8 @@ class TetherModel:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, _ZERO)
+            self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, _ZERO)
+            self._set_wind(wind_velocity)
             if slack is not None:
                 self._parameters[at.INITIAL_LENGTH] = self._length_with(slack)
             if nodes is not None:
@@ -153,10 +155,10 @@ class TetherModel:
             if problem:
                 raise StepRefused(problem, self._instance.status)
         except ValueError:
-            self._inputs[:] = inputs
+            self._inputs[:], self._parameters[:] = inputs, parameters
             raise
-        finally:
-            self._parameters[:] = parameters
+        for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE):
+            self._parameters[place] = parameters[place]
         if nodes is not None:
             self._state[at.STATE_HEADER :] = nodes.ravel()
             self._instance.observe()
@@ -212,13 +214,19 @@ class TetherModel:
             step = float(step)
         except (TypeError, ValueError):
             raise ValueError(f"step is {step!r}; it must be a number [s]") from None
-        inputs, length = self._inputs.copy(), self._state[at.LENGTH]
-        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, wind_velocity, kite_load)
+        inputs, parameters, length = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
+        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, kite_load)
+        if wind_velocity is not None:
+            try:
+                self._set_wind(wind_velocity)
+            except ValueError:
+                self._inputs[:] = inputs
+                raise
         if tether_length is not None:
             self._state[at.LENGTH] = float(tether_length) - self._inputs[at.REEL_OUT_SPEED] * step
         problem = self._instance.advance(step)
         if problem:
-            self._inputs[:], self._state[at.LENGTH] = inputs, length
+            self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
             raise StepRefused(problem, self._instance.status)
         return self._present()
 
@@ -338,7 +346,7 @@ class TetherModel:
         return {name: int(self._state[place]) for name, place in places.items()}
 
     def _set(self, *inputs):
-        """Set the inputs that are given, in the order of `layout.py`; none, and ValueError, if a shape is wrong."""
+        """Set the inputs of `_INPUTS` that are given; none, and ValueError, if a shape is wrong."""
         changes = []
         for (name, place, size), value in zip(_INPUTS, inputs, strict=True):
             if value is not None:
@@ -399,6 +407,21 @@ class TetherModel:
         self._kernels.account(self.segments, *(each.ctypes.data for each in arrays))
         return numbers
 
+    def _set_wind(self, wind):
+        """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
+        shape = np.shape(wind)
+        if shape == (self.segments + 1, 3) and self.variant not in WITHOUT_NODES:
+            if not np.all(np.abs(wind) <= at.LARGEST_INPUT):  # NaN is not
+                raise ValueError(f"wind_velocity has a number that is not finite or above {at.LARGEST_INPUT:g} m/s")
+            self._parameters[-3 * len(wind) :] = np.transpose(wind).ravel()
+            self._parameters[at.WIND_PROFILE] = at.AT_NODES
+        elif shape == (3,):
+            self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+            self._parameters[at.WIND_PROFILE] = self._wind_profile
+        else:
+            nodes = "" if self.variant in WITHOUT_NODES else f", or ({self.segments + 1}, 3) for a wind at each node"
+            raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")
+
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
         if not self._runs:
@@ -422,13 +445,12 @@ class TetherModel:
         )
 
 
-_INPUTS = (  # name, place, size
+_INPUTS = (  # name, place, size; the wind has `_set_wind`
     ("kite_position", at.KITE_POSITION, 3),
     ("kite_velocity", at.KITE_VELOCITY, 3),
     ("ground_position", at.GROUND_POSITION, 3),
     ("ground_velocity", at.GROUND_VELOCITY, 3),
     ("reel_out_speed", at.REEL_OUT_SPEED, 1),
-    ("wind_velocity", at.WIND_VELOCITY, 3),
     ("kite_load", at.KITE_LOAD, 3),
 )
 

@@ -13,7 +13,7 @@ from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 class ChainProblem:
     """Arrays and the drive of a bent chain of 4 segments in a sheared wind; both ends move, the tether reels.
 
-    It stays taut, so that its forces are smooth and the order of a method can be seen.
+    It stays taut, so that its forces are smooth and the order of a method can be seen. wind_profile : of `layout.py`.
     """
 
     def __init__(self, reeling=1.5, damping_law=1, wind_profile=2):
@@ -26,8 +26,10 @@ class ChainProblem:
             axial_damping=60.0,
             damping_law=damping_law,
         )
-        environment = Environment(wind_profile=wind_profile, air_density_scale_height=500.0)
-        self.parameters = np.array(pack((tether,), environment, Solver(), 1e-6))
+        self.parameters = np.array(pack((tether,), Environment(air_density_scale_height=500.0), Solver(), 1e-6))
+        self.parameters[at.WIND_PROFILE] = wind_profile
+        if wind_profile == at.AT_NODES:
+            self.parameters[-3 * (n + 1) :] = 9.0 * np.random.default_rng(3).normal(size=3 * (n + 1))
         self.wind = (8.0, 2.0, 1.0)
         self.length = 38.0
         nodes = np.linspace([0.0, 0.0, 1.0], [22.0, 3.0, 36.0], n + 1)

@@ -21,6 +21,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 WIND = (9.0, -3.0, 1.0)
+NODE_WINDS = 9.0 * np.random.default_rng(9).normal(size=(8, 3))
 LOAD = (20.0, -5.0, 40.0)
 SECTIONS = [
     Tether(segments=3, initial_length=20.0, axial_stiffness=3e3, axial_damping=40.0),
@@ -55,10 +56,13 @@ def accelerations(model, reel_out_speed, free_ends):
     return result
 
 
+@pytest.mark.parametrize("node_winds", [None, NODE_WINDS], ids=["wind", "node_winds"])
 @pytest.mark.parametrize("reel_out_speed", [0.0, 3.0, -5.0])
 @pytest.mark.parametrize("free_ends", [(False, False), (False, True), (True, False), (True, True)], ids=str)
-def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed):
+def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
     model = shaken(free_ends)
+    if node_winds is not None:
+        model._set_wind(node_winds)
     now = model.energy(reel_out_speed, WIND, LOAD)
     a = accelerations(model, reel_out_speed, free_ends)
     start = model.get_state()

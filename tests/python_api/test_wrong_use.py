@@ -53,6 +53,11 @@ WRONG = {
         tetherfmu.StepRefused,
         r"wind_velocity\[3\]",
     ),
+    "wind of nodes": (
+        lambda: running().step(0.02, wind_velocity=np.zeros((5, 3))),
+        ValueError,
+        r"or \(21, 3\) for a wind at",
+    ),
     "no time": (
         lambda: running().step(0.0),
         tetherfmu.StepRefused,

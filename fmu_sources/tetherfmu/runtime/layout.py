@@ -38,7 +38,8 @@ DAMPING = 2  # damping constant times length [N s]
 LINE_DENSITY = 3  # mass per unstretched length [kg/m]
 DRAG_WIDTH = 4  # drag coefficient times diameter [m]
 SEGMENT_PROPERTIES = 5
-# ... and last the n + 1 extra point masses of the nodes [kg]
+# ... then the n + 1 extra point masses of the nodes [kg] ...
+# ... and last the wind at the nodes [m/s]: n + 1 numbers along x, along y, along z, read if WIND_PROFILE is AT_NODES
 
 # inputs
 KITE_POSITION = 0
@@ -85,6 +86,7 @@ SHAPE = 18
 # enumerations of the parameters
 STRAIN_RATE, STRETCH_RATE = 1, 2
 UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
+AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
@@ -102,7 +104,7 @@ MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
 
 def parameters_size(segments):
     """Length of the `parameters` array [-] of a tether with so many segments."""
-    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + segments + 1
+    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + 4 * (segments + 1)
 
 
 def state_size(segments):

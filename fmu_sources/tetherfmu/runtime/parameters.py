@@ -132,7 +132,7 @@ def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(Fa
 
     tethers : in series from the ground to the kite; all reel in proportion to their lengths.  tolerance : relative tolerance
     of the solver [-].  point_masses : pairs (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends :
-    whether the ground end and the kite end move freely.
+    whether the ground end and the kite end move freely.  No wind is given at the nodes.
     """
     check_series(tethers)
     n = sum(tether.segments for tether in tethers)

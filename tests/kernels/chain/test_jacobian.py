@@ -51,7 +51,7 @@ def dense(problem, factors):
 
 
 @pytest.mark.parametrize("damping_law", [1, 2])
-@pytest.mark.parametrize("wind_profile", [1, 2, 3, 4])
+@pytest.mark.parametrize("wind_profile", [1, 2, 3, 4, at.AT_NODES])
 @pytest.mark.parametrize("slack", [False, True])
 def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)

@@ -14,7 +14,7 @@ from math import exp, log
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.pairs import alike, lanewise
+from ..algebra.pairs import lanewise
 from ..compilation import kernel
 
 _LOWEST = 1e-3  # the slope of the power law is taken at no less than this part of h: it is infinite at z = 0
@@ -55,7 +55,7 @@ def wind_factor(height, parameters):
         if 2.0 * logarithm <= power:
             return 0.0, 0.0
         return 2.0 * logarithm - power, 2.0 * logarithm_slope - power_slope
-    return 1.0, 0.0
+    return 1.0, 0.0  # uniform, or given at the nodes
 
 
 @kernel
@@ -69,17 +69,15 @@ def air_density(height, parameters):
     return density, -density / scale_height
 
 
+@kernel
+def is_uniform(parameters):
+    """Whether wind and density are the same everywhere, so that nobody needs `varying_air`."""
+    return parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
+
+
 @lanewise
 def varying_air(height, parameters):
-    """What `air` returns where something varies with the height."""
+    """Wind factor [-] and density [kg/m3] at a height [m] and their slopes [1/m], [kg/m4]; pairs for a pair of heights."""
     factor, wind_slope = wind_factor(height, parameters)
     density, density_slope = air_density(height, parameters)
     return factor, density, wind_slope, density_slope
-
-
-@kernel
-def air(height, parameters):
-    """Wind factor [-] and density [kg/m3] at a height [m] and their slopes [1/m], [kg/m4]; pairs for a pair of heights."""
-    if parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0:
-        return alike((1.0, parameters[at.AIR_DENSITY], 0.0, 0.0), height)
-    return varying_air(height, parameters)

@@ -7,7 +7,6 @@ from ..algebra.vectors import add, dot, get, scale, sub, vector_at
 from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
 from . import segment
-from .atmosphere import air
 from .nodes import end_force, node_masses
 from .properties import chain_at, point_mass, rest_length
 
@@ -46,7 +45,7 @@ def account(n, parameters, state, inputs, energies, work):
         height = 0.5 * (x[3 * s + 2] + x[3 * s + 5])
         velocity = scale(0.5, add(get(v, s), get(v, s + 1)))
         drag = scale(2.0, segment.half_drag(chain, s, length, e, height, velocity))
-        air_velocity = scale(air(height, parameters)[0], chain.wind)
+        air_velocity, _, _, _ = segment.air_of(chain, s, height)
         elastic += 0.5 * k * (length - rest) ** 2
         tension = segment.tension(chain, length, rate, rest, k, c)
         energies[ENERGIES + s] = tension

@@ -13,7 +13,7 @@ Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling : unstretched length L of the tether [m] and its rate [m/s].  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
-wind : at the reference height [m/s].
+wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
 """
 
 
@@ -45,3 +45,18 @@ def rest_length(chain, s):
 def point_mass(chain, i):
     """Mass [kg] that node i carries beside its share of the tether."""
     return chain.parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + i]
+
+
+@kernel
+def has_node_winds(chain):
+    """Whether the wind is given at the nodes; `chain` may be a `Drive`."""
+    return chain.parameters[at.WIND_PROFILE] == at.AT_NODES
+
+
+@kernel
+def node_wind(chain, s, above):
+    """Wind [m/s] that is given at node s + above; for two s, the winds at two nodes, as pairs; `chain` may be a `Drive`."""
+    count = chain.n + 1
+    x = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + count + above
+    y, z = x + count, x + 2 * count
+    return number_at(chain.parameters, x, s), number_at(chain.parameters, y, s), number_at(chain.parameters, z, s)

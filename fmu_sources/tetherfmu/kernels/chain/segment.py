@@ -25,11 +25,11 @@ from math import sqrt
 from tetherfmu.runtime import layout as at
 
 from ..algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
-from ..algebra.pairs import choose
+from ..algebra.pairs import alike, choose
 from ..algebra.vectors import add, along, cross, dot, scale, sub
 from ..compilation import kernel
-from .atmosphere import air
-from .properties import property_of, rest_length
+from .atmosphere import is_uniform, varying_air
+from .properties import has_node_winds, node_wind, property_of, rest_length
 
 # places in the record of derivatives, see `nodes.record_of`
 K = 0  # 3x3
@@ -88,15 +88,30 @@ def tension(chain, length, length_rate, rest, k, c):
 
 
 @kernel
-def apparent_wind(chain, e, height, velocity):
-    """Wind across a segment w [m/s], wind along it W . e [m/s] and air density [kg/m3].
+def air_of(chain, s, height):
+    """Wind [m/s] and density [kg/m3] of the air at segment s, or at two, and their slopes with the height [1/s], [kg/m4].
 
-    Direction e, mean height of its nodes [m], mean velocity of its nodes [m/s].
+    Mean height of its nodes [m]. A wind that is given at the nodes has no slope: it goes where they go.
     """
-    factor, density, _, _ = air(height, chain.parameters)
-    relative = sub(scale(factor, chain.wind), velocity)
+    if is_uniform(chain.parameters):
+        density, zero = alike((chain.parameters[at.AIR_DENSITY], 0.0), height)
+        return alike(chain.wind, height), density, (zero, zero, zero), zero
+    factor, density, wind_slope, density_slope = varying_air(height, chain.parameters)
+    wind = scale(factor, chain.wind)
+    if has_node_winds(chain):
+        wind = scale(0.5, add(node_wind(chain, s, 0), node_wind(chain, s, 1)))
+    return wind, density, scale(wind_slope, chain.wind), density_slope
+
+
+@kernel
+def apparent_wind(wind, e, velocity):
+    """Wind across a segment w [m/s] and wind along it W . e [m/s].
+
+    Wind [m/s], direction e, mean velocity of its nodes [m/s].
+    """
+    relative = sub(wind, velocity)
     lengthwise = dot(relative, e)
-    return along(relative, -lengthwise, e), lengthwise, density
+    return along(relative, -lengthwise, e), lengthwise
 
 
 @kernel
@@ -105,7 +120,8 @@ def half_drag(chain, s, length, e, height, velocity):
 
     Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes.
     """
-    w, _, density = apparent_wind(chain, e, height, velocity)
+    wind, density, _, _ = air_of(chain, s, height)
+    w, _ = apparent_wind(wind, e, velocity)
     return scale(0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length * sqrt(dot(w, w) + STILLEST), w)
 
 
@@ -156,15 +172,15 @@ def linearize_drag(chain, s, r, height, velocity):
     G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
     """
     length, e = geometry(r)
-    w, lengthwise, density = apparent_wind(chain, e, height, velocity)
-    _, _, wind_slope, density_slope = air(height, chain.parameters)
+    wind, density, wind_slope, density_slope = air_of(chain, s, height)
+    w, lengthwise = apparent_wind(wind, e, velocity)
     speed = sqrt(dot(w, w) + STILLEST)
     width = 0.25 * property_of(chain, s, at.DRAG_WIDTH)
     across = slope_of_square(e, w, speed)
     drag_by_velocity = scale_matrix(width * density * length, across)
     turn = skew(scale(width * density * speed, cross(e, w)))
     drag_by_position = subtract(turn, scale_matrix(width * density * lengthwise, across))
-    shear = apply(drag_by_velocity, scale(wind_slope, chain.wind))
+    shear = apply(drag_by_velocity, wind_slope)
     return drag_by_position, drag_by_velocity, along(shear, width * density_slope * length * speed, w)
 
 

@@ -12,7 +12,7 @@ from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..algebra.vectors import dot, get, norm, sub
 from ..chain import segment
-from ..chain.properties import rest_length
+from ..chain.properties import has_node_winds, node_wind, rest_length
 from ..communication.drive import chain_during
 from ..compilation import kernel
 from .rodas4p import GAMMA
@@ -106,6 +106,18 @@ def relative_damper_error(chain, w):
 
 
 @kernel
+def square_of_wind(drive):
+    """Square of the wind at the reference height [m2/s2], or of the largest one that is given at a node."""
+    if not has_node_winds(drive):
+        return dot(drive.wind, drive.wind)
+    square = 0.0
+    for i in range(drive.n + 1):
+        wind = node_wind(drive, i, 0)
+        square = max(square, dot(wind, wind))
+    return square
+
+
+@kernel
 def allowed_errors(drive, v):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
@@ -114,7 +126,7 @@ def allowed_errors(drive, v):
     """
     tolerance = drive.parameters[at.RELATIVE_TOLERANCE]
     segment_length = drive.length / drive.n
-    square = max(2.0 * drive.parameters[at.GRAVITY] * segment_length, dot(drive.wind, drive.wind))
+    square = max(2.0 * drive.parameters[at.GRAVITY] * segment_length, square_of_wind(drive))
     for i in range(drive.n + 1):
         square = max(square, dot(get(v, i), get(v, i)))
     return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
