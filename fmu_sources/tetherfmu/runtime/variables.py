@@ -186,7 +186,7 @@ def records(table, numbers):
     values = dict(zip(parameter_names(), numbers, strict=True))
     for variable in table:
         if variable.causality == PARAMETER:
-            checked(variable.name, values[variable.name], variable.quantity)
-            if variable.kind != "Real":
+            if variable.kind != "Real" and values[variable.name].is_integer():
                 values[variable.name] = int(values[variable.name])
+            checked(variable.name, values[variable.name], variable.quantity)
     return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in RECORDS)
