@@ -74,10 +74,10 @@ class TetherModel:
         tethers, environment, solver = _with(name, quantities, tethers, environment, solver)
         if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
-        tethers = tuple(effective(each, self.variant) for each in tethers)
         segments = sum(each.segments for each in tethers)
         masses = _checked_masses(point_masses, segments)
         self._points = segments + 1 if shape_points is None else _whole("shape_points", shape_points)
+        tethers = tuple(effective(each, self.variant) for each in tethers)
         self._kernels = kernels or ready.kernels(self.variant)
         self._instance = instance = Instance(self._kernels, self._points)
         instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
