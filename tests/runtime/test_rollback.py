@@ -178,7 +178,7 @@ def count_of(host):
 
 
 def forged(host, place, value):
-    """The state of now with another number at a value reference, or at a place of the state array from its end (negative)."""
+    """The state of now with another number at a value reference, or at a negative place of the state array."""
     saved = from_bytes(blob_of(host), "dynamic", count_of(host))
     (saved.values if place >= 0 else saved.state)[place] = value
     return to_bytes(saved)

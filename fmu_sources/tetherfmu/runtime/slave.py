@@ -256,9 +256,10 @@ class TetherSlave(Fmi2Slave):
 
         Its outputs are not taken but computed: they follow from the state array.
         """
-        whole = [saved.values[reference] for reference in self._integers - self._outputs]
-        if not all(value.is_integer() and abs(value) <= LARGEST_INTEGER for value in whole):
-            raise ValueError("is damaged")
+        for reference, variable in zip(self._references, self._table, strict=True):
+            value = saved.values[reference]
+            if variable.kind != "Real" and reference not in self._outputs and not abs(value) <= LARGEST_INTEGER:
+                raise ValueError(f"has a wrong parameter ({variable.name} is {value}; it must be an integer)")
         records = self._records_of_state(saved) if saved.phase >= STEPPING else None
         self._phase, self._importer_tolerance, self._time = saved.phase, saved.tolerance, saved.time
         instance = self._instance

@@ -14,7 +14,7 @@ KITE, KITE_VELOCITY = np.array((9.0, 2.0, 14.0)), np.array((3.0, -1.0, 2.0))
 
 
 def attempt_of(reel_out_speed, law, slack):
-    """A step from a crooked chain that moves, with drag and a free kite end; its scratch arrays, and positions to look at."""
+    """A step from a crooked chain that moves, with drag and a free kite end; its scratch arrays, and positions to try."""
     random = np.random.default_rng(3)
     tether = Tether(segments=N, initial_length=LENGTH, axial_stiffness=5e4, damping_law=law)
     solver = Solver(fixed_step=STEP)
@@ -60,7 +60,7 @@ def test_is_the_gradient_of_the_potential(reel_out_speed, law, slack):
 
 @pytest.mark.parametrize("reel_out_speed", [20.0, -20.0])
 def test_the_damper_pulls_with_its_tension(reel_out_speed):
-    """Along a segment that does not turn the gradient of the damper is c (dl/dt - (l/l0) dl0/dt), as in `segment.tension`."""
+    """Where no segment turns, the gradient of the damper is c (dl/dt - (l/l0) dl0/dt), as in `segment.tension`."""
     attempt, w, _ = attempt_of(reel_out_speed, "strain_rate", False)
     x = w.old * 1.1  # all vectors keep their directions
     implicit_euler.linearize(attempt, x, w)
