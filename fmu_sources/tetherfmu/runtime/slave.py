@@ -14,7 +14,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
-from . import __version__, saved_state, status, variables
+from . import __version__, layout, saved_state, status, variables
 from .instance import INPUTS_AT, OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
 from .model_description import complete
@@ -24,7 +24,6 @@ from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED, SavedState
 from .variants import effective
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
-LARGEST_INTEGER = 2**31 - 1  # of FMI 2.0
 _PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
 
 
@@ -258,7 +257,7 @@ class TetherSlave(Fmi2Slave):
         """
         for reference, variable in zip(self._references, self._table, strict=True):
             value = saved.values[reference]
-            if variable.kind != "Real" and reference not in self._outputs and not abs(value) <= LARGEST_INTEGER:
+            if variable.kind != "Real" and reference not in self._outputs and not abs(value) <= layout.LARGEST_INTEGER:
                 raise ValueError(f"has a wrong parameter ({variable.name} is {value}; it must be an integer)")
         records = self._records_of_state(saved) if saved.phase >= STEPPING else None
         self._phase, self._importer_tolerance, self._time = saved.phase, saved.tolerance, saved.time
