@@ -440,7 +440,8 @@ class TetherModel:
             values[at.KITE_FORCE : at.GROUND_TENSION],
             *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
             int(values[at.SLACK_SEGMENTS]),
-            *values[at.SLACK_SEGMENTS + 1 : at.SHAPE].tolist(),
+            *values[at.SLACK_SEGMENTS + 1 : at.SOLVER_STEPS].tolist(),
+            *map(int, values[at.SOLVER_STEPS : at.SHAPE].tolist()),
             values[at.SHAPE :].reshape(-1, 3),
         )
 

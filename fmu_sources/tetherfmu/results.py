@@ -25,6 +25,9 @@ class Outputs(NamedTuple):
     kite_damping: float  # along the tether, as the kite feels it [N s/m]
     wave_time: float  # of a transverse wave over the tether [s]
     sag: float  # largest distance of the tether from its chord [m]
+    solver_steps: int  # internal steps since the start
+    solver_rejections: int  # internal steps taken back since the start
+    solver_iterations: int  # Newton iterations since the start
     shape: np.ndarray  # (points, 3), at equal unstretched length, ground first [m]
 
 

@@ -136,3 +136,11 @@ def test_more_fixed_steps_than_the_budget(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start(fixed_step=1e-300)
     said = refused(host, lambda: host.step(0.02))
     assert "fixed_step 1e-300 s" in said
+
+
+@in_own_process
+def test_integers_are_told_as_integers(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    with pytest.raises(FMICallException):
+        host.start(segments=0)
+    assert any("segments is 0; it must be at least 1" in message for message in host.messages)

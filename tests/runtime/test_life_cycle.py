@@ -47,6 +47,8 @@ def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
         assert host.get(field) == getattr(outputs, field)
     for field in ("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"):
         assert host.get(field) == getattr(outputs, field)
+    for name, count in tether.counters.items():
+        assert host.get(f"solver_{name}") == getattr(outputs, f"solver_{name}") == count
     assert [host.get(f"shape[{k + 1},3]") for k in range(21)] == list(outputs.shape[:, 2])
     host.close()
 

@@ -18,6 +18,7 @@ SCALARS = {
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
+        *("solver_steps", "solver_rejections", "solver_iterations"),
     ],
 }
 PARAMETERS = {  # name: (start, unit), as the plug says
@@ -67,7 +68,7 @@ def test_offers_the_plug(fmu_folder, name):
         assert variables[each].causality == "parameter"
         assert variables[each].variability == "fixed"
     assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ["300", "0", "400"]
-    assert variables["slack_segments"].type == "Integer"
+    assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
     assert {variables[each].type for each in ("damping_law", "wind_profile", "initial_shape")} == {"Enumeration"}
 
 

@@ -10,6 +10,7 @@ from isolation import in_own_process
 from runtime.host import Host
 from scenes import circle
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.saved_state import from_bytes, to_bytes
 
 STEP = 0.02
 
@@ -169,3 +170,52 @@ def test_forged_state(fmu_folder):
         with pytest.raises(FMICallException):
             host.step(STEP)
     host.step(STEP)
+
+
+def count_of(host):
+    """Number of FMI values in a state."""
+    return 1 + max(host.reference.values())
+
+
+def forged(host, place, value):
+    """The state of now with another number at a value reference, or at a negative place of the state array."""
+    saved = from_bytes(blob_of(host), "dynamic", count_of(host))
+    (saved.values if place >= 0 else saved.state)[place] = value
+    return to_bytes(saved)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e300, 0.5])
+@in_own_process
+def test_forged_outputs_are_computed_anew(fmu_folder, value):
+    """Outputs follow from the state: what is stored of them does not count, also not of Integer ones."""
+    host, twin = (started(fmu_folder / "TetherDynamic.fmu") for _ in range(2))
+    fly(host, 0, 5)
+    outputs, slack = host.all_outputs(), host.get("slack_segments")
+    for place in (*host.real_outputs, host.reference["slack_segments"]):
+        restore(host, forged(host, place, value))
+    assert (host.all_outputs(), host.get("slack_segments")) == (outputs, slack)
+    fly(twin, 0, 5)
+    assert fly(host, 5, 10) == fly(twin, 5, 10)
+
+
+@pytest.mark.parametrize("name", ["a node", "segments", "damping_law"])
+@pytest.mark.parametrize("value", [math.nan, 1e300])
+@in_own_process
+def test_forged_states_are_refused(fmu_folder, name, value):
+    """Positions that no tether has, and integers that are none; the state of before continues."""
+    host, twin = (started(fmu_folder / "TetherDynamic.fmu") for _ in range(2))
+    fly(host, 0, 5)
+    fly(twin, 0, 5)
+    restore(host, forged(host, host.reference.get(name, -4), value))
+    with pytest.raises(FMICallException):
+        fly(host, 5, 6)
+    assert any("the FMU state that was set" in message for message in host.messages)
+    assert fly(host, 5, 10) == fly(twin, 5, 10)
+
+
+@in_own_process
+def test_a_forged_state_of_before_the_start_cannot_kill_what_reads_integers(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    for name in ("slack_segments", "segments", "damping_law"):
+        restore(host, forged(host, host.reference[name], math.nan))
+        assert isinstance(host.get(name), int)

@@ -24,6 +24,8 @@ _EVERY_TETHER = {
     "kite_end_mass": (*_LENGTH, "segments", "diameter", "density"),
     "kite_stiffness": (*_LENGTH, "axial_stiffness"),
     "kite_damping": (*_LENGTH, "axial_damping"),
+    "solver_steps": (),
+    "solver_rejections": (),
 }
 _CHAIN = dict.fromkeys(("ground_elevation", "ground_azimuth", "slack_segments", "sag"), _SHAPE)
 _LINE = {"kite_damping": (), "slack_segments": (*_POSITIONS, *_LENGTH)}
@@ -41,6 +43,7 @@ _BY_VARIANT = {
         "ground_azimuth": _PLAN,
         "wave_time": _STRETCH,
         "sag": (),
+        "solver_iterations": (),
     },
 }
 

@@ -81,7 +81,10 @@ KITE_STIFFNESS = 14
 KITE_DAMPING = 15
 WAVE_TIME = 16
 SAG = 17
-SHAPE = 18
+SOLVER_STEPS = 18
+SOLVER_REJECTIONS = 19
+SOLVER_ITERATIONS = 20
+SHAPE = 21
 
 # enumerations of the parameters
 STRAIN_RATE, STRETCH_RATE = 1, 2
@@ -95,6 +98,7 @@ NODE_ARRAYS = 7 + STAGES
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`
 
+LARGEST_INTEGER = 2**31 - 1  # of FMI 2.0
 LARGEST_INPUT = 1e9  # in magnitude, any input
 LONGEST_STEP = 1e6  # [s]
 MAX_SEGMENTS = 300

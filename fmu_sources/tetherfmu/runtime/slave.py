@@ -14,8 +14,8 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
-from . import __version__, saved_state, variables
-from .instance import INPUTS_AT, OUTPUTS_AT, Instance
+from . import __version__, layout, saved_state, status, variables
+from .instance import INPUTS_AT, OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
 from .model_description import complete
 from .parameters import LOOSEST_TOLERANCE, check_series
@@ -241,18 +241,35 @@ class TetherSlave(Fmi2Slave):
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
+        before = self._get_fmu_state()
         try:
-            saved = saved_state.from_bytes(blob, self.variant, len(self._values))
-            records = self._records_of_state(saved) if saved.phase >= STEPPING else None
+            self._take(saved_state.from_bytes(blob, self.variant, len(self._values)))
         except ValueError as problem:
+            self._take(saved_state.from_bytes(before, self.variant, len(self._values)))
             self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
             return
-        self._phase, self._importer_tolerance, self._time = saved.phase, saved.tolerance, saved.time
-        self._values[:] = saved.values
         self._refusal = None
+
+    def _take(self, saved):
+        """Be as in a `SavedState`; ValueError, half done, if its numbers cannot be used.
+
+        Its outputs are not taken but computed: they follow from the state array.
+        """
+        for reference, variable in zip(self._references, self._table, strict=True):
+            value = saved.values[reference]
+            if variable.kind != "Real" and reference not in self._outputs and not abs(value) <= layout.LARGEST_INTEGER:
+                raise ValueError(f"has a wrong parameter ({variable.name} is {value}; it must be an integer)")
+        records = self._records_of_state(saved) if saved.phase >= STEPPING else None
+        self._phase, self._importer_tolerance, self._time = saved.phase, saved.tolerance, saved.time
+        instance = self._instance
+        self._values[:OUTPUTS_AT] = saved.values[:OUTPUTS_AT]
+        self._values[OUTPUTS_AT : instance.parameters_at] = zeros(instance.parameters_at - OUTPUTS_AT)
+        self._values[instance.parameters_at :] = saved.values[instance.parameters_at :]
         if records:
-            self._instance.set_up(*records, saved.tolerance)
-            self._instance.state[:] = saved.state
+            instance.set_up(*records, saved.tolerance)
+            instance.state[:] = saved.state
+            if instance.observe() != status.OK:
+                raise ValueError("has numbers that no tether has")
 
     def _records_of_state(self, saved):
         """Records of the parameters in a saved state; ValueError if they cannot be used with its state array."""

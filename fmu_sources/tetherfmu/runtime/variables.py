@@ -69,7 +69,13 @@ _SCALAR_OUTPUTS = {  # unit, meaning, minimum, maximum
     "kite_damping": Quantity("N.s/m", "damping along the tether that the kite feels, all segments taut", 0.0),
     "wave_time": Quantity("s", "travel time of a transverse wave over the tether", 0.0),
     "sag": Quantity("m", "largest distance of the tether from its chord", 0.0),
+    "solver_steps": Quantity("", "internal steps of the solver since the start", 0, at.LARGEST_INTEGER),
+    "solver_rejections": Quantity("", "internal steps that it took back since the start", 0, at.LARGEST_INTEGER),
+    "solver_iterations": Quantity(
+        "", "Newton iterations since the start, for shapes and fixed steps", 0, at.LARGEST_INTEGER
+    ),
 }
+INTEGER_OUTPUTS = ("slack_segments", "solver_steps", "solver_rejections", "solver_iterations")
 
 
 def _output_variables(shape_points):
@@ -78,7 +84,7 @@ def _output_variables(shape_points):
         *_vector("kite_force", OUTPUT, "N", "force of the tether on the kite"),
     ]
     for name, quantity in _SCALAR_OUTPUTS.items():
-        kind = "Integer" if name == "slack_segments" else "Real"
+        kind = "Integer" if name in INTEGER_OUTPUTS else "Real"
         outputs.append(Variable(name, OUTPUT, kind, quantity, getattr(at, name.upper())))
     for k in range(1, shape_points + 1):
         for i, axis in enumerate("xyz", start=1):
@@ -127,7 +133,11 @@ def _parameter_variables(variant, starts):
     return variables
 
 
-_NO_DAMPING = {"kite_damping": "damping along the tether that the kite feels: 0, this tether has none"}
+_NO_DAMPING = {
+    "kite_damping": "damping along the tether that the kite feels: 0, this tether has none",
+    "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
+    "solver_rejections": "internal steps that it took back since the start: 0, there is no motion to integrate",
+}
 _ONE_LINE = {
     **_NO_DAMPING,
     "ground_tension": "tension at the ground end",
@@ -145,6 +155,7 @@ NOTES = {  # meanings of outputs where they differ from the dynamic tether's
         "ground_tension": "force along the tether at the ground end",
         "kite_tension": "force along the tether at the kite end",
         "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
+        "solver_iterations": "Newton iterations since the start: 0, this tether needs none",
         "sag": "largest distance of the tether from its chord: 0, this tether is straight",
     },
 }
@@ -186,7 +197,7 @@ def records(table, numbers):
     values = dict(zip(parameter_names(), numbers, strict=True))
     for variable in table:
         if variable.causality == PARAMETER:
-            checked(variable.name, values[variable.name], variable.quantity)
-            if variable.kind != "Real":
+            if variable.kind != "Real" and values[variable.name].is_integer():
                 values[variable.name] = int(values[variable.name])
+            checked(variable.name, values[variable.name], variable.quantity)
     return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in RECORDS)

@@ -89,8 +89,8 @@ def shape(chain, x, shape_points, outputs):
 
 
 @kernel
-def observe_chain(chain, x, v, shape_points, outputs, mass):
-    """Write all outputs (modified) of a chain with the node positions x [m] and velocities v [m/s]; returns a status.
+def observe_chain(chain, state, x, v, shape_points, outputs, mass):
+    """Write all outputs (modified) of a chain in a state with positions x [m] and velocities v [m/s]; returns a status.
 
     `mass` (modified) holds n + 1 numbers.
     """
@@ -106,12 +106,15 @@ def observe_chain(chain, x, v, shape_points, outputs, mass):
     outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
     survey(chain, x, v, outputs)
     shape(chain, x, shape_points, outputs)
-    return check_outputs(outputs)
+    return finish(state, outputs)
 
 
 @kernel
-def check_outputs(outputs):
-    """OK, or OUTPUT_NOT_FINITE."""
+def finish(state, outputs):
+    """Write the counters of the solver into the outputs (modified); returns OK, or OUTPUT_NOT_FINITE if one is not."""
+    outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
+    outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
+    outputs[at.SOLVER_ITERATIONS] = min(state[at.ITERATIONS], at.LARGEST_INTEGER)
     for k in range(len(outputs)):
         if not abs(outputs[k]) < inf:
             return OUTPUT_NOT_FINITE

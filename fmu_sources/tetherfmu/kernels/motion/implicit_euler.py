@@ -2,9 +2,9 @@
 
 The positions x after a step of h make the incremental potential as small as a bounded number of Newton iterations can:
 
-    Phi(x) = sum_i m_i |x_i - y_i|^2/(2 h^2) + sum_s (k (l - l0)^2/2 + h c s^2/2) + drag,   v1 = (x - x0)/h
+    Phi(x) = sum_i m_i |x_i - y_i|^2/(2 h^2) + sum_s (k (l - l0)^2/2 + h c s^2/(2 b)) + drag,   v1 = (x - x0)/h
     y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
-    s = (l - e . r0)/h - (dl0/dt)/l0 l                    the rate that the damper sees; r0: r before the step
+    s = (b l - e . r0)/h,  b = 1 - h (dl0/dt)/l0          the rate that the damper sees; r0: r before the step
     drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
 
 Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
@@ -98,6 +98,12 @@ def stretch(attempt, s, x, w):
 
 
 @kernel
+def shrinkage(attempt):
+    """b = 1 - h (dl0/dt)/l0 [-] as far as the damper sees it: above 0, the part of the unstretched length that is old."""
+    return 1.0 - attempt.h * segment.seen_growth(attempt.chain)
+
+
+@kernel
 def moved(s, x, w):
     """Sum of the moves [m] of the nodes of a segment that are at x [m] after the step."""
     return add(sub(get(x, s), get(w.old, s)), sub(get(x, s + 1), get(w.old, s + 1)))
@@ -113,7 +119,7 @@ def velocity_change(attempt, s, x, w):
 @kernel
 def potential(attempt, x, w):
     """Phi [J] at the positions x [m], and its error of rounding [J]."""
-    h = attempt.h
+    h, b = attempt.h, shrinkage(attempt)
     total = 0.0
     size = 0.0
     for i in range(attempt.drive.first, attempt.drive.last + 1):
@@ -121,7 +127,7 @@ def potential(attempt, x, w):
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
     for s in range(attempt.chain.n):
         length, _, rest, k, c, rate, _ = stretch(attempt, s, x, w)
-        total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c * rate * rate
+        total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c / b * rate * rate
         size += (k * abs(length - rest) + c * abs(rate)) * (norm(get(x, s)) + length)
         u = velocity_change(attempt, s, x, w)
         work = dot(get(w.drag, s), moved(s, x, w))
@@ -134,7 +140,7 @@ def potential(attempt, x, w):
 def linearize(attempt, x, w):
     """Matrix of the iteration into w.matrix, minus the gradient of Phi into w.move (both modified)."""
     n = attempt.chain.n
-    h = attempt.h
+    h, b = attempt.h, shrinkage(attempt)
     diagonal, lower, upper = w.matrix
     for i in range(n + 1):
         m = w.mass[i] / (h * h)
@@ -143,14 +149,14 @@ def linearize(attempt, x, w):
     for s in range(n):
         length, e, rest, k, c, rate, r0 = stretch(attempt, s, x, w)
         turned = along(r0, -dot(e, r0), e)
-        slant = along(e, -1.0 / max(length, SHORTEST_PART * norm(r0), segment.SHORTEST), turned)
+        slant = along(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
         spring = k * (length - rest)
         across = max(spring + c * rate, 0.0) / length
         air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
         pull = add(scale(spring, e), scale(c * rate, slant))
         put(w.move, s, add(get(w.move, s), add(air, pull)))
         put(w.move, s + 1, add(get(w.move, s + 1), sub(air, pull)))
-        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(c / h, slant)), across)
+        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(b * c / h, slant)), across)
         both = scale_matrix(0.5 / h, get_matrix(w.slope, 9 * s))
         put_matrix(upper, 9 * s, subtract(both, stiff))
         put_matrix(lower, 9 * s + 9, subtract(both, stiff))

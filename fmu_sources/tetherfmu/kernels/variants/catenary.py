@@ -11,7 +11,7 @@ from ..arrays import copy
 from ..chain import segment
 from ..chain.properties import property_of
 from ..communication.inputs import begin, move_ends, remember, trial_of_step
-from ..communication.outputs import check_outputs, distance_to_chord, wave_time, write_direction
+from ..communication.outputs import distance_to_chord, finish, wave_time, write_direction
 from ..compilation import kernel
 from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
 from .chord import chord_load, chord_of, write_common
@@ -119,4 +119,4 @@ def observe(n, parameters, state, shape_points, outputs, work):
         arc = line.length * k / max(1, shape_points - 1)
         point = point_in_space(ground, tension, load, arc, property_of(line, 0, at.STIFFNESS))
         put_at(outputs, at.SHAPE + 3 * k, point)
-    return check_outputs(outputs)
+    return finish(state, outputs)

@@ -80,4 +80,4 @@ def observe(n, parameters, state, shape_points, outputs, work):
     """Write all outputs (modified) that belong to a state; returns a status: OK or OUTPUT_NOT_FINITE."""
     x, v = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
-    return observe_chain(chain_of(n, parameters, state), x, v, shape_points, outputs, mass)
+    return observe_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)

@@ -85,4 +85,4 @@ def observe(n, parameters, state, shape_points, outputs, work):
     copy(state, trial)
     body = body_of(n, parameters, trial)
     newton.rigid_velocity(body)
-    return observe_chain(body.chain, body.x, body.v, shape_points, outputs, newton.balance(n, work).mass)
+    return observe_chain(body.chain, state, body.x, body.v, shape_points, outputs, newton.balance(n, work).mass)

@@ -11,7 +11,7 @@ from ..algebra.vectors import add, along, dot, put_at, scale, sub
 from ..chain import segment
 from ..chain.properties import property_of
 from ..communication.inputs import begin, check_step, move_ends, remember
-from ..communication.outputs import check_outputs, wave_time, write_direction
+from ..communication.outputs import finish, wave_time, write_direction
 from ..compilation import kernel
 from .chord import chord_load, chord_of, write_common
 
@@ -54,4 +54,4 @@ def observe(n, parameters, state, shape_points, outputs, work):
     write_direction(chord, outputs)
     for k in range(shape_points):
         put_at(outputs, at.SHAPE + 3 * k, along(ground, k / max(1, shape_points - 1), chord))
-    return check_outputs(outputs)
+    return finish(state, outputs)

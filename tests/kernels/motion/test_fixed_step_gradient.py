@@ -1,0 +1,77 @@
+"""The iteration of the fixed step descends along the gradient of its own potential, also while the tether reels."""
+
+import numpy as np
+import pytest
+
+from tetherfmu import Environment, Solver, Tether
+from tetherfmu.kernels.communication.drive import chain_during, drive_of_step
+from tetherfmu.kernels.motion import implicit_euler
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import pack
+
+N, LENGTH, STEP = 4, 20.0, 0.05
+KITE, KITE_VELOCITY = np.array((9.0, 2.0, 14.0)), np.array((3.0, -1.0, 2.0))
+
+
+def attempt_of(reel_out_speed, law, slack):
+    """A step from a crooked chain that moves, with drag and a free kite end; its scratch arrays, and positions to try."""
+    random = np.random.default_rng(3)
+    tether = Tether(segments=N, initial_length=LENGTH, axial_stiffness=5e4, damping_law=law)
+    solver = Solver(fixed_step=STEP)
+    parameters = np.array(pack((tether,), Environment(), solver, 1e-4, (), (False, True)))
+    state, work = np.zeros(at.state_size(N)), np.zeros(at.work_size(N))
+    inputs = np.zeros(at.INPUTS)
+    inputs[at.KITE_POSITION : at.KITE_POSITION + 6] = *KITE, *KITE_VELOCITY
+    inputs[at.REEL_OUT_SPEED], inputs[at.WIND_VELOCITY] = reel_out_speed, 8.0
+    state[at.LENGTH], state[at.REELING], state[at.LAST_STEP] = LENGTH, reel_out_speed, STEP
+    state[at.LAST_KITE_VELOCITY : at.LAST_KITE_VELOCITY + 3] = KITE_VELOCITY
+    nodes = np.linspace(np.zeros(3), KITE, N + 1) * (0.9 if slack else 1.3) + random.normal(0.0, 0.3, (N + 1, 3))
+    nodes[0] = 0.0
+    x, v = nodes.ravel(), random.normal(0.0, 2.0, 3 * (N + 1))
+    v[:3] = 0.0
+    state[at.STATE_HEADER : at.STATE_HEADER + 3 * (N + 1)] = x
+    drive = drive_of_step(N, parameters, inputs, STEP, state, x, v)
+    w = implicit_euler.descent(N, work)
+    attempt = implicit_euler.Attempt(drive, chain_during(drive, STEP), STEP, v)
+    implicit_euler.begin(attempt, 0.0, x, w)
+    implicit_euler.add_drag(attempt, x, w)
+    # where the step may end, with segments turned by some degrees
+    there = x + STEP * v + random.normal(0.0, 0.1, len(x))
+    there[:3] = w.free[:3]
+    return attempt, w, there
+
+
+@pytest.mark.parametrize("slack", [False, True])
+@pytest.mark.parametrize("law", ["strain_rate", "stretch_rate"])
+@pytest.mark.parametrize("reel_out_speed", [0.0, 20.0, -20.0])
+def test_is_the_gradient_of_the_potential(reel_out_speed, law, slack):
+    attempt, w, x = attempt_of(reel_out_speed, law, slack)
+    implicit_euler.linearize(attempt, x, w)
+    gradient = -w.move.copy()
+    # central differences: error delta^2 x''' / 6 of springs of 1e4 N/m over metres, and rounding of 1e4 J over delta
+    delta = 1e-5
+    for place in range(3, 3 * (N + 1)):
+        ahead, back = x.copy(), x.copy()
+        ahead[place] += delta
+        back[place] -= delta
+        (up, _), (down, _) = (implicit_euler.potential(attempt, each, w) for each in (ahead, back))
+        assert gradient[place] == pytest.approx((up - down) / (2.0 * delta), abs=1e-8 * np.abs(gradient).max())
+
+
+@pytest.mark.parametrize("reel_out_speed", [20.0, -20.0])
+def test_the_damper_pulls_with_its_tension(reel_out_speed):
+    """Where no segment turns, the gradient of the damper is c (dl/dt - (l/l0) dl0/dt), as in `segment.tension`."""
+    attempt, w, _ = attempt_of(reel_out_speed, "strain_rate", False)
+    x = w.old * 1.1  # all vectors keep their directions
+    implicit_euler.linearize(attempt, x, w)
+    with_damper = w.move.copy()
+    attempt.chain.parameters[at.PARAMETER_SCALARS + at.DAMPING * N : at.PARAMETER_SCALARS + (at.DAMPING + 1) * N] = 0.0
+    implicit_euler.linearize(attempt, x, w)
+    damper = (with_damper - w.move).reshape(-1, 3)
+    r = np.diff(x.reshape(-1, 3), axis=0)
+    length, rest = np.linalg.norm(r, axis=1), attempt.chain.length / N
+    rate = (length - np.linalg.norm(np.diff(w.old.reshape(-1, 3), axis=0), axis=1)) / STEP
+    tension = Tether().axial_damping / rest * (rate - length / rest * reel_out_speed / N)
+    pulls = tension[:, None] * r / length[:, None]
+    expected = np.vstack((pulls, np.zeros(3))) - np.vstack((np.zeros(3), pulls))
+    np.testing.assert_allclose(damper, expected, rtol=0, atol=1e-9 * np.abs(pulls).max())
