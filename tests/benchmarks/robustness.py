@@ -14,7 +14,7 @@ from time import perf_counter
 
 import numpy as np
 
-from tetherfmu.models import StepRefused, TetherQuasiSteady
+from tetherfmu import StepRefused, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
 
 STEP = 0.02

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
-from tetherfmu.models import StepRefused, TetherDynamic
+from tetherfmu import StepRefused, TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 SPEED = 2.0

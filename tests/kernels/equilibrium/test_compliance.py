@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from tetherfmu import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.kernels.chain import nodes
 from tetherfmu.kernels.chain.properties import chain_at
 from tetherfmu.kernels.equilibrium import newton
-from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 

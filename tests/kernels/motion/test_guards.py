@@ -7,9 +7,8 @@ over n internal steps (adaptive) or iterations (fixed step), plus those of one f
 import numpy as np
 import pytest
 
-from tetherfmu import models
+from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.motion import implicit_euler
-from tetherfmu.models import StepRefused, TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether

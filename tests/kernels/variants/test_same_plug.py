@@ -9,7 +9,7 @@ import pytest
 from fmpy import read_model_description
 
 from kernels.variants.balance import VARIANTS
-from tetherfmu import models
+from tetherfmu import StepRefused, models
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.variables import IGNORED
@@ -106,7 +106,7 @@ def test_refused_step_keeps_the_state(variant, wrong, sentence):
     script(model)
     script(undisturbed)
     state = model.get_state()
-    with pytest.raises(models.StepRefused, match=sentence):
+    with pytest.raises(StepRefused, match=sentence):
         model.step(**{**good, **wrong})
     assert np.array_equal(model.get_state(), state)
     assert same(model.step(**good), undisturbed.step(**good))
@@ -189,9 +189,9 @@ def test_refused_initialization_keeps_the_state():
     tether.initialize()
     tether.step(0.02)
     state = tether.get_state()
-    with pytest.raises(models.StepRefused):
+    with pytest.raises(StepRefused):
         tether.initialize(kite_position=(np.nan, 0.0, 400.0))
-    with pytest.raises(models.StepRefused):
+    with pytest.raises(StepRefused):
         tether.initialize(kite_position=(1e200, 0.0, 0.0))
     np.testing.assert_array_equal(tether.get_state(), state)
     tether.step(0.02)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from audited import run
-from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime.parameters import Tether
 
 STEP, COUNT = 0.02, 200

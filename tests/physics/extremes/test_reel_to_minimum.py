@@ -12,7 +12,7 @@ import pytest
 
 from audited import run
 from mechanics import line_density
-from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime.parameters import Tether
 
 VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]

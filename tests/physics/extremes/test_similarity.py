@@ -19,7 +19,7 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tetherfmu.models import StepRefused, TetherDynamic, TetherQuasiSteady
+from tetherfmu import StepRefused, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 COUNT = 6

@@ -10,7 +10,7 @@ import pytest
 
 from audited import VOID, run
 from mechanics import node_masses
-from tetherfmu.models import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, Tether
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
-from tetherfmu.models import Flown
+from tetherfmu import Flown
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.errors import errors, settled
 from tetherfmu.study.measuring.runs import SHAPE_POINTS

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from tetherfmu.models import StepRefused
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.store import POINTS, Store

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from tetherfmu.export.archive import Trim
-from tetherfmu.models import StepRefused
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.measuring.runs import parameters_of

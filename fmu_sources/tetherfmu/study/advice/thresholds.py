@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tetherfmu.models import StepRefused
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.runs import Config

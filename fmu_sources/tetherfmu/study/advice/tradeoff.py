@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from tetherfmu.models import StepRefused
+from tetherfmu.results import StepRefused
 from tetherfmu.study.measuring.costs import cost, host_cost
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import finished

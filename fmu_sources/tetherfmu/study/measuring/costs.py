@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from tetherfmu.export.archive import build
-from tetherfmu.models import StepRefused
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.scenes.random_scenes import random_scenes
 

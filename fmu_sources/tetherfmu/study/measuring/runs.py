@@ -3,7 +3,7 @@
 from dataclasses import asdict, replace
 from typing import NamedTuple
 
-from tetherfmu.models import Flown, StepRefused
+from tetherfmu.results import Flown, StepRefused
 from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
 SHAPE_POINTS = 21

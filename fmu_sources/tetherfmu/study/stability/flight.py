@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.linalg import norm
 
-from tetherfmu.models import StepRefused
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether

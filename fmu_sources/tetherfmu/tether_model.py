@@ -1,0 +1,454 @@
+"""What all tethers of the Python API share: initialize, step, fly, get_state, set_state, and what can be read of them."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tetherfmu.libraries import ready
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
+from tetherfmu.runtime.kernel_library import Kernels
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variables import KITE_AT_START
+from tetherfmu.runtime.variants import WITHOUT_NODES, effective
+
+from . import energy
+from .arguments import checked_masses, record_of, tethers_of, whole, with_quantities
+from .results import Flown, Outputs, StepRefused
+
+_ZERO = (0.0, 0.0, 0.0)
+_INPUTS = (  # name, place, size; the wind has `_set_wind`
+    ("kite_position", at.KITE_POSITION, 3),
+    ("kite_velocity", at.KITE_VELOCITY, 3),
+    ("ground_position", at.GROUND_POSITION, 3),
+    ("ground_velocity", at.GROUND_VELOCITY, 3),
+    ("reel_out_speed", at.REEL_OUT_SPEED, 1),
+    ("kite_load", at.KITE_LOAD, 3),
+)
+
+
+class TetherModel:
+    """What all tethers share. Use one of the classes in `models`.
+
+    Parameters
+    ----------
+    tether : Tether
+        A sequence of them is joined in series, from the ground to the kite (tethers with nodes only).
+    environment : Environment
+    solver : Solver
+    point_masses : dict
+        Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
+    shape_points : int or None
+        Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
+    kernels : runtime.kernel_library.Kernels or None
+        Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
+    **quantities
+        Any quantity of `Tether`, `Environment` and `Solver` by its name replaces that of the record, as in
+        ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
+
+    Raises
+    ------
+    TypeError
+        If `tether`, `environment` or `solver` is something else, or a quantity does not exist.
+    ValueError
+        If a parameter is out of range; the message names it, its value and what is allowed.
+    RuntimeError
+        If the kernels of this installation have to be compiled and cannot.
+    """
+
+    variant: str = ""
+
+    def __init__(
+        self,
+        tether: Tether | Sequence[Tether] = Tether(),  # noqa: B008 (a constant record)
+        environment: Environment = Environment(),  # noqa: B008
+        solver: Solver = Solver(),  # noqa: B008
+        *,
+        point_masses: Mapping[int, float] | None = None,
+        shape_points: int | None = None,
+        kernels: Kernels | None = None,
+        _free_ends: tuple[bool, bool] = (False, False),
+        **quantities: float | str,
+    ):
+        name = type(self).__name__
+        tethers = tethers_of(name, tether)
+        environment, solver = record_of(name, environment, Environment), record_of(name, solver, Solver)
+        tethers, environment, solver = with_quantities(name, quantities, tethers, environment, solver)
+        if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
+            raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
+        segments = sum(each.segments for each in tethers)
+        masses = checked_masses(point_masses, segments)
+        self._points = segments + 1 if shape_points is None else whole("shape_points", shape_points)
+        tethers = tuple(effective(each, self.variant) for each in tethers)
+        self._kernels = kernels or ready.kernels(self.variant)
+        self._instance = instance = Instance(self._kernels, self._points)
+        instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
+        self.segments: int = instance.segments
+        arrays = instance.values, instance.parameters, instance.state, instance.before, instance.work
+        values, self._parameters, self._state, self._before, self._work = map(np.frombuffer, arrays)  # views
+        self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
+        self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
+        self._runs = False
+        self._wind_profile = environment.wind_profile
+
+    def __repr__(self) -> str:
+        """What it is, and whether it runs."""
+        length = self._state[at.LENGTH] if self._runs else self._parameters[at.INITIAL_LENGTH]
+        parts = [] if self.variant in WITHOUT_NODES else [f"{self.segments} segments"]
+        parts += [f"{length:g} m unstretched", "running" if self._runs else "not initialized"]
+        return f"<{type(self).__name__}: {', '.join(parts)}>"
+
+    def initialize(
+        self,
+        kite_position: ArrayLike = KITE_AT_START,
+        kite_velocity: ArrayLike = _ZERO,
+        ground_position: ArrayLike = _ZERO,
+        ground_velocity: ArrayLike = _ZERO,
+        reel_out_speed: float = 0.0,
+        wind_velocity: ArrayLike = _ZERO,
+        *,
+        slack: float | None = None,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+    ) -> Outputs:
+        """Start between two ends, the dynamic tether with its `initial_shape`.
+
+        Parameters
+        ----------
+        kite_position, ground_position : (3,) array
+            Ends of the tether [m]; see `kite_at` for elevation, azimuth and distance.
+        kite_velocity, ground_velocity : (3,) array
+            Their velocities [m/s].
+        reel_out_speed : float
+            Rate of change of the unstretched length [m/s]; positive pays out.
+        wind_velocity : (3,) or (segments + 1, 3) array
+            Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
+        slack : float or None
+            The unstretched length is (1 + slack) times the distance of the ends, instead of `initial_length`; -0.01 for a
+            tether that is stretched by about 1 %.
+        positions, velocities : (segments + 1, 3) arrays or None
+            Nodes [m] and their velocities [m/s] (at rest if not given) instead of the `initial_shape` (dynamic tether only).
+            The first and the last node are the ends, whose inputs are then not given.
+
+        Returns
+        -------
+        Outputs
+            Those of the start.
+
+        Raises
+        ------
+        StepRefused
+            If an input is not finite or no equilibrium is found; the tether is as it was before.
+        ValueError
+            If an argument has another shape or is out of range.
+        """
+        nodes = self._nodes(positions, velocities)
+        if nodes is not None:
+            (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
+        inputs, parameters = self._inputs.copy(), self._parameters.copy()
+        try:
+            self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, _ZERO)
+            self._set_wind(wind_velocity)
+            if slack is not None:
+                self._parameters[at.INITIAL_LENGTH] = self._length_with(slack)
+            if nodes is not None:
+                self._parameters[at.INITIAL_SHAPE] = at.STRAIGHT
+            problem = self._instance.start()
+            if problem:
+                raise StepRefused(problem, self._instance.status)
+        except ValueError:
+            self._inputs[:], self._parameters[:] = inputs, parameters
+            raise
+        for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE):
+            self._parameters[place] = parameters[place]
+        if nodes is not None:
+            self._state[at.STATE_HEADER :] = nodes.ravel()
+            self._instance.observe()
+        self._runs = True
+        return self._present()
+
+    def step(
+        self,
+        step: float,
+        kite_position: ArrayLike | None = None,
+        kite_velocity: ArrayLike | None = None,
+        ground_position: ArrayLike | None = None,
+        ground_velocity: ArrayLike | None = None,
+        reel_out_speed: float | None = None,
+        wind_velocity: ArrayLike | None = None,
+        kite_load: ArrayLike | None = None,
+        *,
+        tether_length: float | None = None,
+    ) -> Outputs:
+        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+
+        Parameters
+        ----------
+        step : float
+            Communication step [s].
+        kite_position, ..., wind_velocity
+            As for `initialize`.
+        kite_load : (3,) array
+            External force [N] on a free kite end.
+        tether_length : float
+            Unstretched length [m] at the end of the step, whatever it was before, for the tethers without waves (all but the
+            dynamic one). `reel_out_speed` still says how fast material moves along the tether.
+
+        Returns
+        -------
+        Outputs
+            Those at the end of the step.
+
+        Raises
+        ------
+        StepRefused
+            If the step cannot be done; the tether keeps the state and the inputs of before.
+        ValueError
+            If an argument has another shape; nothing is changed.
+        """
+        if not self._runs:
+            raise self._not_initialized()
+        if tether_length is not None and self.variant == "dynamic":
+            raise ValueError(
+                "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
+            )
+        try:
+            step = float(step)
+        except (TypeError, ValueError):
+            raise ValueError(f"step is {step!r}; it must be a number [s]") from None
+        inputs, parameters, length = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
+        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, kite_load)
+        if wind_velocity is not None:
+            try:
+                self._set_wind(wind_velocity)
+            except ValueError:
+                self._inputs[:] = inputs
+                raise
+        if tether_length is not None:
+            self._state[at.LENGTH] = float(tether_length) - self._inputs[at.REEL_OUT_SPEED] * step
+        problem = self._instance.advance(step)
+        if problem:
+            self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
+            raise StepRefused(problem, self._instance.status)
+        return self._present()
+
+    def fly(self, inputs: ArrayLike, step: float, every: int = 1, peaks: bool = True) -> Flown:
+        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+
+        Parameters
+        ----------
+        inputs : (steps, INPUTS) array
+            Inputs at the start of each step, in the columns of `layout.py`; `inputs_along` makes them from paths.
+        step : float
+            Communication step [s].
+        every : int
+            A row is kept after every so many steps; 0 for none.
+        peaks : bool
+            Whether outputs are computed after each step, to find the largest |kite_force| since the row before. Without it
+            they are computed where a row is kept only: `peak` is that of the row, and a step whose outputs would not be
+            finite numbers is refused there only.
+
+        Returns
+        -------
+        Flown
+
+        Raises
+        ------
+        ValueError
+            If `inputs` has another shape or `every` is negative.
+        StepRefused
+            If a step cannot be done; the message says which, and the tether keeps the state of before that step.
+        """
+        if not self._runs:
+            raise self._not_initialized()
+        inputs = np.ascontiguousarray(inputs, dtype=float)
+        if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
+            raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
+        if every < 0:
+            raise ValueError(f"every is {every!r}; it must be at least 0")
+        size, nodes = len(self._outputs), self.segments + 1
+        rows = np.zeros((len(inputs) // every + 1 if every else 1, size + 1 + 3 * nodes))  # the last one is for scratch
+        arrays = self._parameters, inputs, self._state, self._before, rows, self._work
+        parameters, flown, state, before, kept, work = (each.ctypes.data for each in arrays)
+        how = float(step), int(every), bool(peaks)
+        began = perf_counter()
+        done = self._kernels.fly(
+            self.segments, parameters, flown, len(inputs), *how, state, before, self._points, kept, work
+        )
+        seconds = perf_counter() - began
+        if len(inputs):
+            self._inputs[:] = inputs[min(done, len(inputs) - 1)]
+        if done < len(inputs):
+            problem = self._instance.advance(step)  # which is refused again, now with its sentence
+            raise StepRefused(f"step {done + 1} of {len(inputs)}: {problem}", self._instance.status)
+        rows = rows[:-1]
+        positions = rows[:, size + 1 :].reshape(len(rows), nodes, 3)
+        return Flown(np.ascontiguousarray(rows[:, :size]), rows[:, size].copy(), positions, seconds)
+
+    def get_state(self) -> NDArray[np.float64]:
+        """Copy of the whole state, one flat array; see `layout.py`."""
+        return self._state.copy()
+
+    def set_state(self, state: ArrayLike) -> None:
+        """Go back to a state of `get_state`, bit for bit; ValueError if it belongs to another number of segments."""
+        state = np.asarray(state, dtype=float)
+        if state.shape != self._state.shape:
+            raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
+        self._state[:] = state
+        self._runs = True
+
+    def outputs(self) -> Outputs:
+        """`Outputs` that belong to the present state; StepRefused before `initialize`."""
+        if not self._runs:
+            raise self._not_initialized()
+        self._instance.observe()
+        return self._present()
+
+    def energy(
+        self,
+        reel_out_speed: float | None = None,
+        wind_velocity: ArrayLike | None = None,
+        kite_load: ArrayLike | None = None,
+    ) -> energy.Energy:
+        """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
+
+        `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
+        powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
+        """
+        state = self._state
+        reeling = state[at.REELING] if reel_out_speed is None else reel_out_speed
+        wind = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
+        numbers = self._account(reeling, wind, kite_load)
+        return energy.Energy(*numbers[: -self.segments].tolist())
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Node positions [m], array (segments + 1, 3)."""
+        return self._motion()[0].copy()
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """Node velocities [m/s], array (segments + 1, 3)."""
+        return self._motion()[1].copy()
+
+    @property
+    def segment_lengths(self) -> NDArray[np.float64]:
+        """Distances of neighbouring nodes [m], array (segments,)."""
+        return np.linalg.norm(np.diff(self._motion()[0], axis=0), axis=1)
+
+    @property
+    def segment_tensions(self) -> NDArray[np.float64]:
+        """Tensions of the segments [N], array (segments,), negative where one is slack; tethers with nodes only."""
+        return self._account(self._state[at.REELING], self._state[at.WIND : at.WIND + 3], None)[-self.segments :]
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
+        places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
+        return {name: int(self._state[place]) for name, place in places.items()}
+
+    def _set(self, *inputs):
+        """Set the inputs of `_INPUTS` that are given; none, and ValueError, if a shape is wrong."""
+        changes = []
+        for (name, place, size), value in zip(_INPUTS, inputs, strict=True):
+            if value is not None:
+                try:
+                    numbers = array("d", (value,) if size == 1 else value)
+                except (TypeError, ValueError):
+                    numbers = ()
+                if len(numbers) != size:
+                    wanted = "a number" if size == 1 else "three numbers"
+                    raise ValueError(f"{name} is {value!r}; it must be {wanted}")
+                changes.append((place, place + size, numbers))
+        for start, end, numbers in changes:
+            self._places[start:end] = numbers
+
+    def _nodes(self, positions, velocities):
+        """Positions and velocities of all nodes, array (2, segments + 1, 3), or None; ValueError for another shape."""
+        if positions is None:
+            if velocities is not None:
+                raise ValueError("velocities of nodes are given without their positions")
+            return None
+        if self.variant != "dynamic":
+            raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
+        nodes = np.zeros((2, self.segments + 1, 3))
+        for place, name, given in ((0, "positions", positions), (1, "velocities", velocities)):
+            if given is not None:
+                found = np.asarray(given, dtype=float)
+                if found.shape != nodes[place].shape:
+                    raise ValueError(f"{name} has the shape {found.shape}; it must be {nodes[place].shape}")
+                if not np.all(np.isfinite(found)):
+                    raise ValueError(f"{name} has a number that is not finite")
+                nodes[place] = found
+        return nodes
+
+    def _length_with(self, slack):
+        """Unstretched length [m] of a tether with so much slack [-] between the ends of now; ValueError out of range."""
+        ends = (
+            self._inputs[at.KITE_POSITION : at.KITE_POSITION + 3],
+            self._inputs[at.GROUND_POSITION : at.GROUND_POSITION + 3],
+        )
+        length = (1.0 + slack) * np.linalg.norm(ends[0] - ends[1])
+        least = at.MIN_SEGMENT_LENGTH * self.segments
+        if not least <= length < np.inf:
+            raise ValueError(f"slack is {slack!r}: the tether would be {length:g} m long; it must be at least {least:g} m")
+        return length
+
+    def _account(self, reel_out_speed, wind_velocity, kite_load):
+        """Energies, powers and tensions of the present state, see `kernels.chain.power_balance`."""
+        if self.variant in WITHOUT_NODES:
+            raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
+        if not self._runs:
+            raise self._not_initialized()
+        inputs, numbers = self._inputs.copy(), np.zeros(len(fields(energy.Energy)) + self.segments)
+        inputs[at.REEL_OUT_SPEED] = reel_out_speed
+        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind_velocity
+        if kite_load is not None:
+            inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = kite_load
+        arrays = self._parameters, self._state, inputs, numbers, self._work
+        self._kernels.account(self.segments, *(each.ctypes.data for each in arrays))
+        return numbers
+
+    def _set_wind(self, wind):
+        """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
+        shape = np.shape(wind)
+        if shape == (self.segments + 1, 3) and self.variant not in WITHOUT_NODES:
+            if not np.all(np.abs(wind) <= at.LARGEST_INPUT):  # NaN is not
+                raise ValueError(f"wind_velocity has a number that is not finite or above {at.LARGEST_INPUT:g} m/s")
+            self._parameters[-3 * len(wind) :] = np.transpose(wind).ravel()
+            self._parameters[at.WIND_PROFILE] = at.AT_NODES
+        elif shape == (3,):
+            self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+            self._parameters[at.WIND_PROFILE] = self._wind_profile
+        else:
+            nodes = "" if self.variant in WITHOUT_NODES else f", or ({self.segments + 1}, 3) for a wind at each node"
+            raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")
+
+    def _motion(self):
+        """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
+        if not self._runs:
+            raise self._not_initialized()
+        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)
+
+    def _not_initialized(self):
+        """What is said before the start."""
+        return StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
+
+    def _present(self):
+        """`Outputs` as they were computed last."""
+        values = self._outputs.copy()
+        return Outputs(
+            values[at.GROUND_FORCE : at.KITE_FORCE],
+            values[at.KITE_FORCE : at.GROUND_TENSION],
+            *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
+            int(values[at.SLACK_SEGMENTS]),
+            *values[at.SLACK_SEGMENTS + 1 : at.SOLVER_STEPS].tolist(),
+            *map(int, values[at.SOLVER_STEPS : at.SHAPE].tolist()),
+            values[at.SHAPE :].reshape(-1, 3),
+        )
