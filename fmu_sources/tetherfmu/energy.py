@@ -11,18 +11,50 @@ from dataclasses import dataclass, fields
 
 @dataclass(frozen=True)
 class Energy:
-    """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.chain.power_balance`."""
+    """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.chain.power_balance`.
 
-    kinetic: float  # of the nodes that move freely; the half particle at a driven end belongs to what drives it
-    elastic: float  # of the springs
-    potential: float  # weight times height over z = 0, with both half particles
-    ground_power: float  # what the holder of the end puts into the tether, - end force . end velocity
-    kite_power: float  # the same at the kite; at a free kite end: load . velocity
-    winch_power: float  # work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt
-    material_power: float  # kinetic, elastic and potential energy that new material brings; negative while reeling in
-    wind_power: float  # drag force . wind velocity
-    damping_loss: float  # heat in the dampers; at least 0 with the strain-rate law
-    drag_loss: float  # heat in the air, drag force . (wind - tether velocity); at least 0
+    Attributes
+    ----------
+    kinetic : float
+        Of the nodes that move freely; the half particle at a driven end belongs to what drives it.
+    elastic : float
+        Of the springs.
+    potential : float
+        Weight times height over z = 0, with both half particles.
+    ground_power : float
+        What the holder of the end puts into the tether, - end force . end velocity.
+    kite_power : float
+        The same at the kite; at a free kite end: load . velocity.
+    winch_power : float
+        Work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt.
+    material_power : float
+        Kinetic, elastic and potential energy that new material brings; negative while reeling in.
+    wind_power : float
+        Drag force . wind velocity.
+    damping_loss : float
+        Heat in the dampers; at least 0 with the strain-rate law.
+    drag_loss : float
+        Heat in the air, drag force . (wind - tether velocity); at least 0.
+
+    Examples
+    --------
+    >>> from tetherfmu import TetherDynamic
+    >>> tether = TetherDynamic()
+    >>> start = tether.initialize()
+    >>> 1.0 < tether.energy().elastic < 2.0
+    True
+    """
+
+    kinetic: float
+    elastic: float
+    potential: float
+    ground_power: float
+    kite_power: float
+    winch_power: float
+    material_power: float
+    wind_power: float
+    damping_loss: float
+    drag_loss: float
 
     @property
     def total(self):
@@ -56,6 +88,16 @@ class EnergyAudit:
         Integral of each power and loss since the start [J], by its name in `Energy`.
     start, now : Energy
         At the start of the audit, and at present.
+
+    Examples
+    --------
+    >>> from tetherfmu import TetherDynamic
+    >>> tether = TetherDynamic()
+    >>> start = tether.initialize()
+    >>> audit = EnergyAudit(tether)
+    >>> outputs = audit.step(0.02, wind_velocity=(1.0, 0.0, 0.0))
+    >>> abs(audit.residual) < 1e-4
+    True
     """
 
     def __init__(self, model):

@@ -9,35 +9,88 @@ from tetherfmu.runtime.status import code
 
 
 class Outputs(NamedTuple):
-    """Outputs of a tether at an instant (docs/interface.md), SI units."""
+    """Outputs of a tether at an instant, SI units; docs/interface.md has their full meaning.
 
-    ground_force: np.ndarray  # (3,), of the tether on the ground station [N]
-    kite_force: np.ndarray  # (3,), of the tether on the kite [N]
-    ground_tension: float  # of the first segment [N]
-    kite_tension: float  # of the last segment [N]
-    max_tension: float  # largest of all segments [N]
-    tether_length: float  # unstretched [m]
-    ground_elevation: float  # at which the tether leaves the ground [rad]
-    ground_azimuth: float  # anti-clockwise from the x axis, seen from above [rad]
-    slack_segments: int  # shorter than unstretched
-    kite_end_mass: float  # of the tether, lumped at the kite end [kg]
-    kite_stiffness: float  # along the tether, as the kite feels it [N/m]
-    kite_damping: float  # along the tether, as the kite feels it [N s/m]
-    wave_time: float  # of a transverse wave over the tether [s]
-    sag: float  # largest distance of the tether from its chord [m]
-    solver_steps: int  # internal steps since the start
-    solver_rejections: int  # internal steps taken back since the start
-    solver_iterations: int  # Newton iterations since the start
-    shape: np.ndarray  # (points, 3), at equal unstretched length, ground first [m]
+    Attributes
+    ----------
+    ground_force, kite_force : (3,) arrays
+        Of the tether on the ground station and on the kite [N].
+    ground_tension, kite_tension, max_tension : float
+        Of the first and the last segment, and the largest of all [N].
+    tether_length : float
+        Unstretched [m].
+    ground_elevation, ground_azimuth : float
+        Direction in which the tether leaves the ground [rad]; azimuth anti-clockwise from the x axis, seen from above.
+    slack_segments : int
+        Segments that are shorter than unstretched.
+    kite_end_mass : float
+        Of the tether, lumped at the kite end [kg].
+    kite_stiffness, kite_damping : float
+        Along the tether, as the kite feels them [N/m, N s/m].
+    wave_time : float
+        Of a transverse wave over the tether [s].
+    sag : float
+        Largest distance of the tether from its chord [m].
+    solver_steps, solver_rejections, solver_iterations : int
+        Work since the start: internal steps, those that were taken back, Newton iterations.
+    shape : (points, 3) array
+        Points at equal unstretched length, ground first [m].
+
+    Examples
+    --------
+    >>> from tetherfmu import TetherStraight
+    >>> TetherStraight(initial_length=510.0, segments=4).initialize().shape.shape
+    (5, 3)
+    """
+
+    ground_force: np.ndarray
+    kite_force: np.ndarray
+    ground_tension: float
+    kite_tension: float
+    max_tension: float
+    tether_length: float
+    ground_elevation: float
+    ground_azimuth: float
+    slack_segments: int
+    kite_end_mass: float
+    kite_stiffness: float
+    kite_damping: float
+    wave_time: float
+    sag: float
+    solver_steps: int
+    solver_rejections: int
+    solver_iterations: int
+    shape: np.ndarray
 
 
 class Flown(NamedTuple):
-    """What a flight of many communication steps gave: one row for each step that was kept."""
+    """What a flight of many communication steps gave: one row for each step that was kept.
 
-    outputs: np.ndarray  # (rows, outputs_size), as `layout.py` has them
-    peak: np.ndarray  # (rows,), largest |kite_force| since the row before [N]
-    positions: np.ndarray  # (rows, segments + 1, 3), of the nodes [m]
-    seconds: float = 0.0  # wall time of all steps [s]
+    Attributes
+    ----------
+    outputs : (rows, outputs_size) array
+        All outputs, as `layout.py` has them; forces and shapes are properties.
+    peak : (rows,) array
+        Largest |kite_force| since the row before [N].
+    positions : (rows, segments + 1, 3) array
+        Of the nodes [m].
+    seconds : float
+        Wall time of all steps [s].
+
+    Examples
+    --------
+    >>> from tetherfmu import TetherQuasiSteady, inputs_along
+    >>> tether = TetherQuasiSteady(segments=6)
+    >>> start = tether.initialize()
+    >>> flown = tether.fly(inputs_along(100, 0.02, reel_out_speed=0.5), 0.02, every=10)
+    >>> flown.kite_force.shape, flown.shape.shape, flown.positions.shape
+    ((10, 3), (10, 7, 3), (10, 7, 3))
+    """
+
+    outputs: np.ndarray
+    peak: np.ndarray
+    positions: np.ndarray
+    seconds: float = 0.0
 
     @property
     def kite_force(self) -> np.ndarray:
@@ -63,6 +116,15 @@ class StepRefused(ValueError):
     ----------
     status : int or None
         Code of `tetherfmu.runtime.status`, such as `NO_EQUILIBRIUM`; None if no kernel was asked.
+
+    Examples
+    --------
+    >>> from tetherfmu import TetherStraight
+    >>> try:
+    ...     TetherStraight().step(0.02)
+    ... except StepRefused as refusal:
+    ...     print(refusal)
+    this TetherStraight is not initialized: call initialize first
     """
 
     def __init__(self, message: str, status: int | None = None):

@@ -61,7 +61,11 @@ class Tether:
 @documented
 @dataclass(frozen=True)
 class Environment:
-    """Air, wind profile and gravity. ValueError if a number is out of range."""
+    """Air, wind profile and gravity. ValueError if a number is out of range.
+
+    >>> Environment(wind_profile="power_law", gravity=9.82).wind_profile
+    2
+    """
 
     air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", 0.0, 1e4)
     air_density_scale_height: float = quantity(
@@ -90,7 +94,11 @@ class Environment:
 @documented
 @dataclass(frozen=True)
 class Solver:
-    """How the motion is computed. ValueError if a number is out of range."""
+    """How the motion is computed. ValueError if a number is out of range.
+
+    >>> Solver(relative_tolerance=1e-5, initial_shape="quasi_steady").initial_shape
+    2
+    """
 
     relative_tolerance: float = quantity(
         0.0, "", "of the internal solver; 0: the importer's tolerance where it passes one, else 1e-4", 0.0, LOOSEST_TOLERANCE
