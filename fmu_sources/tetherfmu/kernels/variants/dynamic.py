@@ -14,7 +14,7 @@ from ..communication.drive import drive_of_step, place_ends
 from ..communication.inputs import accept, begin, check_state, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel
-from ..equilibrium import newton
+from ..equilibrium import newton, strut
 from ..motion import implicit_euler, step_control
 from ..motion.rosenbrock import stages
 
@@ -64,6 +64,7 @@ def advance(n, parameters, inputs, step, state, work):
     x, v = positions_and_velocities(n, trial)
     drive = drive_of_step(n, parameters, inputs, step, trial, x, v)
     if drive.first <= drive.last:
+        strut.leave(chain_of(n, parameters, trial), x)
         if parameters[at.FIXED_STEP] > 0.0:
             status = implicit_euler.integrate(drive, step, trial, x, v, implicit_euler.descent(n, work))
         else:

@@ -1,0 +1,58 @@
+"""A slack chain that stands on its end: found by its shape, and left sideways.
+
+Where all segments are parallel, each is a spring T/l across them, in series between the held ends. Such springs with one
+negative one among them are stable only if it is softer than all others together, with two never. So the chain is a strut, in
+equilibrium but unstable, if
+
+    all segments are parallel, and T < 0 in two segments, or in one and sum_s l/T > 0.
+
+It leaves to the side, in a direction that depends on nothing but its own: towards x, or towards y if it stands along x.
+Source: docs/theory.md, "Struts".
+"""
+
+from ..algebra.vectors import along, cross, dot, get, norm, put, scale, sub
+from ..chain import segment
+from ..chain.properties import rest_length
+from ..compilation import kernel
+
+PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
+PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as a strut
+STRAIGHT = 1e-9  # the same in motion, where nothing but rounding would move the chain sideways
+NUDGE = 1e-6  # how far a strut in motion is moved sideways, over the length of a segment
+
+
+@kernel
+def is_strut(chain, x, angle):
+    """Whether the chain with its nodes at x [m] is an unstable strut with segments parallel to within an angle [rad]."""
+    _, first = segment.geometry(sub(get(x, 1), get(x, 0)))
+    pressed = 0
+    softness = 0.0
+    for s in range(chain.n):
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        if not norm(cross(first, e)) <= angle:
+            return False
+        rest = rest_length(chain, s)
+        k, _ = segment.stiffness(chain, s, length - rest, rest)
+        pull = k * (length - rest)
+        softness += length / pull
+        if length - rest < -PRESSED * rest and pull < 0.0:
+            pressed += 1
+    return pressed > 1 or (pressed == 1 and softness > 0.0)
+
+
+@kernel
+def sideways(a):
+    """Direction across a vector: that of the x axis as far as it can be, or of the y axis if the vector is along x."""
+    _, e = segment.geometry(a)
+    axis = (0.0, 1.0, 0.0) if e[0] * e[0] > 0.9 else (1.0, 0.0, 0.0)
+    across = along(axis, -dot(axis, e), e)
+    return scale(1.0 / norm(across), across)
+
+
+@kernel
+def leave(chain, x):
+    """Move the inner nodes of x [m] (modified) a little sideways if the chain is an exactly straight strut."""
+    if is_strut(chain, x, STRAIGHT):
+        side = sideways(sub(get(x, 1), get(x, 0)))
+        for i in range(1, chain.n):
+            put(x, i, along(get(x, i), NUDGE * chain.length / chain.n, side))
