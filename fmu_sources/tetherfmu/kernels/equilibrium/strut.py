@@ -17,8 +17,9 @@ from ..compilation import kernel
 
 PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
 PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as a strut
-STRAIGHT = 1e-9  # the same in motion, where nothing but rounding would move the chain sideways
-NUDGE = 1e-6  # how far a strut in motion is moved sideways, over the length of a segment
+STRAIGHT = 1e-6  # the same in motion, where nothing but rounding would move the chain sideways
+NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one pressed segment is held by the others
+NUDGE = 1e-4  # how far a strut in motion is moved sideways, over the length of a segment: the default tolerance
 
 
 @kernel
@@ -27,6 +28,7 @@ def is_strut(chain, x, angle):
     _, first = segment.geometry(sub(get(x, 1), get(x, 0)))
     pressed = 0
     softness = 0.0
+    size = 0.0
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         if not norm(cross(first, e)) <= angle:
@@ -35,9 +37,10 @@ def is_strut(chain, x, angle):
         k, _ = segment.stiffness(chain, s, length - rest, rest)
         pull = k * (length - rest)
         softness += length / pull
+        size += length / abs(pull)
         if length - rest < -PRESSED * rest and pull < 0.0:
             pressed += 1
-    return pressed > 1 or (pressed == 1 and softness > 0.0)
+    return pressed > 1 or (pressed == 1 and softness > NEUTRAL * size)
 
 
 @kernel
