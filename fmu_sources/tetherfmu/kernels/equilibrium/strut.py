@@ -10,6 +10,8 @@ It leaves to the side, in a direction that depends on nothing but its own: towar
 Source: docs/theory.md, "Struts".
 """
 
+from tetherfmu.runtime import layout as at
+
 from ..algebra.vectors import along, cross, dot, get, norm, put, scale, sub
 from ..chain import segment
 from ..chain.properties import rest_length
@@ -17,21 +19,40 @@ from ..compilation import kernel
 
 PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
 PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as a strut
-STRAIGHT = 1e-6  # the same in motion, where nothing but rounding would move the chain sideways
 NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one pressed segment is held by the others
-NUDGE = 1e-4  # how far a strut in motion is moved sideways, over the length of a segment: the default tolerance
+EXACTLY = 1e-6  # angle [rad] up to which a strut in motion is straight, and nothing moves it sideways
+NUDGE = 1e-4  # how far it is then moved sideways, over the length of a segment: the default tolerance of its solver
+
+
+@kernel
+def is_along(e, a, angle):
+    """Whether a vector is parallel to the direction e to within a small angle [rad], or zero."""
+    return norm(cross(e, a)) <= angle * norm(a)
+
+
+@kernel
+def is_pressed(chain, x):
+    """Whether any segment of the chain with its nodes at x [m] is pressed."""
+    for s in range(chain.n):
+        r = sub(get(x, s + 1), get(x, s))
+        shortest = (1.0 - PRESSED) * rest_length(chain, s)
+        if dot(r, r) < shortest * shortest:
+            return True
+    return False
 
 
 @kernel
 def is_strut(chain, x, angle):
     """Whether the chain with its nodes at x [m] is an unstable strut with segments parallel to within an angle [rad]."""
-    _, first = segment.geometry(sub(get(x, 1), get(x, 0)))
+    if not is_pressed(chain, x):
+        return False
+    first = sub(get(x, 1), get(x, 0))
     pressed = 0
     softness = 0.0
     size = 0.0
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        if not norm(cross(first, e)) <= angle:
+        if not is_along(e, first, angle):
             return False
         rest = rest_length(chain, s)
         k, _ = segment.stiffness(chain, s, length - rest, rest)
@@ -53,9 +74,25 @@ def sideways(a):
 
 
 @kernel
-def leave(chain, x):
-    """Move the inner nodes of x [m] (modified) a little sideways if the chain is an exactly straight strut."""
-    if is_strut(chain, x, STRAIGHT):
+def is_balanced(chain, x, v):
+    """Whether weight, wind and velocities [m/s] of the nodes at x [m] all are along the first segment, or zero."""
+    _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
+    if not is_along(e, (0.0, 0.0, chain.parameters[at.GRAVITY]), EXACTLY):
+        return False
+    for s in range(chain.n):
+        wind, density, _, _ = segment.air_of(chain, s, 0.5 * (x[3 * s + 2] + x[3 * s + 5]))
+        if not (is_along(e, scale(density, wind), EXACTLY) and is_along(e, get(v, s + 1), EXACTLY)):
+            return False
+    return True
+
+
+@kernel
+def leave(chain, x, v):
+    """Move the inner nodes of x [m] (modified) a little sideways if the chain is a strut that nothing else moves there.
+
+    v : velocities of the nodes [m/s].
+    """
+    if is_balanced(chain, x, v) and is_strut(chain, x, EXACTLY):
         side = sideways(sub(get(x, 1), get(x, 0)))
         for i in range(1, chain.n):
             put(x, i, along(get(x, i), NUDGE * chain.length / chain.n, side))
