@@ -14,7 +14,7 @@ from tetherfmu.runtime import layout as at
 
 from ..algebra.vectors import along, cross, dot, get, norm, put, scale, sub
 from ..chain import segment
-from ..chain.properties import rest_length
+from ..chain.properties import has_node_winds, rest_length
 from ..compilation import kernel
 
 PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
@@ -77,11 +77,12 @@ def sideways(a):
 def is_balanced(chain, x, v):
     """Whether weight, wind and velocities [m/s] of the nodes at x [m] all are along the first segment, or zero."""
     _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
-    if not is_along(e, (0.0, 0.0, chain.parameters[at.GRAVITY]), EXACTLY):
+    weight = (0.0, 0.0, chain.parameters[at.GRAVITY])
+    wind = scale(chain.parameters[at.AIR_DENSITY], chain.wind)
+    if has_node_winds(chain) or not (is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)):
         return False
-    for s in range(chain.n):
-        wind, density, _, _ = segment.air_of(chain, s, 0.5 * (x[3 * s + 2] + x[3 * s + 5]))
-        if not (is_along(e, scale(density, wind), EXACTLY) and is_along(e, get(v, s + 1), EXACTLY)):
+    for i in range(chain.n + 1):
+        if not is_along(e, get(v, i), EXACTLY):
             return False
     return True
 
