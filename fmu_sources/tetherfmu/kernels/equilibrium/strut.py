@@ -79,12 +79,10 @@ def is_balanced(chain, x, v):
     _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
     weight = (0.0, 0.0, chain.parameters[at.GRAVITY])
     wind = scale(chain.parameters[at.AIR_DENSITY], chain.wind)
-    if has_node_winds(chain) or not (is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)):
-        return False
+    balanced = not has_node_winds(chain) and is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)
     for i in range(chain.n + 1):
-        if not is_along(e, get(v, i), EXACTLY):
-            return False
-    return True
+        balanced = balanced and is_along(e, get(v, i), EXACTLY)
+    return balanced
 
 
 @kernel
