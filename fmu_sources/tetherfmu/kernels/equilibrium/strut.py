@@ -74,24 +74,27 @@ def sideways(a):
 
 
 @kernel
-def is_balanced(chain, x, v):
-    """Whether weight, wind and velocities [m/s] of the nodes at x [m] all are along the first segment, or zero."""
-    _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
-    weight = (0.0, 0.0, chain.parameters[at.GRAVITY])
-    wind = scale(chain.parameters[at.AIR_DENSITY], chain.wind)
-    balanced = not has_node_winds(chain) and is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)
-    for i in range(chain.n + 1):
-        balanced = balanced and is_along(e, get(v, i), EXACTLY)
-    return balanced
+def is_moved_along(n, e, v):
+    """Whether the velocities v [m/s] of all nodes are along the direction e, or zero."""
+    for i in range(n + 1):
+        velocity = get(v, i)
+        if not is_along(e, velocity, EXACTLY):
+            return False
+    return True
 
 
 @kernel
 def leave(chain, x, v):
     """Move the inner nodes of x [m] (modified) a little sideways if the chain is a strut that nothing else moves there.
 
-    v : velocities of the nodes [m/s].
+    That is where its weight, the wind and the velocities of its nodes v [m/s] are along it, or zero.
     """
-    if is_balanced(chain, x, v) and is_strut(chain, x, EXACTLY):
-        side = sideways(sub(get(x, 1), get(x, 0)))
+    _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
+    weight = (0.0, 0.0, chain.parameters[at.GRAVITY])
+    wind = scale(chain.parameters[at.AIR_DENSITY], chain.wind)
+    if has_node_winds(chain) or not (is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)):
+        return
+    if is_strut(chain, x, EXACTLY) and is_moved_along(chain.n, e, v):
+        side = sideways(e)
         for i in range(1, chain.n):
             put(x, i, along(get(x, i), NUDGE * chain.length / chain.n, side))

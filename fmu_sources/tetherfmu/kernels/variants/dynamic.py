@@ -64,7 +64,6 @@ def advance(n, parameters, inputs, step, state, work):
     x, v = positions_and_velocities(n, trial)
     drive = drive_of_step(n, parameters, inputs, step, trial, x, v)
     if drive.first <= drive.last:
-        strut.leave(chain_of(n, parameters, trial), x, v)
         if parameters[at.FIXED_STEP] > 0.0:
             status = implicit_euler.integrate(drive, step, trial, x, v, implicit_euler.descent(n, work))
         else:
@@ -73,6 +72,7 @@ def advance(n, parameters, inputs, step, state, work):
             return status
     place_ends(drive, step, x, v)
     remember(inputs, step, trial)
+    strut.leave(chain_of(n, parameters, trial), x, v)
     return accept(n, status, trial, state)
 
 
