@@ -146,14 +146,17 @@ _ONE_LINE = {
     "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
     "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
 }
+_AND_WEIGHT = (
+    ": its tension and its half of the weight, as far as that is along it; negative at the lower end of a slack tether"
+)
 NOTES = {  # meanings of outputs where they differ from the dynamic tether's
     "dynamic": {},
     "quasi_steady": _NO_DAMPING,
     "catenary": _ONE_LINE,
     "straight": {
         **_ONE_LINE,
-        "ground_tension": "force along the tether at the ground end",
-        "kite_tension": "force along the tether at the kite end",
+        "ground_tension": f"force along the tether at the ground end{_AND_WEIGHT}",
+        "kite_tension": f"force along the tether at the kite end{_AND_WEIGHT}",
         "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
         "solver_iterations": "Newton iterations since the start: 0, this tether needs none",
         "sag": "largest distance of the tether from its chord: 0, this tether is straight",

@@ -17,6 +17,7 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
    in a stiff and slack chain what holds a segment across drowns in the rounding errors of what holds it along.
 4. If that fails: both again with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a
    chain that creeps. c falls while the nodes move little, down to Newton's method.
+5. If what is found is a strut (`strut.py`): all of it again, with a breath of air from the side in step 1.
 """
 
 from collections import namedtuple
@@ -34,7 +35,7 @@ from ..arrays import node_arrays, shared_arrays
 from ..chain import nodes, segment
 from ..chain.properties import property_of, rest_length
 from ..compilation import kernel, view
-from . import compliance, elastic_catenary, hanging_chain
+from . import compliance, elastic_catenary, hanging_chain, strut
 
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
 MOST_ITERATIONS = 30  # of steps 2 and 3; warm it needs 2 or 3, cold about 6
@@ -48,6 +49,7 @@ MOST_CREEPING = 300  # iterations of step 4
 LOOSEST = 1e-3  # tension over the load of a node above which a segment counts as taut, however short it is, in step 3
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the resistance changes
 FIRMEST = 100.0  # resistance over that of the first iteration
+BREATH, FAINTEST_BREATH = 0.01, 1e-6  # load from the side in step 5 over the mean load; at least, over EA
 
 Body = namedtuple("Body", "chain spin stretching x v")
 Body.__doc__ = """A chain that moves as a body about its ground end.
@@ -321,12 +323,19 @@ def relax(body, compliant, creeps, firmness, w):
 
 
 @kernel
-def first_tension_guess(chain, chord, load):
-    """First tension vector [N] of the catenary with the chord [m] under the mean load per unstretched length [N/m]."""
-    size = norm(load)
+def softness_of(chain):
+    """1/EA [1/N] of the whole chain."""
     softness = 0.0
     for s in range(chain.n):
         softness += property_of(chain, s, at.SHARE) / property_of(chain, s, at.STIFFNESS)
+    return softness
+
+
+@kernel
+def first_tension_guess(chain, chord, load):
+    """First tension vector [N] of the catenary with the chord [m] under the mean load per unstretched length [N/m]."""
+    size = norm(load)
+    softness = softness_of(chain)
     if not size * chain.length * softness > LIGHTEST:
         distance, e = segment.geometry(chord)
         return scale(max(distance / chain.length - 1.0, 1e-9) / softness, e)
@@ -337,24 +346,39 @@ def first_tension_guess(chain, chord, load):
 
 
 @kernel
-def hang_under_mean_load(body, w):
-    """Hang the chain under the mean of the loads w.load [N] of its nodes (positions, w.tension, w.load modified)."""
+def breath(chain, chord, load):
+    """Load per unstretched length [N/m] from the side of a strut: across its mean load [N/m], without load its chord [m]."""
+    least = FAINTEST_BREATH / (chain.length * softness_of(chain))
+    size = norm(load)
+    return scale(max(BREATH * size, least), strut.sideways(load if size > least else chord))
+
+
+@kernel
+def hang_under_mean_load(body, aside, w):
+    """Hang the chain under the mean of the loads w.load [N] of its nodes (positions, w.tension, w.load modified).
+
+    aside : whether under a `breath` from the side, too.
+    """
     chain, x = body.chain, body.x
     mean = (0.0, 0.0, 0.0)
     for i in range(chain.n + 1):
         mean = add(mean, get(w.load, i))
     mean = scale(1.0 / chain.length, mean)
+    chord = sub(get(x, chain.n), get(x, 0))
+    if aside:
+        mean = add(mean, breath(chain, chord, mean))
     for i in range(1, chain.n):
         share = 0.5 * (property_of(chain, i - 1, at.SHARE) + property_of(chain, i, at.SHARE))
         put(w.load, i, scale(share * chain.length, mean))
-    guess = first_tension_guess(chain, sub(get(x, chain.n), get(x, 0)), mean)
+    guess = first_tension_guess(chain, chord, mean)
     hanging_chain.hang(chain, guess, w.load, x, w.tension)
 
 
 @kernel
-def guess(body, w):
+def guess(body, aside, w):
     """Step 1: positions of the inner nodes [m] and w.tension [N] (both modified) to start from.
 
+    aside : whether away from a strut, see `hang_under_mean_load`.
     Returns the stiffness [N/m] that the loads alone give a node: their mean over the length of a segment.
     """
     straighten(body.chain, body.x)
@@ -362,7 +386,7 @@ def guess(body, w):
     total = 0.0
     for i in range(1, body.chain.n):
         total += norm(get(w.load, i))
-    hang_under_mean_load(body, w)
+    hang_under_mean_load(body, aside, w)
     return total / body.chain.length
 
 
@@ -376,24 +400,29 @@ def tensions(chain, x, tension):
 
 @kernel
 def follow(body, w):
-    """Equilibrium from positions [m] and w.tension [N] that are close (both modified): (found, iterations)."""
+    """Stable equilibrium from positions [m] and w.tension [N] that are close (both modified): (found, iterations)."""
     nodes.node_masses(body.chain, w.mass)
-    return relax(body, False, False, 0.0, w)
+    found, iterations = relax(body, False, False, 0.0, w)
+    return found and not strut.is_strut(body.chain, body.x, strut.PARALLEL), iterations
 
 
 @kernel
 def find(body, w):
-    """Equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
+    """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
     Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
     nodes.node_masses(body.chain, w.mass)
-    found = False
     iterations = 0
-    for attempt in range(4):
-        firmness = guess(body, w)
+    attempt = 0
+    aside = False
+    while attempt < 4:
+        firmness = guess(body, aside, w)
         found, more = relax(body, attempt % 2 == 1, attempt >= 2, firmness, w)
         iterations += more
-        if found:
-            break
-    return OK if found else NO_EQUILIBRIUM, iterations
+        stands = found and strut.is_strut(body.chain, body.x, strut.PARALLEL)
+        if found and not stands:
+            return OK, iterations
+        attempt = 0 if stands and not aside else attempt + 1
+        aside = aside or stands
+    return NO_EQUILIBRIUM, iterations

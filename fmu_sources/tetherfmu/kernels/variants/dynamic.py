@@ -14,7 +14,7 @@ from ..communication.drive import drive_of_step, place_ends
 from ..communication.inputs import accept, begin, check_state, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel
-from ..equilibrium import newton
+from ..equilibrium import newton, strut
 from ..motion import implicit_euler, step_control
 from ..motion.rosenbrock import stages
 
@@ -72,6 +72,7 @@ def advance(n, parameters, inputs, step, state, work):
             return status
     place_ends(drive, step, x, v)
     remember(inputs, step, trial)
+    strut.leave(chain_of(n, parameters, trial), x, v)
     return accept(n, status, trial, state)
 
 
