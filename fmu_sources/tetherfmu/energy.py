@@ -6,7 +6,14 @@ Every term is written out in docs/theory.md, "Energy", and computed in `kernels/
 not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .models import TetherDynamic
+    from .results import Outputs
 
 
 @dataclass(frozen=True)
@@ -57,12 +64,12 @@ class Energy:
     drag_loss: float
 
     @property
-    def total(self):
+    def total(self) -> float:
         """Kinetic + elastic + potential energy [J]."""
         return self.kinetic + self.elastic + self.potential
 
     @property
-    def power(self):
+    def power(self) -> float:
         """Sum of the powers minus the losses [W]: the rate at which `total` has to change."""
         gains = self.ground_power + self.kite_power + self.winch_power + self.material_power + self.wind_power
         return gains - self.damping_loss - self.drag_loss
@@ -100,12 +107,12 @@ class EnergyAudit:
     True
     """
 
-    def __init__(self, model):
+    def __init__(self, model: TetherDynamic):
         self._model = model
         self.start = self.now = model.energy()
         self.work = dict.fromkeys(POWERS, 0.0)
 
-    def step(self, step, *, reel_out_speed=None, wind_velocity=None, kite_load=None, **motion):
+    def step(self, step: float, *, reel_out_speed=None, wind_velocity=None, kite_load=None, **motion) -> Outputs:
         """Advance the tether; arguments and result as `TetherModel.step`."""
         held = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
         before = self._model.energy(**held)
@@ -116,7 +123,7 @@ class EnergyAudit:
         return outputs
 
     @property
-    def residual(self):
+    def residual(self) -> float:
         """Energy from nowhere [J]: change of the total energy since the start minus the work of all powers."""
         gains = sum(self.work[name] for name in POWERS[:-2])
         return self.now.total - self.start.total - gains + self.work["damping_loss"] + self.work["drag_loss"]

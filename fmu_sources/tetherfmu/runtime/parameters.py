@@ -43,11 +43,11 @@ class Tether:
         check(self)
 
     @property
-    def mass_per_meter(self):
+    def mass_per_meter(self) -> float:
         """Mass per unstretched length [kg/m]."""
         return self.density * pi * self.diameter**2 / 4.0
 
-    def with_diameter(self, diameter):
+    def with_diameter(self, diameter: float) -> "Tether":
         """The same material and length with another diameter [m]: stiffness and damping grow with the area.
 
         >>> Tether(axial_stiffness=1000.0).with_diameter(0.008).axial_stiffness
