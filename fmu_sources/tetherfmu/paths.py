@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.runtime import layout as at
+
+
+def polar(distance, elevation, azimuth):
+    """Point [m] at a distance [m] and two angles [rad] from the origin: x, y, z; numbers or arrays, also complex ones."""
+    across = distance * np.cos(elevation)
+    return across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)
 
 
 def kite_at(elevation: float, azimuth: float, distance: float, ground_position: ArrayLike = (0.0, 0.0, 0.0)) -> NDArray:
@@ -21,9 +26,7 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     >>> kite_at(elevation=0.0, azimuth=0.0, distance=500.0).tolist()
     [500.0, 0.0, 0.0]
     """
-    across = distance * cos(elevation)
-    direction = across * cos(azimuth), across * sin(azimuth), distance * sin(elevation)
-    return np.add(ground_position, direction)
+    return np.add(ground_position, polar(distance, elevation, azimuth))
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class MovingEnd:
 
     Examples
     --------
-    >>> circle = MovingEnd(lambda t: (300.0 * cos(0.1 * t), 300.0 * sin(0.1 * t), 400.0))
+    >>> circle = MovingEnd(lambda t: (300.0 * np.cos(0.1 * t), 300.0 * np.sin(0.1 * t), 400.0))
     >>> position, velocity = circle.at(0.0)
     >>> velocity.round(6).tolist()
     [0.0, 30.0, 0.0]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tetherfmu.paths import polar
 from tetherfmu.runtime.quantities import check, quantity
 
 TINY = 1e-30  # step of the complex-step derivative [s]: exact to rounding
@@ -36,12 +37,6 @@ metres = declared("m", 1e-3, 1e5)
 seconds = declared("s", 1e-3, 1e6)
 radians = declared("rad", -np.pi / 2, np.pi / 2)
 metres_per_second = declared("m/s", -200.0, 200.0)
-
-
-def polar(distance, elevation, azimuth):
-    """Point [m] at a distance [m] and two angles [rad] from the origin: x, y, z."""
-    across = distance * np.cos(elevation)
-    return across * np.cos(azimuth), across * np.sin(azimuth), distance * np.sin(elevation)
 
 
 def swing(amplitude, period, time):
