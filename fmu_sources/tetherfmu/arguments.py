@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.quantities import quantities
 
@@ -51,6 +52,24 @@ def checked_masses(point_masses, segments):
                 f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from 0 to {segments}"
             )
     return masses.items()
+
+
+def node_vectors(name, given, segments):
+    """A vector for each node, array (segments + 1, 3); ValueError for another shape, or numbers that no input may have."""
+    found = np.asarray(given, dtype=float)
+    if found.shape != (segments + 1, 3):
+        raise ValueError(f"{name} has the shape {found.shape}; it must be {(segments + 1, 3)}")
+    if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
+        raise ValueError(f"{name} has a number that is not finite or above {at.LARGEST_INPUT:g} in magnitude")
+    return found
+
+
+def number(name, value, unit):
+    """A number; ValueError for anything else."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {value!r}; it must be a number [{unit}]") from None
 
 
 def whole(name, value):

@@ -19,7 +19,7 @@ from tetherfmu.runtime.variables import KITE_AT_START
 from tetherfmu.runtime.variants import WITHOUT_NODES, effective
 
 from . import energy
-from .arguments import checked_masses, record_of, tethers_of, whole, with_quantities
+from .arguments import checked_masses, node_vectors, number, record_of, tethers_of, whole, with_quantities
 from .results import Flown, Outputs, StepRefused
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -156,7 +156,7 @@ class TetherModel:
             self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, _ZERO)
             self._set_wind(wind_velocity)
             if slack is not None:
-                self._parameters[at.INITIAL_LENGTH] = self._length_with(slack)
+                self._parameters[at.INITIAL_LENGTH] = self._length_with(number("slack", slack, "-"))
             if nodes is not None:
                 self._parameters[at.INITIAL_SHAPE] = at.STRAIGHT
             problem = self._instance.start()
@@ -218,10 +218,9 @@ class TetherModel:
             raise ValueError(
                 "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
             )
-        try:
-            step = float(step)
-        except (TypeError, ValueError):
-            raise ValueError(f"step is {step!r}; it must be a number [s]") from None
+        step = number("step", step, "s")
+        if tether_length is not None:
+            tether_length = number("tether_length", tether_length, "m")
         inputs, parameters, length = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
         self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, kite_load)
         if wind_velocity is not None:
@@ -231,7 +230,7 @@ class TetherModel:
                 self._inputs[:] = inputs
                 raise
         if tether_length is not None:
-            self._state[at.LENGTH] = float(tether_length) - self._inputs[at.REEL_OUT_SPEED] * step
+            self._state[at.LENGTH] = tether_length - self._inputs[at.REEL_OUT_SPEED] * step
         problem = self._instance.advance(step)
         if problem:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
@@ -276,7 +275,8 @@ class TetherModel:
         rows = np.zeros((len(inputs) // every + 1 if every else 1, size + 1 + 3 * nodes))  # the last one is for scratch
         arrays = self._parameters, inputs, self._state, self._before, rows, self._work
         parameters, flown, state, before, kept, work = (each.ctypes.data for each in arrays)
-        how = float(step), int(every), bool(peaks)
+        step = number("step", step, "s")
+        how = step, int(every), bool(peaks)
         began = perf_counter()
         done = self._kernels.fly(
             self.segments, parameters, flown, len(inputs), *how, state, before, self._points, kept, work
@@ -377,16 +377,9 @@ class TetherModel:
             return None
         if self.variant != "dynamic":
             raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
-        nodes = np.zeros((2, self.segments + 1, 3))
-        for place, name, given in ((0, "positions", positions), (1, "velocities", velocities)):
-            if given is not None:
-                found = np.asarray(given, dtype=float)
-                if found.shape != nodes[place].shape:
-                    raise ValueError(f"{name} has the shape {found.shape}; it must be {nodes[place].shape}")
-                if not np.all(np.isfinite(found)):
-                    raise ValueError(f"{name} has a number that is not finite")
-                nodes[place] = found
-        return nodes
+        positions = node_vectors("positions", positions, self.segments)
+        moving = np.zeros_like(positions) if velocities is None else node_vectors("velocities", velocities, self.segments)
+        return np.stack((positions, moving))
 
     def _length_with(self, slack):
         """Unstretched length [m] of a tether with so much slack [-] between the ends of now; ValueError out of range."""
@@ -419,9 +412,8 @@ class TetherModel:
         """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
         shape = np.shape(wind)
         if shape == (self.segments + 1, 3) and self.variant not in WITHOUT_NODES:
-            if not np.all(np.abs(wind) <= at.LARGEST_INPUT):  # NaN is not
-                raise ValueError(f"wind_velocity has a number that is not finite or above {at.LARGEST_INPUT:g} m/s")
-            self._parameters[-3 * len(wind) :] = np.transpose(wind).ravel()
+            wind = node_vectors("wind_velocity", wind, self.segments)
+            self._parameters[-wind.size :] = wind.T.ravel()
             self._parameters[at.WIND_PROFILE] = at.AT_NODES
         elif shape == (3,):
             self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind

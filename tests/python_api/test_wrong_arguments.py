@@ -70,7 +70,23 @@ WRONG = {
         ValueError,
         "tether_length is an input of .* without",
     ),
+    "length in words": (
+        lambda: running(TetherQuasiSteady).step(0.02, tether_length="long"),
+        ValueError,
+        r"must be a number \[m\]",
+    ),
+    "flown in words": (
+        lambda: running().fly(np.zeros((3, 19)), "soon"),
+        ValueError,
+        r"step is 'soon'; it must be a number \[s\]",
+    ),
+    "huge nodes": (lambda: TetherDynamic().initialize(positions=np.full((21, 3), 1e200)), ValueError, "above 1e\\+09"),
     "too short": (lambda: TetherDynamic().initialize(slack=-2.0), ValueError, "slack is -2.0: the tether would be"),
+    "slack in words": (
+        lambda: TetherDynamic().initialize(slack="some"),
+        ValueError,
+        r"slack is 'some'; it must be a number",
+    ),
     "nodes": (lambda: TetherDynamic().initialize(positions=np.zeros((3, 3))), ValueError, r"it must be \(21, 3\)"),
     "half of nodes": (
         lambda: TetherDynamic().initialize(velocities=np.zeros((21, 3))),
