@@ -10,11 +10,12 @@ from math import ceil, inf, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
-from ..algebra.vectors import dot, get, norm, sub
+from ..algebra.vectors import dot, get, sub
 from ..chain import segment
 from ..chain.properties import has_node_winds, node_wind, rest_length
 from ..communication.drive import chain_during
 from ..compilation import kernel
+from .kink import keep_energy, kink_error, lighter_free_node
 from .rodas4p import GAMMA
 from .rosenbrock import step
 
@@ -28,7 +29,6 @@ STRONGEST_CUT = 0.2  # the same, downwards
 CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no number
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
-KINK = 0.05  # measured: 0.25 costs more rejections for the same error, 0.005 loses accuracy on the circle and in scene 06
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
 TINY = 1e-200  # what keeps a quotient from 0/0
 
@@ -43,31 +43,6 @@ def error_norm(drive, h, position_scale, velocity_scale, w):
         velocity_squares += w.velocity_error[k] * w.velocity_error[k]
     squares = squares * (GAMMA * h / position_scale) ** 2 + velocity_squares / velocity_scale**2
     return sqrt(squares / (6 * (drive.last - drive.first + 1)))
-
-
-@kernel
-def lighter_free_node(s, drive, w):
-    """Smaller mass [kg] of the two nodes of a segment, of those that are free."""
-    return min(w.mass[s] if s >= drive.first else inf, w.mass[s + 1] if s + 1 <= drive.last else inf)
-
-
-@kernel
-def kink_error(drive, chain, h, w):
-    """Estimate of the velocity error [m/s] of a step of h [s] in which segments went over the kink at l = l0.
-
-    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part KINK of the step;
-    `chain` is that at the end of the step.
-    """
-    worst = 0.0
-    for s in range(chain.n):
-        rest = rest_length(chain, s)
-        r = sub(get(w.x, s + 1), get(w.x, s))
-        if (dot(r, r) - rest * rest) * w.branches[s] < 0.0:
-            taut, _ = segment.stiffness(chain, s, segment.TAUT, rest)
-            slack, _ = segment.stiffness(chain, s, segment.SLACK, rest)
-            over = abs(norm(r) - rest)
-            worst = max(worst, KINK * h * (taut - slack) * over / lighter_free_node(s, drive, w))
-    return worst
 
 
 @kernel
@@ -134,7 +109,10 @@ def allowed_errors(drive, v):
 
 @kernel
 def error_of_step(drive, time, h, v, w):
-    """Error of the step of h [s] that `rosenbrock.step` has made from the velocities v [m/s] over what is allowed [-]."""
+    """Error of the step of h [s] that `rosenbrock.step` has made from the velocities v [m/s] over what is allowed [-].
+
+    The result of the step, in w, is put right where segments went over the kink, see `kink.keep_energy`.
+    """
     position_scale, velocity_scale = allowed_errors(drive, v)
     error = error_norm(drive, h, position_scale, velocity_scale, w)
     chain = chain_during(drive, time + h)
@@ -143,6 +121,8 @@ def error_of_step(drive, time, h, v, w):
         damper = min(damper, relative_damper_error(chain, w) / DAMPER)
     error = max(error, damper)
     kink = kink_error(drive, chain, h, w) / velocity_scale
+    if kink > 0.0:
+        keep_energy(drive, chain, w)
     if kink > 1.0:
         error = max(error, kink * kink)  # it falls with h^2, the other estimate with h^4
     return error

@@ -1,0 +1,80 @@
+"""Segments that went over the kink between taut and slack in a Rosenbrock step: what that may cost, and their energy.
+
+All stages of a step hold the stiffness k that a segment has at its start, so the step keeps the sum of kinetic energy and
+k (l - l0)^2/2. Where the segment ends a distance |l - l0| beyond the kink, with the stiffness k', this is
+
+    (k - k') (l - l0)^2/2
+
+too much (it went slack) or too little (it became taut) in the spring, and `keep_energy` moves it from or to the speed along
+the segment. Without it steps create energy where segments become taut and lose some where they go slack. The two do not
+balance, since slack segments allow longer steps: an undamped tether swung itself up. See docs/theory.md, "Rosenbrock step".
+"""
+
+from math import copysign, inf, sqrt
+
+from ..algebra.vectors import along, dot, get, norm, put, sub
+from ..chain import segment
+from ..chain.properties import rest_length
+from ..compilation import kernel
+
+KINK = 0.05  # measured: 0.2 costs more rejections for the same error; with 0.01 an undamped tether may gain energy
+
+
+@kernel
+def lighter_free_node(s, drive, w):
+    """Smaller mass [kg] of the two nodes of a segment, of those that are free."""
+    return min(w.mass[s] if s >= drive.first else inf, w.mass[s + 1] if s + 1 <= drive.last else inf)
+
+
+@kernel
+def went_over(s, chain, w):
+    """Whether segment s ended the step on the other side of the kink."""
+    r = sub(get(w.x, s + 1), get(w.x, s))
+    rest = rest_length(chain, s)
+    return (dot(r, r) - rest * rest) * w.branches[s] < 0.0
+
+
+@kernel
+def excess_stiffness(s, chain, w):
+    """Stiffness of segment s that the step held minus that on the other side of the kink [N/m]."""
+    rest = rest_length(chain, s)
+    held, _ = segment.stiffness(chain, s, w.branches[s], rest)
+    present, _ = segment.stiffness(chain, s, -w.branches[s], rest)
+    return held - present
+
+
+@kernel
+def kink_error(drive, chain, h, w):
+    """Estimate of the velocity error [m/s] of a step of h [s] in which segments went over the kink; 0 if none did.
+
+    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part KINK of the step;
+    `chain` is that at the end of the step.
+    """
+    worst = 0.0
+    for s in range(chain.n):
+        if went_over(s, chain, w):
+            over = abs(norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(chain, s))
+            worst = max(worst, KINK * h * abs(excess_stiffness(s, chain, w)) * over / lighter_free_node(s, drive, w))
+    return worst
+
+
+@kernel
+def keep_energy(drive, chain, w):
+    """Correct the velocities in w.v (modified) of the nodes of segments that went over the kink, see the head of this file.
+
+    With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would turn
+    round becomes 0. A segment that is on its way back already is left alone. `chain` is that at the end of the step.
+    """
+    for s in range(chain.n):
+        if went_over(s, chain, w):
+            length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
+            over = length - rest_length(chain, s)
+            rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
+            if rate * over > 0.0:
+                mobility_p = 1.0 / w.mass[s] if s >= drive.first else 0.0
+                mobility_q = 1.0 / w.mass[s + 1] if s + 1 <= drive.last else 0.0
+                mobility = mobility_p + mobility_q
+                square = rate * rate + mobility * excess_stiffness(s, chain, w) * over * over
+                impulse = (copysign(sqrt(max(square, 0.0)), rate) - rate) / mobility
+                put(w.v, s, along(get(w.v, s), -impulse * mobility_p, e))
+                put(w.v, s + 1, along(get(w.v, s + 1), impulse * mobility_q, e))
