@@ -24,8 +24,18 @@ def released(tether, kite, gravity=9.81):
 
 
 FALLS = {  # tether without damping, start of the kite [m], communication step [s], duration [s]
-    "one segment": (dict(segments=1, initial_length=6.437352, axial_stiffness=339554.7, diameter=0.001539), (4.924, -4.17), 0.1, 20),
-    "one, stiffer": (dict(segments=1, initial_length=15.261, axial_stiffness=427570.0, diameter=0.0018), (10.763, -11.232), 0.1, 20),
+    "one segment": (
+        dict(segments=1, initial_length=6.437352, axial_stiffness=339554.7, diameter=0.001539),
+        (4.924, -4.17),
+        0.1,
+        20,
+    ),
+    "one, stiffer": (
+        dict(segments=1, initial_length=15.261, axial_stiffness=427570.0, diameter=0.0018),
+        (10.763, -11.232),
+        0.1,
+        20,
+    ),
     "no slack stiffness": (dict(segments=5, initial_length=50.0, slack_stiffness_ratio=0.0), (0.0, -50.3), 0.02, 30),
     "stretched": (dict(segments=8, initial_length=50.0), (50.2, 0.0), 0.02, 10),
 }

@@ -3,7 +3,8 @@
 Inputs are the position and velocity at the start of a step. The end is led to p + v h + a h^2/2 with velocity v + a h,
 a = (v - v_last)/h_last (h_last no shorter than h/4), which is late by half a step: the position errs by
 |jerk| h^3 (1/6 + 1/4), the velocity by |jerk| h^2 (1/2 + 1/2). Motion of constant acceleration is reached exactly from the
-second step on.
+second step on. In the first step a is 0, so constant velocity is reached exactly; with initial_shape quasi_steady the two ends
+turn around each other: on a circle of the radius R, with q = v h/R, the distance errs by R q^4/8 and not by R q^2/2.
 """
 
 from itertools import pairwise
@@ -48,6 +49,30 @@ def test_a_jump_of_velocity_after_a_short_step_is_not_blown_up():
     # v + a h = 1 + 4 m/s and v h + a h^2/2 = 0.1 + 0.2 m with a of the docstring, and not 101 m/s and 5.1 m
     np.testing.assert_allclose(model.velocities[-1], (0.0, 5.0, 0.0), rtol=0, atol=1e-12)
     np.testing.assert_allclose(model.positions[-1] - kite, (0.0, 0.3, 0.0), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("shape", "turn"), [(1, 0.1), (2, 0.01), (2, 0.1), (2, 0.5), (3, 0.1)])
+def test_the_first_step_of_a_turning_kite(shape, turn):
+    step, station = 0.1, np.array([5.0, -3.0, 2.0])
+    radius, riding = np.array([30.0, 0.0, 40.0]), np.array([1.0, 2.0, -0.5])  # [m], [m/s] of both ends
+    model = TetherDynamic(Tether(segments=4, initial_length=60.0), solver=Solver(initial_shape=shape))
+    ground = {"ground_position": station, "ground_velocity": riding}
+    across = np.array([0.0, 50.0 * turn / step, 0.0])
+    kite = {"kite_position": station + radius, "kite_velocity": riding + across}
+    model.initialize(**ground, **kite)
+    model.step(step, **ground, **kite)
+    distance = np.linalg.norm(model.positions[-1] - model.positions[0])
+    inwards = turn**2 / 2.0 if shape == 2 else 0.0
+    expected = 50.0 * np.sqrt((1.0 - inwards) ** 2 + turn**2)
+    assert distance == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_kite_that_moves_along_its_tether_is_not_held_back_in_the_first_step():
+    model = TetherDynamic(Tether(segments=4, initial_length=60.0), solver=SMOOTH)
+    outwards = {"kite_position": (30.0, 0.0, 40.0), "kite_velocity": (3.0, 0.0, 4.0)}
+    model.initialize(**outwards)
+    model.step(0.1, **outwards)
+    np.testing.assert_allclose(model.positions[-1], (30.3, 0.0, 40.4), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("step", STEPS)

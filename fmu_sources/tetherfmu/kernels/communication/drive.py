@@ -7,7 +7,7 @@ from tetherfmu.runtime import layout as at
 from ..algebra.vectors import get, put, scale, vector_at
 from ..chain.properties import chain_at
 from ..compilation import kernel, view
-from .driven_end import curve, position_at, velocity_at
+from .driven_end import curve, position_at, turning_accelerations, velocity_at
 from .inputs import accelerations, ends
 
 Drive = namedtuple("Drive", "n parameters ground kite first last length reeling wind load")
@@ -26,6 +26,8 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
     """`Drive` of a communication step of `step` [s] from a state with the node positions x [m] and velocities v [m/s]."""
     ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
     ground, kite = ends(inputs)
+    if state[at.LAST_STEP] <= 0.0 and parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
+        ground_acceleration, kite_acceleration = turning_accelerations(ground, kite, step)
     kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
     return Drive(
         n,

@@ -1,18 +1,20 @@
 """Motion of a driven end within a communication step: a curve with continuous position and velocity.
 
 At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
-velocity inputs, a = (v - v_last)/h_last (zero in the first step; h_last counts as at least h/4, so that a jump of the
-velocity is extrapolated to no more than four times itself), the end is led from the position and velocity it has reached to
+velocity inputs, a = (v - v_last)/h_last (h_last counts as at least h/4, so that a jump of the velocity is extrapolated to no
+more than four times itself; in the first step 0, or `turning_accelerations`), the end is led from the position and velocity it has
+reached to
 
     p + v h + a h^2/2,   v + a h
 
 by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Theory: docs/theory.md, "Driven ends".
 """
 
-from ..algebra.vectors import add, along, scale, sub
+from ..algebra.vectors import add, along, dot, scale, sub
 from ..compilation import kernel
 
 STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration is extrapolated in full
+LARGEST_TURN = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
 
 
 @kernel
@@ -24,6 +26,24 @@ def estimated_acceleration(velocity, last_velocity, last_step, step):
     if last_step <= 0.0:
         return 0.0, 0.0, 0.0
     return scale(1.0 / max(last_step, step / STRONGEST_GROWTH), sub(velocity, last_velocity))
+
+
+@kernel
+def turning_accelerations(ground, kite, step):
+    """Accelerations [m/s2] of two ends that turn around each other, for a first step [s], which knows no last velocity.
+
+    Together w^2/|r| along the chord r [m], with the part w of the relative velocity [m/s] across it; each end takes its share
+    of the squares of the two speeds, so that an end at rest stays. Without them the first step would lead a turning kite
+    outwards along its tangent, by w^2 h^2/(2 |r|). ground, kite : position [m] and velocity [m/s] of an end.
+    """
+    chord, velocity = sub(kite[0], ground[0]), sub(kite[1], ground[1])
+    square = dot(chord, chord)
+    speeds = dot(ground[1], ground[1]) + dot(kite[1], kite[1])
+    if square <= 0.0 or speeds <= 0.0:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    across = along(velocity, -dot(chord, velocity) / square, chord)
+    turning = scale(min(dot(across, across) / square, (LARGEST_TURN / step) ** 2) / speeds, chord)
+    return scale(dot(ground[1], ground[1]), turning), scale(-dot(kite[1], kite[1]), turning)
 
 
 @kernel

@@ -63,13 +63,16 @@ def keep_energy(drive, chain, w):
     """Correct the velocities in w.v (modified) of the nodes of segments that went over the kink, see the head of this file.
 
     With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would turn
-    round becomes 0. A segment that is on its way back already is left alone. `chain` is that at the end of the step.
+    round becomes 0. A segment that is on its way back already is left alone. All rates are those before the correction, so
+    that it does not matter at which end one begins. `chain` is that at the end of the step.
     """
+    below = get(w.v, 0)  # before the correction
     for s in range(chain.n):
+        above = get(w.v, s + 1)
         if went_over(s, chain, w):
             length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
             over = length - rest_length(chain, s)
-            rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
+            rate = dot(e, sub(above, below))
             if rate * over > 0.0:
                 mobility_p = 1.0 / w.mass[s] if s >= drive.first else 0.0
                 mobility_q = 1.0 / w.mass[s + 1] if s + 1 <= drive.last else 0.0
@@ -77,4 +80,5 @@ def keep_energy(drive, chain, w):
                 square = rate * rate + mobility * excess_stiffness(s, chain, w) * over * over
                 impulse = (copysign(sqrt(max(square, 0.0)), rate) - rate) / mobility
                 put(w.v, s, along(get(w.v, s), -impulse * mobility_p, e))
-                put(w.v, s + 1, along(get(w.v, s + 1), impulse * mobility_q, e))
+                put(w.v, s + 1, along(above, impulse * mobility_q, e))
+        below = above
