@@ -14,7 +14,7 @@ from ..communication.drive import drive_of_step, place_ends
 from ..communication.inputs import accept, begin, check_state, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel
-from ..equilibrium import newton, strut
+from ..equilibrium import newton, slower_motion, strut
 from ..motion import implicit_euler, step_control
 from ..motion.rosenbrock import stages
 
@@ -43,7 +43,7 @@ def initialize(n, parameters, inputs, state, work):
     else:
         put(v, 0, spin)
         put(v, n, spin)
-    status, iterations = newton.find(newton.Body(chain, spin, stretching, x, v), newton.balance(n, work))
+    status, iterations = slower_motion.find(newton.Body(chain, spin, stretching, x, v), newton.balance(n, work))
     state[at.ITERATIONS] = iterations
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
