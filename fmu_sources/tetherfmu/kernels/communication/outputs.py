@@ -116,7 +116,8 @@ def correct_end_forces(chain, state, x, outputs):
     pull, tension = missing_tension(chain, chain.n - 1, x, vector_at(state, at.KITE_TENSION_VECTOR))
     put_at(outputs, at.KITE_FORCE, sub(vector_at(outputs, at.KITE_FORCE), pull))
     outputs[at.KITE_TENSION] += tension
-    outputs[at.MAX_TENSION] = max(outputs[at.GROUND_TENSION], outputs[at.KITE_TENSION])
+    largest = outputs[at.MAX_TENSION] + state[at.MISSING_TENSION]
+    outputs[at.MAX_TENSION] = max(largest, outputs[at.GROUND_TENSION], outputs[at.KITE_TENSION])
 
 
 @kernel

@@ -9,6 +9,8 @@ span of the chain (`hanging_chain.py`). Where the tether is slack, an error of t
 Source: docs/theory.md, "Stiff tethers".
 """
 
+from math import inf
+
 from tetherfmu.runtime import layout as at
 
 from ..algebra.vectors import cross, dot, get, norm, put_at, scale, sub
@@ -41,6 +43,17 @@ def are_held(body, w):
 
 
 @kernel
+def largest_by_positions(body):
+    """Largest tension [N] of the springs between the nodes of the body."""
+    largest = -inf
+    for s in range(body.chain.n):
+        length, _ = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
+        elongation, k = newton.spring(body.chain, s, length, False)
+        largest = max(largest, k * elongation)
+    return largest
+
+
+@kernel
 def is_along_segment(body, s, tension):
     """Whether a tension vector [N] pulls along segment s."""
     _, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
@@ -49,22 +62,24 @@ def is_along_segment(body, s, tension):
 
 @kernel
 def from_loads(body, w):
-    """Tension vectors of the first and of the last segment [N], and whether they are found.
+    """Tension vectors of the first and of the last segment and the largest tension [N]; and whether they are found.
 
-    The body is in equilibrium, with the tensions w.tension [N] as positions hold them; w.load (modified).
+    The body is in equilibrium with tensions near w.tension [N]; w.load (modified).
     """
     chain, x = body.chain, body.x
     newton.node_loads(body, newton.NO_PULL, w.tension, w.mass, w.load)
     chord = sub(get(x, chain.n), get(x, 0))
-    largest = max(w.tension[0], w.tension[chain.n - 1])
+    faintest = FAINTEST * max(w.tension[0], w.tension[chain.n - 1])
     _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
-    guess = scale(max(w.tension[0], FAINTEST * largest), e)
-    first, gap = hanging_chain.solve(chain, guess, FAINTEST * largest, chord, w.load, CLOSED)
+    guess = scale(max(w.tension[0], faintest), e)
+    first, gap = hanging_chain.solve(chain, guess, faintest, chord, w.load, CLOSED)
     last = first
+    largest = norm(first)
     for i in range(1, chain.n):
         last = sub(last, get(w.load, i))
+        largest = max(largest, norm(last))
     found = gap <= OPEN * chain.length and is_along_segment(body, 0, first) and is_along_segment(body, chain.n - 1, last)
-    return first, last, found
+    return first, last, largest, found
 
 
 @kernel
@@ -72,6 +87,7 @@ def forget(state):
     """Leave the tensions at the ends to the positions in the state (modified)."""
     put_at(state, at.GROUND_TENSION_VECTOR, (0.0, 0.0, 0.0))
     put_at(state, at.KITE_TENSION_VECTOR, (0.0, 0.0, 0.0))
+    state[at.MISSING_TENSION] = 0.0
 
 
 @kernel
@@ -80,7 +96,8 @@ def store(body, state, w):
     forget(state)
     if body.chain.n == 1 or are_held(body, w):
         return
-    first, last, found = from_loads(body, w)
+    first, last, largest, found = from_loads(body, w)
     if found:
         put_at(state, at.GROUND_TENSION_VECTOR, first)
         put_at(state, at.KITE_TENSION_VECTOR, last)
+        state[at.MISSING_TENSION] = largest - largest_by_positions(body)
