@@ -3,7 +3,7 @@
 Reference: the lumped chain with its tensions as unknowns. Node loads are weights w, so all tension vectors follow from the
 first, t_s = t_0 + s w e_z, and that from the span of the chain, sum_s l0 (1/|t_s| + 1/EA) t_s = chord. No position enters.
 
-A position x has the relative error eps = 2^-52, so the tension of a spring between two positions has the error eps |x| EA/l0:
+A position x has the relative error eps = 2^-52, so the tension of a spring between positions has the error eps |x| EA/l0:
 3.5 mN at 1e12 N, 787 m and 50 m; several times that where Newton's method stops.
 """
 
