@@ -83,7 +83,7 @@ def test_restored_state_has_the_same_outputs():
 def test_in_flight_the_error_is_that_of_the_positions(stiffness):
     """At rest, the dynamic tether's force is off by eps |x| EA/l0 in flight: nothing but its positions holds the strain.
 
-    After 5 steps it is no more than 40 times that off; measured: 0.1 to 20.
+    Measured: 0.01 to 0.27 of that in the first 10 steps; 2 leaves room for another rounding of the same positions.
     """
     kite = np.array((300.0, 0.0, 400.0))
     tether = Tether(segments=20, initial_length=525.0, axial_stiffness=stiffness)
@@ -93,4 +93,4 @@ def test_in_flight_the_error_is_that_of_the_positions(stiffness):
     rounding = EPS * np.linalg.norm(kite) * stiffness / (525.0 / 20)
     for _ in range(5):
         out = model.step(0.02)
-    assert np.abs(out.kite_force - exact).max() < 40.0 * rounding
+    assert np.abs(out.kite_force - exact).max() < 2.0 * rounding
