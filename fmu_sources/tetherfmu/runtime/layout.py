@@ -63,8 +63,10 @@ LAST_GROUND_VELOCITY = 11
 STEPS = 14  # internal steps accepted since the start
 REJECTIONS = 15  # internal steps rejected since the start
 ITERATIONS = 16  # Newton iterations for shapes in equilibrium since the start
-GROUND_TENSION_VECTOR = 17  # of the catenary at the ground end [N]
-STATE_HEADER = 20
+GROUND_TENSION_VECTOR = 17  # [N] of the catenary; of a chain in equilibrium whose positions cannot hold it, else 0
+KITE_TENSION_VECTOR = 20  # the same at the kite, of a chain only
+MISSING_TENSION = 23  # [N] of the same chain: what the largest tension by its positions lacks
+STATE_HEADER = 24
 
 # outputs
 GROUND_FORCE = 0

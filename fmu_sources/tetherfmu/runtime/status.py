@@ -34,8 +34,8 @@ SENTENCES = {
     ),
     STATE_NOT_FINITE: "the motion leaves the range of numbers in a step of {step} s; check the inputs and parameters",
     NO_EQUILIBRIUM: (
-        "no equilibrium was found between the given ends; check kite_position, ground_position, wind_velocity "
-        "and the length (tether_length {length} m)"
+        "no equilibrium was found between the given ends; check kite_position, ground_position, wind_velocity, "
+        "the length (tether_length {length} m) and axial_stiffness: drag may stretch a soft tether without end"
     ),
     FIXED_STEPS_TOO_MANY: (
         "a communication step of {step} s needs more than {budget} iterations (2 to 552 for each internal step of "

@@ -5,7 +5,7 @@ from math import atan2, inf, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, OUTPUT_NOT_FINITE
 
-from ..algebra.vectors import along, dot, get, norm, put_at, sub
+from ..algebra.vectors import add, along, dot, get, norm, put_at, sub, vector_at
 from ..chain import segment
 from ..chain.nodes import end_force, node_masses
 from ..chain.properties import point_mass, property_of, rest_length
@@ -89,6 +89,38 @@ def shape(chain, x, shape_points, outputs):
 
 
 @kernel
+def missing_tension(chain, s, x, held):
+    """What the spring of segment s lacks with its nodes at x [m]: as a vector, and in size [N].
+
+    Its tension vector [N] as the state keeps it.
+    """
+    length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    rest = rest_length(chain, s)
+    k, _ = segment.stiffness(chain, s, length - rest, rest)
+    pull = k * (length - rest)
+    return along(held, -pull, e), norm(held) - pull
+
+
+@kernel
+def correct_end_forces(chain, state, x, outputs):
+    """Forces and tensions at the ends and the largest tension in the outputs (modified), where positions do not hold them.
+
+    Source: docs/theory.md, "Stiff tethers".
+    """
+    held = vector_at(state, at.GROUND_TENSION_VECTOR)
+    if dot(held, held) == 0.0:
+        return
+    pull, tension = missing_tension(chain, 0, x, held)
+    put_at(outputs, at.GROUND_FORCE, add(vector_at(outputs, at.GROUND_FORCE), pull))
+    outputs[at.GROUND_TENSION] += tension
+    pull, tension = missing_tension(chain, chain.n - 1, x, vector_at(state, at.KITE_TENSION_VECTOR))
+    put_at(outputs, at.KITE_FORCE, sub(vector_at(outputs, at.KITE_FORCE), pull))
+    outputs[at.KITE_TENSION] += tension
+    largest = outputs[at.MAX_TENSION] + state[at.MISSING_TENSION]
+    outputs[at.MAX_TENSION] = max(largest, outputs[at.GROUND_TENSION], outputs[at.KITE_TENSION])
+
+
+@kernel
 def observe_chain(chain, state, x, v, shape_points, outputs, mass):
     """Write all outputs (modified) of a chain in a state with positions x [m] and velocities v [m/s]; returns a status.
 
@@ -105,6 +137,7 @@ def observe_chain(chain, state, x, v, shape_points, outputs, mass):
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
     outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
     survey(chain, x, v, outputs)
+    correct_end_forces(chain, state, x, outputs)
     shape(chain, x, shape_points, outputs)
     return finish(state, outputs)
 

@@ -25,12 +25,12 @@ MOST_ITERATIONS = 60  # of Newton's method
 MOST_HALVINGS = 40  # of one step of it
 FLAT = 1e-13  # increase of the energy that is rounding, relative
 SLACKEST = 1e-3  # eps over the mean node load
-CLOSED = 1e-3  # gap of the chain over its length; Newton's method in `newton.py` does the rest
+CLOSED = 1e-3  # gap of the chain over its length that a first guess may have; Newton's method in `newton.py` does the rest
 
 
 @kernel
 def rounding_tension(n, load):
-    """eps [N]: a small part of the mean load of the inner nodes, never zero."""
+    """eps [N] of a first guess: a small part of the mean load of the inner nodes, never zero."""
     total = 0.0
     for i in range(1, n):
         total += norm(get(load, i))
@@ -106,18 +106,15 @@ def march(chain, first_tension, eps, load, x, tension):
 
 
 @kernel
-def hang(chain, first_tension, load, x, tension):
-    """Shape of the chain under given node loads, from a guess of its first tension vector [N].
+def solve(chain, first_tension, eps, chord, load, closed):
+    """First tension vector [N] of the chain with this chord [m] under given node loads, from a guess of it; and the gap [m].
 
-    The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given.
+    eps [N]; closed : gap over the length of the chain at which it is good enough.
     """
-    ground = get(x, 0)
-    chord = sub(get(x, chain.n), ground)
-    eps = rounding_tension(chain.n, load)
     t = first_tension
     value, gap, hessian = energy(chain, t, eps, chord, load)
     for _ in range(MOST_ITERATIONS):
-        if norm(gap) <= CLOSED * chain.length:
+        if norm(gap) <= closed * chain.length:
             break
         change = solve_symmetric(hessian, scale(-1.0, gap))
         part = 1.0
@@ -131,4 +128,15 @@ def hang(chain, first_tension, load, x, tension):
             break
         t = trial
         value = then
+    return t, norm(gap)
+
+
+@kernel
+def hang(chain, first_tension, load, x, tension):
+    """Shape of the chain under given node loads, from a guess of its first tension vector [N].
+
+    The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given.
+    """
+    eps = rounding_tension(chain.n, load)
+    t, _ = solve(chain, first_tension, eps, sub(get(x, chain.n), get(x, 0)), load, CLOSED)
     march(chain, t, eps, load, x, tension)

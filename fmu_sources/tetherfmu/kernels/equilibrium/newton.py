@@ -18,6 +18,8 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
 4. If that fails: both again with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a
    chain that creeps. c falls while the nodes move little, down to Newton's method.
 5. If what is found is a strut (`strut.py`): all of it again, with a breath of air from the side in step 1.
+
+What this leaves, `slower_motion.py` finds.
 """
 
 from collections import namedtuple
@@ -58,11 +60,14 @@ chain : `Chain`.  spin : angular velocity omega [rad/s].  stretching : rate of s
 x, v : positions [m] and velocities [m/s] of all nodes; those of the ends are given, those of the inner nodes modified.
 """
 
-Balance = namedtuple("Balance", "load force move offset share tension aim change matrix response transfer records mass")
+Balance = namedtuple(
+    "Balance", "load force move offset share tension aim change kept kept_tension matrix response transfer records mass"
+)
 Balance.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
 
 load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
+kept, kept_tension : an equilibrium to go on from, positions [m] and tensions [N], n.
 response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
 blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 """
@@ -75,7 +80,8 @@ def balance(n, work):
     load, force, move, offset, share, tensions, room = node_arrays(n, room)
     matrix = block_tridiagonal.Matrix(*blocks)
     three = tensions[:n], tensions[n : 2 * n], tensions[2 * n : 3 * n]
-    return Balance(load, force, move, offset, share, *three, matrix, matrix.diagonal, matrix.lower, records, mass)
+    kept = room[: 3 * (n + 1)], room[3 * (n + 1) : 4 * n + 3]
+    return Balance(load, force, move, offset, share, *three, *kept, matrix, matrix.diagonal, matrix.lower, records, mass)
 
 
 @kernel

@@ -14,7 +14,7 @@ from ..communication.drive import drive_of_step, place_ends
 from ..communication.inputs import accept, begin, check_state, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel
-from ..equilibrium import newton, strut
+from ..equilibrium import end_tensions, newton, slower_motion, strut
 from ..motion import implicit_euler, step_control
 from ..motion.rosenbrock import stages
 
@@ -43,8 +43,12 @@ def initialize(n, parameters, inputs, state, work):
     else:
         put(v, 0, spin)
         put(v, n, spin)
-    status, iterations = newton.find(newton.Body(chain, spin, stretching, x, v), newton.balance(n, work))
+    body = newton.Body(chain, spin, stretching, x, v)
+    w = newton.balance(n, work)
+    status, iterations = slower_motion.find(body, w)
     state[at.ITERATIONS] = iterations
+    if status == OK:
+        end_tensions.store(body, state, w)
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
     if status != OK:
@@ -72,6 +76,7 @@ def advance(n, parameters, inputs, step, state, work):
             return status
     place_ends(drive, step, x, v)
     remember(inputs, step, trial)
+    end_tensions.forget(trial)
     strut.leave(chain_of(n, parameters, trial), x, v)
     return accept(n, status, trial, state)
 

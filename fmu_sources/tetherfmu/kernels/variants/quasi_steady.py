@@ -14,7 +14,7 @@ from ..chain.properties import chain_of
 from ..communication.inputs import accept, begin, check_state, move_ends, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel, view
-from ..equilibrium import newton
+from ..equilibrium import end_tensions, newton, slower_motion
 
 
 @view
@@ -36,9 +36,12 @@ def settle(n, parameters, state, warm, w):
         found, iterations = newton.follow(body, w)
         state[at.ITERATIONS] += iterations
         if found:
+            end_tensions.store(body, state, w)
             return OK
-    status, iterations = newton.find(body, w)
+    status, iterations = slower_motion.find(body, w)
     state[at.ITERATIONS] += iterations
+    if status == OK:
+        end_tensions.store(body, state, w)
     return status
 
 

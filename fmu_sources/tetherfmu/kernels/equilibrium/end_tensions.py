@@ -1,0 +1,103 @@
+"""Tensions at the ends of a chain in equilibrium that is too stiff for its positions to hold its strain.
+
+A position x is a number with the relative error eps = 2^-52, so the tension of a spring between two positions has the error
+
+    eps |x| EA/l0        (4.6 mN at EA = 1e12 N, 500 m and 25 m)
+
+The loads of the nodes have not: with them, the tension vectors follow from that of the first segment, and that one from the
+span of the chain (`hanging_chain.py`). Where the tether is slack, an error of the span changes them by little.
+Source: docs/theory.md, "Stiff tethers".
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
+
+from ..algebra.vectors import cross, dot, get, norm, put_at, scale, sub
+from ..chain import segment
+from ..chain.properties import property_of, rest_length
+from ..compilation import kernel
+from . import hanging_chain, newton
+
+HELD = 1e-6  # error of a tension over the larger one at the ends, up to which positions hold it
+FAINTEST = 1e-9  # eps of `hanging_chain.py` over the larger tension
+CLOSED = 1e-15  # gap of the chain over its length at which it spans the chord
+OPEN = 1e-12  # gap above which it does not
+ALIKE = 1e-4  # angle [rad] between a tension vector and its segment, above which another shape was found: one in compression
+
+
+@kernel
+def rounding(chain, s, reach):
+    """Error [N] of the tension of segment s with its nodes as far from the origin as `reach` [m]."""
+    rest = rest_length(chain, s)
+    return newton.ROUNDING * (reach + rest) * property_of(chain, s, at.STIFFNESS) / rest
+
+
+@kernel
+def are_held(body, w):
+    """Whether the positions of the body hold the tensions w.tension [N] of its first and last segment."""
+    n = body.chain.n
+    reach = max(norm(get(body.x, 0)), norm(get(body.x, n)))
+    error = max(rounding(body.chain, 0, reach), rounding(body.chain, n - 1, reach))
+    return error <= HELD * max(w.tension[0], w.tension[n - 1])
+
+
+@kernel
+def largest_by_positions(body):
+    """Largest tension [N] of the springs between the nodes of the body."""
+    largest = -inf
+    for s in range(body.chain.n):
+        length, _ = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
+        elongation, k = newton.spring(body.chain, s, length, False)
+        largest = max(largest, k * elongation)
+    return largest
+
+
+@kernel
+def is_along_segment(body, s, tension):
+    """Whether a tension vector [N] pulls along segment s."""
+    _, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
+    return dot(e, tension) > 0.0 and norm(cross(e, tension)) <= ALIKE * norm(tension)
+
+
+@kernel
+def from_loads(body, w):
+    """Tension vectors of the first and of the last segment and the largest tension [N]; and whether they are found.
+
+    The body is in equilibrium with tensions near w.tension [N]; w.load (modified).
+    """
+    chain, x = body.chain, body.x
+    newton.node_loads(body, newton.NO_PULL, w.tension, w.mass, w.load)
+    chord = sub(get(x, chain.n), get(x, 0))
+    faintest = FAINTEST * max(w.tension[0], w.tension[chain.n - 1])
+    _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
+    guess = scale(max(w.tension[0], faintest), e)
+    first, gap = hanging_chain.solve(chain, guess, faintest, chord, w.load, CLOSED)
+    last = first
+    largest = norm(first)
+    for i in range(1, chain.n):
+        last = sub(last, get(w.load, i))
+        largest = max(largest, norm(last))
+    found = gap <= OPEN * chain.length and is_along_segment(body, 0, first) and is_along_segment(body, chain.n - 1, last)
+    return first, last, largest, found
+
+
+@kernel
+def forget(state):
+    """Leave the tensions at the ends to the positions in the state (modified)."""
+    put_at(state, at.GROUND_TENSION_VECTOR, (0.0, 0.0, 0.0))
+    put_at(state, at.KITE_TENSION_VECTOR, (0.0, 0.0, 0.0))
+    state[at.MISSING_TENSION] = 0.0
+
+
+@kernel
+def store(body, state, w):
+    """Tension vectors at the ends of the body in equilibrium into the state (modified) if its positions do not hold them."""
+    forget(state)
+    if body.chain.n == 1 or are_held(body, w):
+        return
+    first, last, largest, found = from_loads(body, w)
+    if found:
+        put_at(state, at.GROUND_TENSION_VECTOR, first)
+        put_at(state, at.KITE_TENSION_VECTOR, last)
+        state[at.MISSING_TENSION] = largest - largest_by_positions(body)
