@@ -6,7 +6,12 @@ velocity is extrapolated to no more than four times itself), the end is led from
 
     p + v h + a h^2/2,   v + a h
 
-by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Theory: docs/theory.md, "Driven ends".
+by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Where the importer knows positions only, the
+differences u = (p - p_last)/h_last belong to the middles of the steps, so that
+
+    a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
+
+Theory: docs/theory.md, "Driven ends".
 """
 
 from ..algebra.vectors import add, along, scale, sub
@@ -17,7 +22,7 @@ STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration i
 
 @kernel
 def estimated_acceleration(velocity, last_velocity, last_step, step):
-    """Acceleration [m/s2] from two velocity inputs [m/s] that are one communication step [s] apart; 0 without a last.
+    """Acceleration [m/s2] from two velocities [m/s] that are `last_step` [s] apart; 0 without a last.
 
     `step` [s] is the communication step that it is for: after a much shorter one it counts in part only.
     """
@@ -27,15 +32,36 @@ def estimated_acceleration(velocity, last_velocity, last_step, step):
 
 
 @kernel
-def target(position, velocity, acceleration, step):
-    """Position [m] and velocity [m/s] to which an end is led within a step [s]."""
+def difference(position, last_position, last_step):
+    """Velocity [m/s] over the last communication step [s]; 0 before the second."""
+    if last_step <= 0.0:
+        return 0.0, 0.0, 0.0
+    return scale(1.0 / last_step, sub(position, last_position))
+
+
+@kernel
+def derived_motion(position, velocity, last_velocity, last_step, step_before, step):
+    """Position [m], velocity [m/s] and acceleration [m/s2] at the start of a step [s], from the last three positions.
+
+    velocity, last_velocity : `difference` over the last step and over the one before [m/s].  last_step, step_before : [s].
+    The acceleration is 0 before the third step.
+    """
+    between = 0.5 * (last_step + step_before) if step_before > 0.0 else 0.0
+    acceleration = estimated_acceleration(velocity, last_velocity, between, step)
+    return position, along(velocity, 0.5 * last_step, acceleration), acceleration
+
+
+@kernel
+def target(motion, step):
+    """Position [m] and velocity [m/s] to which an end is led within a step [s], from (position, velocity, acceleration)."""
+    position, velocity, acceleration = motion
     return along(along(position, step, velocity), 0.5 * step * step, acceleration), along(velocity, step, acceleration)
 
 
 @kernel
-def curve(reached_position, reached_velocity, position, velocity, acceleration, step):
-    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3: returns (x0, v0, c2, c3), SI units."""
-    target_position, target_velocity = target(position, velocity, acceleration, step)
+def curve(reached_position, reached_velocity, motion, step):
+    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3: returns (x0, v0, c2, c3), SI units; `motion` as of `target`."""
+    target_position, target_velocity = target(motion, step)
     mean = scale(1.0 / step, sub(target_position, reached_position))
     c2 = scale(1.0 / step, sub(scale(3.0, mean), add(scale(2.0, reached_velocity), target_velocity)))
     c3 = scale(1.0 / (step * step), sub(add(reached_velocity, target_velocity), scale(2.0, mean)))
