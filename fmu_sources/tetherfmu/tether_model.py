@@ -16,6 +16,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variables import KITE_AT_START
 from tetherfmu.runtime.variants import WITHOUT_NODES, effective
 
@@ -333,6 +334,11 @@ class TetherModel:
         wind = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
         numbers = self._account(reeling, wind, kite_load)
         return energy.Energy(*numbers[: -self.segments].tolist())
+
+    @property
+    def implausible(self) -> list[str]:
+        """Sentences on what has been implausible since the start, each also told as a `PlausibilityWarning`."""
+        return sentences(self._state)
 
     @property
     def positions(self) -> NDArray[np.float64]:

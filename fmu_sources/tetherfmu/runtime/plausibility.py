@@ -19,7 +19,7 @@ _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; look for jumps of {end}_position and "
     "{end}_velocity, and at their units"
 )
-_SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; check {end}_velocity and its unit"
+_SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; look at its motion and its units"
 _RESIDUE = (
     "{end}_velocity contradicts {end}_position: it leaves {percent:.0f} % of the way of the {end} end unexplained; set it to "
     "the rate of {end}_position, or end_velocities to 2 (derived)"

@@ -29,8 +29,8 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
     return Drive(
         n,
         parameters,
-        curve(get(x, 0), get(v, 0), ground, step),
-        curve(get(x, n), get(v, n), kite, step),
+        curve(get(x, 0), get(v, 0), *ground, step),
+        curve(get(x, n), get(v, n), *kite, step),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         state[at.LENGTH],

@@ -52,16 +52,15 @@ def derived_motion(position, velocity, last_velocity, last_step, step_before, st
 
 
 @kernel
-def target(motion, step):
-    """Position [m] and velocity [m/s] to which an end is led within a step [s], from (position, velocity, acceleration)."""
-    position, velocity, acceleration = motion
+def target(position, velocity, acceleration, step):
+    """Position [m] and velocity [m/s] to which an end is led within a step [s]."""
     return along(along(position, step, velocity), 0.5 * step * step, acceleration), along(velocity, step, acceleration)
 
 
 @kernel
-def curve(reached_position, reached_velocity, motion, step):
-    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3: returns (x0, v0, c2, c3), SI units; `motion` as of `target`."""
-    target_position, target_velocity = target(motion, step)
+def curve(reached_position, reached_velocity, position, velocity, acceleration, step):
+    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3: returns (x0, v0, c2, c3), SI units."""
+    target_position, target_velocity = target(position, velocity, acceleration, step)
     mean = scale(1.0 / step, sub(target_position, reached_position))
     c2 = scale(1.0 / step, sub(scale(3.0, mean), add(scale(2.0, reached_velocity), target_velocity)))
     c3 = scale(1.0 / (step * step), sub(add(reached_velocity, target_velocity), scale(2.0, mean)))

@@ -77,4 +77,4 @@ def place_at_start(n, parameters, inputs, state):
 def move_ends(n, parameters, inputs, step, state):
     """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
     ground, kite = motions(parameters, inputs, step, state)
-    put_ends(n, state, target(ground, step), target(kite, step))
+    put_ends(n, state, target(*ground, step), target(*kite, step))

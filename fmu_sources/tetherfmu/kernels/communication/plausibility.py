@@ -90,8 +90,8 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
 def note_step(n, parameters, state, trial):
     """Note what is implausible in a communication step from a state to a trial state (modified).
 
-    Accelerations are judged from the second step on (with derived velocities from the third), because the first one begins
-    where the initialization was, wherever the ends are then.
+    Driven ends are judged from the second step on (with derived velocities from the third): the first one begins where the
+    initialization was, wherever the ends are then.
     """
     note_shape(n, parameters, trial)
     derived = are_derived(parameters)
@@ -101,15 +101,15 @@ def note_step(n, parameters, state, trial):
     x, v = positions_and_velocities(n, state)
     reached, _ = positions_and_velocities(n, trial)
     step = trial[at.LAST_STEP]
-    note_acceleration(get(x, 0), get(v, 0), get(reached, 0), step, limits.GROUND_ACCELERATION, trial)
-    note_acceleration(get(x, n), get(v, n), get(reached, n), step, limits.KITE_ACCELERATION, trial)
-    if derived:
-        return
     if parameters[at.GROUND_IS_FREE] == 0.0:
-        way = sub(vector_at(trial, at.LAST_GROUND_POSITION), vector_at(state, at.LAST_GROUND_POSITION))
-        last, now = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(trial, at.LAST_GROUND_VELOCITY)
-        note_contradiction(way, last, now, last_step, at.GROUND_RESIDUE, limits.GROUND_RESIDUE, trial)
+        note_acceleration(get(x, 0), get(v, 0), get(reached, 0), step, limits.GROUND_ACCELERATION, trial)
+        if not derived:
+            way = sub(vector_at(trial, at.LAST_GROUND_POSITION), vector_at(state, at.LAST_GROUND_POSITION))
+            last, now = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(trial, at.LAST_GROUND_VELOCITY)
+            note_contradiction(way, last, now, last_step, at.GROUND_RESIDUE, limits.GROUND_RESIDUE, trial)
     if parameters[at.KITE_IS_FREE] == 0.0:
-        way = sub(vector_at(trial, at.LAST_KITE_POSITION), vector_at(state, at.LAST_KITE_POSITION))
-        last, now = vector_at(state, at.LAST_KITE_VELOCITY), vector_at(trial, at.LAST_KITE_VELOCITY)
-        note_contradiction(way, last, now, last_step, at.KITE_RESIDUE, limits.KITE_RESIDUE, trial)
+        note_acceleration(get(x, n), get(v, n), get(reached, n), step, limits.KITE_ACCELERATION, trial)
+        if not derived:
+            way = sub(vector_at(trial, at.LAST_KITE_POSITION), vector_at(state, at.LAST_KITE_POSITION))
+            last, now = vector_at(state, at.LAST_KITE_VELOCITY), vector_at(trial, at.LAST_KITE_VELOCITY)
+            note_contradiction(way, last, now, last_step, at.KITE_RESIDUE, limits.KITE_RESIDUE, trial)
