@@ -112,7 +112,8 @@ class Flown(NamedTuple):
 class PlausibilityWarning(UserWarning):
     """Something that no tether and no kite does, told once since `initialize`; the numbers stay what they are.
 
-    A stretch beyond 5 %, an end that is accelerated beyond 1000 g or faster than sound, velocities that contradict positions.
+    A stretch beyond 5 %, an end that is accelerated beyond 1000 g or faster than sound, velocities that contradict
+    positions; docs/theory.md, "Plausibility".
 
     Examples
     --------

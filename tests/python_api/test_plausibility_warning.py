@@ -1,4 +1,4 @@
-"""The Python API warns once of what no tether and no kite does, at the line of the caller; `implausible` says it at any time."""
+"""The Python API warns once of what no tether and no kite does, at the line of the caller; `implausible` says it again."""
 
 import warnings
 

@@ -1,4 +1,4 @@
-"""An FMU says what is implausible in one message, status warning, since its start: not in a state that has said it, again after reset."""
+"""An FMU says once since its start what is implausible: not in a state that has said it, again after reset."""
 
 import pytest
 

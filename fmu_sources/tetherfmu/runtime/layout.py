@@ -69,11 +69,11 @@ GROUND_TENSION_VECTOR = 17  # of the catenary at the ground end [N]
 STEP_BEFORE = 20  # communication step before the last one [s], 0 before the second
 LAST_KITE_POSITION = 21  # input at the start of the last communication step
 LAST_GROUND_POSITION = 24
-KITE_RESIDUE = 27  # way [m] of the kite that its velocities do not explain, and the longer way [m], see `plausibility.py`
-GROUND_RESIDUE = 31
-WARNINGS = 35  # sum of 2**k, k of all that was implausible since the start, see `runtime/plausibility.py`
-WARNED_VALUES = 36  # for each k the value that was, 0 without
-STATE_HEADER = 36 + WARNING_KINDS
+KITE_RESIDUE = 27  # way [m] of the kite that its velocities do not explain, and two numbers more, see `plausibility.py`
+GROUND_RESIDUE = 32
+WARNINGS = 37  # sum of 2**k, k of all that was implausible since the start, see `runtime/plausibility.py`
+WARNED_VALUES = 38  # for each k the value that was, 0 without
+STATE_HEADER = 38 + WARNING_KINDS
 
 # outputs
 GROUND_FORCE = 0

@@ -8,7 +8,7 @@ from . import layout as at
 LARGEST_STRETCH = 1.05  # length of a segment over its unstretched length [-]; ropes of Dyneema break near 1.04
 LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
 FASTEST = 340.0  # an end [m/s]: about the speed of sound at the ground
-JUDGED_WAY = 0.5  # after which positions and velocities of an end are compared [m]: far above noise of millimetres
+JUDGED_WAY = 0.5  # of an end on which its positions and velocities are compared [m]: far above noise of millimetres
 LARGEST_RESIDUE = 0.5  # part of this way that the velocities may leave unexplained [-]; it is 1 if they are 0
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(
@@ -21,8 +21,8 @@ _ACCELERATION = (
 )
 _SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; look at its motion and its units"
 _RESIDUE = (
-    "{end}_velocity contradicts {end}_position: it leaves {percent:.0f} % of the way of the {end} end unexplained; set it to "
-    "the rate of {end}_position, or end_velocities to 2 (derived)"
+    "{end}_velocity contradicts {end}_position: it leaves {percent:.0f} % of the way of the {end} end unexplained; set it "
+    "to the rate of {end}_position, or end_velocities to 2 (derived)"
 )
 SENTENCES = {
     STRETCH: (

@@ -2,7 +2,8 @@
 
     u = (p - p_last)/h_last,   a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
 
-exact for constant acceleration, with any steps. The first step knows no velocity (the ends rest), the second no acceleration.
+exact for constant acceleration, with any steps. The first step knows no velocity (the ends rest), the second no
+acceleration.
 """
 
 from itertools import pairwise

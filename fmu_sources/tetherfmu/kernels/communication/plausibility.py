@@ -7,8 +7,8 @@
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
 between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
-sums go on until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Noise of the positions does not add
-up in the upper one. Limits: runtime/plausibility.py. Theory: docs/theory.md, "Plausibility".
+sums go on until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must contradict: a
+jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper sum. Limits: runtime/plausibility.py. Theory: docs/theory.md, "Plausibility".
 """
 
 from math import sqrt
@@ -70,7 +70,7 @@ def unexplained(way, last_velocity, velocity, step):
 
 @kernel
 def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
-    """Go on with the sums of an end in the state (modified) and judge them.
+    """Go on with the sums of an end in the state (modified), and judge them at the end of a way.
 
     way, step : since its last input [m, s].  last_velocity, velocity : given with both [m/s].  place : of its sums,
     `layout.KITE_RESIDUE`, ...
@@ -80,7 +80,9 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
     total = add(vector_at(state, place), r)
     longer = state[place + 3] + sqrt(max(dot(way, way), dot(explained, explained)))
     if longer > limits.JUDGED_WAY:
-        note(state, kind, dot(total, total) / (longer * longer), limits.LARGEST_RESIDUE)
+        square = dot(total, total) / (longer * longer)
+        note(state, kind, min(square, state[place + 4]), limits.LARGEST_RESIDUE)
+        state[place + 4] = square  # of the way before
         total, longer = (0.0, 0.0, 0.0), 0.0
     put_at(state, place, total)
     state[place + 3] = longer
