@@ -1,7 +1,8 @@
 """What no tether and no kite does is noted in the state once, with its first value; what does happen is not.
 
-Stretch l/l0 > 1.05; acceleration 2 |x1 - x0 - v0 h|/h^2 > 9810 m/s2; speed > 340 m/s; twice in a row, on 0.5 m
-of an end, its velocities leave more than half of the way unexplained. The limits are those of runtime/plausibility.py, written here once more.
+Stretch l/l0 > 1.05; acceleration 2 |x1 - x0 - v0 h|/h^2 > 9810 m/s2; speed > 340 m/s; twice in a row, on 0.5 m of an end,
+its velocities leave more than half of the way unexplained. The limits are those of runtime/plausibility.py, written here
+once more.
 """
 
 import numpy as np
