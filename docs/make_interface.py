@@ -32,13 +32,21 @@ In a communication step from t to t + h:
 3. read the outputs: they belong to t + h.
 
 Within the step the tether leads its ends on a smooth curve to the predicted position p + v h + a h^2/2, with a from the last
-two velocities (theory, "Driven ends"). Position and velocity of an end should fit together; the tether follows the position
-and trusts the velocity. Wind and reel-out speed are held over the step. The outputs at t = 0 are there when the
-initialization ends; in initialization mode they are calculated whenever they are read.
+two velocities (theory, "Driven ends"). Position and velocity of an end must fit together; the tether follows the position
+and trusts the velocity. It says so in one warning if they contradict each other, as when `kite_velocity` is left at 0. Wind
+and reel-out speed are held over the step. The outputs at t = 0 are there when the initialization ends; in initialization
+mode they are calculated whenever they are read.
+
+A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
+at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm: 1.6 % instead of 0.3 %); in the first step
+the ends rest.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
 leave segments shorter than 1 cm, or the solver fails. The state is then that of before, and the next good step works. A
 parameter out of range is refused when the initialization ends, with the allowed range.
+
+One warning each is logged, and the numbers stay what they are, when a segment is stretched by more than 5 %, an end is
+accelerated beyond 1000 g or faster than sound, or positions contradict velocities (theory, "Plausibility").
 
 ## Coupling by force
 

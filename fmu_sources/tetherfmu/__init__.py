@@ -9,7 +9,7 @@ from .runtime import __version__
 
 _HOMES = {
     "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight"),
-    "results": ("Flown", "Outputs", "StepRefused"),
+    "results": ("Flown", "Outputs", "PlausibilityWarning", "StepRefused"),
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
     "materials": ("MATERIALS", "tether_of"),
     "runtime.parameters": ("Tether", "Environment", "Solver"),

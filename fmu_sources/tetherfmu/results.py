@@ -109,6 +109,23 @@ class Flown(NamedTuple):
         return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
 
 
+class PlausibilityWarning(UserWarning):
+    """Something that no tether and no kite does, told once since `initialize`; the numbers stay what they are.
+
+    A stretch beyond 5 %, an end that is accelerated beyond 1000 g or faster than sound, velocities that contradict
+    positions; docs/theory.md, "Plausibility".
+
+    Examples
+    --------
+    >>> import warnings
+    >>> from tetherfmu import TetherStraight
+    >>> with warnings.catch_warnings(record=True) as told:
+    ...     start = TetherStraight(initial_length=100.0).initialize(kite_position=(300.0, 0.0, 400.0))
+    >>> told[0].category.__name__
+    'PlausibilityWarning'
+    """
+
+
 class StepRefused(ValueError):
     """A step or an initialization that cannot be done; the tether keeps the state of before.
 

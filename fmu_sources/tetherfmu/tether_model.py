@@ -6,6 +6,7 @@ from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from time import perf_counter
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +16,13 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variables import KITE_AT_START
 from tetherfmu.runtime.variants import WITHOUT_NODES, effective
 
 from . import energy
 from .arguments import checked_masses, node_vectors, number, record_of, tethers_of, whole, with_quantities
-from .results import Flown, Outputs, StepRefused
+from .results import Flown, Outputs, PlausibilityWarning, StepRefused
 
 _ZERO = (0.0, 0.0, 0.0)
 _INPUTS = (  # name, place, size; the wind has `_set_wind`
@@ -171,6 +173,7 @@ class TetherModel:
             self._state[at.STATE_HEADER :] = nodes.ravel()
             self._instance.observe()
         self._runs = True
+        self._warn()
         return self._present()
 
     def step(
@@ -235,6 +238,7 @@ class TetherModel:
         if problem:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
             raise StepRefused(problem, self._instance.status)
+        self._warn()
         return self._present()
 
     def fly(self, inputs: ArrayLike, step: float, every: int = 1, peaks: bool = True) -> Flown:
@@ -282,6 +286,7 @@ class TetherModel:
             self.segments, parameters, flown, len(inputs), *how, state, before, self._points, kept, work
         )
         seconds = perf_counter() - began
+        self._warn()
         if len(inputs):
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
         if done < len(inputs):
@@ -300,7 +305,10 @@ class TetherModel:
         state = np.asarray(state, dtype=float)
         if state.shape != self._state.shape:
             raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
-        self._state[:] = state
+        try:
+            self._instance.take(array("d", state))
+        except ValueError as problem:
+            raise ValueError(f"state {problem}") from None
         self._runs = True
 
     def outputs(self) -> Outputs:
@@ -326,6 +334,11 @@ class TetherModel:
         wind = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
         numbers = self._account(reeling, wind, kite_load)
         return energy.Energy(*numbers[: -self.segments].tolist())
+
+    @property
+    def implausible(self) -> list[str]:
+        """Sentences on what has been implausible since the start, each also told as a `PlausibilityWarning`."""
+        return sentences(self._state)
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -431,6 +444,11 @@ class TetherModel:
     def _not_initialized(self):
         """What is said before the start."""
         return StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
+
+    def _warn(self):
+        """Warn the caller of a public method of what is implausible, each once since the start."""
+        for sentence in self._instance.warnings():
+            warn(sentence, PlausibilityWarning, stacklevel=3)
 
     def _present(self):
         """`Outputs` as they were computed last."""

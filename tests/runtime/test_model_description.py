@@ -42,6 +42,7 @@ PARAMETERS = {  # name: (start, unit), as the plug says
     "relative_tolerance": ("0", None),
     "fixed_step": ("0", "s"),
     "initial_shape": ("1", None),
+    "end_velocities": ("1", None),
 }
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
@@ -69,7 +70,9 @@ def test_offers_the_plug(fmu_folder, name):
         assert variables[each].variability == "fixed"
     assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ["300", "0", "400"]
     assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
-    assert {variables[each].type for each in ("damping_law", "wind_profile", "initial_shape")} == {"Enumeration"}
+    assert {variables[each].type for each in ("damping_law", "wind_profile", "initial_shape", "end_velocities")} == {
+        "Enumeration"
+    }
 
 
 @every_fmu

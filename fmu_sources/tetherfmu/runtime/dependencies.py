@@ -13,6 +13,7 @@ _POSITIONS = _vector("kite_position") + _vector("ground_position")
 _STRETCH = (*_POSITIONS, *_LENGTH, "axial_stiffness", "diameter", "density")
 _AIR = (
     *(_vector("kite_velocity") + _vector("ground_velocity") + _vector("wind_velocity")),
+    "end_velocities",
     *("diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
 )

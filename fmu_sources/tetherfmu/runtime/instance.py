@@ -6,7 +6,7 @@ The FMI slave and the Python API both run it.
 from array import array
 
 from . import layout as at
-from . import status
+from . import plausibility, status
 from .parameters import DEFAULT_TOLERANCE, pack
 from .variables import INPUT_NAMES
 
@@ -53,6 +53,7 @@ class Instance:
         self.points = points
         self.segments = 0
         self.status = status.OK
+        self._told = 0
         self.parameters_at = OUTPUTS_AT + at.outputs_size(points)
         self.values = zeros(self.parameters_at + room)
         self.state = zeros(0)
@@ -89,6 +90,8 @@ class Instance:
         problem = self._observed(result, 0.0)
         if problem:
             self.values[OUTPUTS_AT : self.parameters_at] = outputs
+        else:
+            self._told = 0
         return problem
 
     def advance(self, step):
@@ -115,6 +118,22 @@ class Instance:
         """Compute the outputs that belong to the state; returns the status."""
         state, outputs = self._state_address, self._outputs_address
         return self.kernels.observe(self.segments, self._parameters_address, state, self.points, outputs, self._work_address)
+
+    def take(self, state):
+        """Go on from a state, an array of its size; what was implausible in it is not told again.
+
+        ValueError, and nothing is changed, if it says so in numbers that no state has.
+        """
+        self._told |= plausibility.kinds(state)
+        self.state[:] = state
+
+    def warnings(self):
+        """Sentences on what has been implausible since the start, each once."""
+        if self.state[at.WARNINGS] == self._told:  # as nearly always
+            return ()
+        new = plausibility.sentences(self.state, self._told)
+        self._told |= plausibility.kinds(self.state)
+        return new
 
     def sentence(self, result, step):
         """What a status says about a step [s] with the inputs and the unstretched length of now."""

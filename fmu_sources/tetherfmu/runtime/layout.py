@@ -30,8 +30,9 @@ INITIAL_SHAPE = 12
 INITIAL_LENGTH = 13
 GROUND_IS_FREE = 14
 KITE_IS_FREE = 15
+END_VELOCITIES = 16
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 16
+PARAMETER_SCALARS = 17
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -52,13 +53,14 @@ KITE_LOAD = 16
 INPUTS = 19
 
 # state: header, then node positions, then node velocities
+WARNING_KINDS = 7
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length in the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
 SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before the first
 SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule
 LAST_STEP = 7  # last communication step [s], 0 before the first
-LAST_KITE_VELOCITY = 8  # input at the start of the last communication step
+LAST_KITE_VELOCITY = 8  # of the end, given or derived, at the start of the last communication step
 LAST_GROUND_VELOCITY = 11
 STEPS = 14  # internal steps accepted since the start
 REJECTIONS = 15  # internal steps rejected since the start
@@ -66,7 +68,14 @@ ITERATIONS = 16  # Newton iterations for shapes in equilibrium since the start
 GROUND_TENSION_VECTOR = 17  # [N] of the catenary; of a chain in equilibrium whose positions cannot hold it, else 0
 KITE_TENSION_VECTOR = 20  # the same at the kite, of a chain only
 MISSING_TENSION = 23  # [N] of the same chain: what the largest tension by its positions lacks
-STATE_HEADER = 24
+STEP_BEFORE = 24  # communication step before the last one [s], 0 before the second
+LAST_KITE_POSITION = 25  # input at the start of the last communication step
+LAST_GROUND_POSITION = 28
+KITE_RESIDUE = 31  # way [m] of the kite that its velocities do not explain, and two numbers more, see `plausibility.py`
+GROUND_RESIDUE = 36
+WARNINGS = 41  # sum of 2**k, k of all that was implausible since the start, see `runtime/plausibility.py`
+WARNED_VALUES = 42  # for each k the value that was, 0 without
+STATE_HEADER = 42 + WARNING_KINDS
 
 # outputs
 GROUND_FORCE = 0
@@ -93,6 +102,7 @@ STRAIN_RATE, STRETCH_RATE = 1, 2
 UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
 AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
+GIVEN, DERIVED = 1, 2
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6

@@ -112,6 +112,12 @@ class Solver:
         "shape at the start: static equilibrium; quasi-steady (turning with the kite, no start-up jump); straight line",
         choices=("static_equilibrium", "quasi_steady", "straight"),
     )
+    end_velocities: int = quantity(
+        1,
+        "",
+        "velocities of the ends: given by the inputs; derived from their positions (those inputs are then ignored)",
+        choices=("given", "derived"),
+    )
 
     def __post_init__(self):
         check(self)

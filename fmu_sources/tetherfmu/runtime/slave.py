@@ -115,6 +115,7 @@ class TetherSlave(Fmi2Slave):
             hold(self, type(self), self.log_queue)
             raise ValueError(problem.replace("%", "%%"))
         self._phase = STEPPING
+        self._warn()
 
     def do_step(self, current_time, step_size):
         """One communication step. False (fmi2Discard), a message and the state of before if it cannot be done."""
@@ -124,6 +125,7 @@ class TetherSlave(Fmi2Slave):
             self._say(problem, Fmi2Status.discard)
             return False
         self._time = current_time + step_size
+        self._warn()
         return True
 
     def terminate(self):
@@ -267,7 +269,7 @@ class TetherSlave(Fmi2Slave):
         self._values[instance.parameters_at :] = saved.values[instance.parameters_at :]
         if records:
             instance.set_up(*records, saved.tolerance)
-            instance.state[:] = saved.state
+            instance.take(saved.state)
             if instance.observe() != status.OK:
                 raise ValueError("has numbers that no tether has")
 
@@ -298,6 +300,11 @@ class TetherSlave(Fmi2Slave):
         """Remember why the next step cannot be done, and say it now."""
         self._refusal = message
         self._say(message, Fmi2Status.error)
+
+    def _warn(self):
+        """Say what is implausible, each once since the start."""
+        for sentence in self._instance.warnings():
+            self._say(sentence, Fmi2Status.warning)
 
     def _say(self, message, level):
         """Log a message; also on stderr, because PythonFMU drops every message unless the importer turns logging on."""

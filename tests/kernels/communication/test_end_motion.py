@@ -3,8 +3,8 @@
 Inputs are the position and velocity at the start of a step. The end is led to p + v h + a h^2/2 with velocity v + a h,
 a = (v - v_last)/h_last (h_last no shorter than h/4), which is late by half a step: the position errs by
 |jerk| h^3 (1/6 + 1/4), the velocity by |jerk| h^2 (1/2 + 1/2). Motion of constant acceleration is reached exactly from the
-second step on. In the first step a is 0, so constant velocity is reached exactly; with initial_shape quasi_steady the two ends
-turn around each other: on a circle of the radius R, with q = v h/R, the distance errs by R q^4/8 and not by R q^2/2.
+second step on. In the first step a is 0, so constant velocity is reached exactly; with initial_shape quasi_steady the two
+ends turn around each other: on a circle of the radius R, with q = v h/R, the distance errs by R q^4/8 and not by R q^2/2.
 """
 
 from itertools import pairwise

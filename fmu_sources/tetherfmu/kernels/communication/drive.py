@@ -8,7 +8,7 @@ from ..algebra.vectors import get, put, scale, vector_at
 from ..chain.properties import chain_at
 from ..compilation import kernel, view
 from .driven_end import curve, position_at, turning_accelerations, velocity_at
-from .inputs import accelerations, ends
+from .ends import motions
 
 Drive = namedtuple("Drive", "n parameters ground kite first last length reeling wind load")
 Drive.__doc__ = """A chain and what acts on it during one communication step.
@@ -24,16 +24,16 @@ wind : at the reference height [m/s].  load : force on a free kite end [N].
 @view
 def drive_of_step(n, parameters, inputs, step, state, x, v):
     """`Drive` of a communication step of `step` [s] from a state with the node positions x [m] and velocities v [m/s]."""
-    ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
-    ground, kite = ends(inputs)
+    ground, kite = motions(parameters, inputs, step, state)
     if state[at.LAST_STEP] <= 0.0 and parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
-        ground_acceleration, kite_acceleration = turning_accelerations(ground, kite, step)
+        ground_turns, kite_turns = turning_accelerations(ground, kite, step)
+        ground, kite = (ground[0], ground[1], ground_turns), (kite[0], kite[1], kite_turns)
     kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
     return Drive(
         n,
         parameters,
-        curve(get(x, 0), get(v, 0), ground[0], ground[1], ground_acceleration, step),
-        curve(get(x, n), get(v, n), kite[0], kite[1], kite_acceleration, step),
+        curve(get(x, 0), get(v, 0), *ground, step),
+        curve(get(x, n), get(v, n), *kite, step),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         state[at.LENGTH],

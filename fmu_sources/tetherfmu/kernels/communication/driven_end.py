@@ -2,12 +2,17 @@
 
 At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
 velocity inputs, a = (v - v_last)/h_last (h_last counts as at least h/4, so that a jump of the velocity is extrapolated to no
-more than four times itself; in the first step 0, or `turning_accelerations`), the end is led from the position and velocity it has
-reached to
+more than four times itself; in the first step a is 0, or that of `turning_accelerations`), the end is led from the position
+and velocity it has reached to
 
     p + v h + a h^2/2,   v + a h
 
-by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Theory: docs/theory.md, "Driven ends".
+by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Where the importer knows positions only, the
+differences u = (p - p_last)/h_last belong to the middles of the steps, so that
+
+    a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
+
+Theory: docs/theory.md, "Driven ends".
 """
 
 from ..algebra.vectors import add, along, dot, scale, sub
@@ -19,7 +24,7 @@ LARGEST_TURN = 2.0  # [rad] of the chord in a first step: beyond, half of the sq
 
 @kernel
 def estimated_acceleration(velocity, last_velocity, last_step, step):
-    """Acceleration [m/s2] from two velocity inputs [m/s] that are one communication step [s] apart; 0 without a last.
+    """Acceleration [m/s2] from two velocities [m/s] that are `last_step` [s] apart; 0 without a last.
 
     `step` [s] is the communication step that it is for: after a much shorter one it counts in part only.
     """
@@ -32,9 +37,9 @@ def estimated_acceleration(velocity, last_velocity, last_step, step):
 def turning_accelerations(ground, kite, step):
     """Accelerations [m/s2] of two ends that turn around each other, for a first step [s], which knows no last velocity.
 
-    Together w^2/|r| along the chord r [m], with the part w of the relative velocity [m/s] across it; each end takes its share
-    of the squares of the two speeds, so that an end at rest stays. Without them the first step would lead a turning kite
-    outwards along its tangent, by w^2 h^2/(2 |r|). ground, kite : position [m] and velocity [m/s] of an end.
+    Together w^2/|r| along the chord r [m], with the part w of the relative velocity [m/s] across it; each end takes its
+    share of the squares of the two speeds, so that an end at rest stays. Without them the first step would lead a turning
+    kite outwards along its tangent, by w^2 h^2/(2 |r|). ground, kite : position [m], velocity [m/s], ... of an end.
     """
     chord, velocity = sub(kite[0], ground[0]), sub(kite[1], ground[1])
     square = dot(chord, chord)
@@ -44,6 +49,26 @@ def turning_accelerations(ground, kite, step):
     across = along(velocity, -dot(chord, velocity) / square, chord)
     turning = scale(min(dot(across, across) / square, (LARGEST_TURN / step) ** 2) / speeds, chord)
     return scale(dot(ground[1], ground[1]), turning), scale(-dot(kite[1], kite[1]), turning)
+
+
+@kernel
+def difference(position, last_position, last_step):
+    """Velocity [m/s] over the last communication step [s]; 0 before the second."""
+    if last_step <= 0.0:
+        return 0.0, 0.0, 0.0
+    return scale(1.0 / last_step, sub(position, last_position))
+
+
+@kernel
+def derived_motion(position, velocity, last_velocity, last_step, step_before, step):
+    """Position [m], velocity [m/s] and acceleration [m/s2] at the start of a step [s], from the last three positions.
+
+    velocity, last_velocity : `difference` over the last step and over the one before [m/s].  last_step, step_before : [s].
+    The acceleration is 0 before the third step.
+    """
+    between = 0.5 * (last_step + step_before) if step_before > 0.0 else 0.0
+    acceleration = estimated_acceleration(velocity, last_velocity, between, step)
+    return position, along(velocity, 0.5 * last_step, acceleration), acceleration
 
 
 @kernel

@@ -1,15 +1,16 @@
-"""What every variant does in a communication step: check the inputs, lead the ends, remember what the next step needs."""
+"""What every variant does in a communication step: check the inputs, begin, remember what the next step needs, accept."""
 
 from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
 
-from ..algebra.vectors import put, put_at, vector_at
-from ..arrays import copy, positions_and_velocities, state_size, trial_state
+from ..algebra.vectors import put_at, vector_at
+from ..arrays import copy, state_size, trial_state
 from ..chain.properties import chain_at, rest_length
 from ..compilation import kernel, view
-from .driven_end import estimated_acceleration, target
+from .ends import place_at_start, velocities
+from .plausibility import note_shape, note_step
 
 
 @kernel
@@ -31,25 +32,6 @@ def check_state(n, state):
 
 
 @kernel
-def ends(inputs):
-    """Position [m] and velocity [m/s] of the ground end, then of the kite end."""
-    return (
-        (vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.GROUND_VELOCITY)),
-        (vector_at(inputs, at.KITE_POSITION), vector_at(inputs, at.KITE_VELOCITY)),
-    )
-
-
-@kernel
-def put_ends(n, state, ground, kite):
-    """Write position [m] and velocity [m/s] of both ends to a state (modified)."""
-    x, v = positions_and_velocities(n, state)
-    put(x, 0, ground[0])
-    put(v, 0, ground[1])
-    put(x, n, kite[0])
-    put(v, n, kite[1])
-
-
-@kernel
 def begin(n, parameters, inputs, state):
     """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
     status = check_inputs(inputs)
@@ -57,8 +39,7 @@ def begin(n, parameters, inputs, state):
         return status
     for k in range(state_size(n)):
         state[k] = 0.0
-    ground, kite = ends(inputs)
-    put_ends(n, state, ground, kite)
+    place_at_start(n, parameters, inputs, state)
     state[at.LENGTH] = parameters[at.INITIAL_LENGTH]
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
@@ -82,34 +63,28 @@ def check_step(n, parameters, inputs, step, state):
 
 
 @kernel
-def accelerations(inputs, step, state):
-    """Accelerations [m/s2] of the ground end and of the kite for a step [s], from the last two velocity inputs."""
-    ground, kite = ends(inputs)
-    last_ground, last_kite = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
-    return (
-        estimated_acceleration(ground[1], last_ground, state[at.LAST_STEP], step),
-        estimated_acceleration(kite[1], last_kite, state[at.LAST_STEP], step),
-    )
-
-
-@kernel
-def move_ends(n, inputs, step, state):
-    """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
-    ground, kite = ends(inputs)
-    ground_acceleration, kite_acceleration = accelerations(inputs, step, state)
-    ground_target = target(ground[0], ground[1], ground_acceleration, step)
-    put_ends(n, state, ground_target, target(kite[0], kite[1], kite_acceleration, step))
-
-
-@kernel
-def remember(inputs, step, state):
+def remember(parameters, inputs, step, state):
     """Header of the state (modified) after a communication step of `step` [s]."""
+    ground, kite = velocities(parameters, inputs, state)
     state[at.LENGTH] += inputs[at.REEL_OUT_SPEED] * step
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
+    state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
-    put_at(state, at.LAST_KITE_VELOCITY, vector_at(inputs, at.KITE_VELOCITY))
-    put_at(state, at.LAST_GROUND_VELOCITY, vector_at(inputs, at.GROUND_VELOCITY))
+    put_at(state, at.LAST_KITE_VELOCITY, kite)
+    put_at(state, at.LAST_GROUND_VELOCITY, ground)
+    put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
+    put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
+
+
+@kernel
+def finish_start(n, parameters, status, state):
+    """Check a new state if the status is OK, and note in it (modified) what is implausible; returns the status."""
+    if status == OK:
+        status = check_state(n, state)
+    if status == OK:
+        note_shape(n, parameters, state)
+    return status
 
 
 @view
@@ -121,10 +96,14 @@ def trial_of_step(n, parameters, inputs, step, state, work):
 
 
 @kernel
-def accept(n, status, trial, state):
-    """Take a trial state over into the state (modified) if the status is OK and all of it is finite; returns the status."""
+def accept(n, parameters, status, trial, state):
+    """Take a trial state over into the state (modified) if the status is OK and all of it is finite; returns the status.
+
+    What is implausible in the step is noted in it.
+    """
     if status == OK:
         status = check_state(n, trial)
     if status == OK:
+        note_step(n, parameters, state, trial)
         copy(trial, state)
     return status

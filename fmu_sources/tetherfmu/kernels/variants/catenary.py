@@ -7,10 +7,10 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
 from ..algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
-from ..arrays import copy
 from ..chain import segment
 from ..chain.properties import property_of
-from ..communication.inputs import begin, move_ends, remember, trial_of_step
+from ..communication.ends import move_ends
+from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import distance_to_chord, finish, wave_time, write_direction
 from ..compilation import kernel
 from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
@@ -48,28 +48,26 @@ def settle(parameters, state):
 
 @kernel
 def initialize(n, parameters, inputs, state, work):
-    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE or NO_EQUILIBRIUM. n is 1."""
+    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE, NO_EQUILIBRIUM or STATE_NOT_FINITE. n is 1."""
     status = begin(n, parameters, inputs, state)
     if status == OK:
         status = settle(parameters, state)
-    return status
+    return finish_start(n, parameters, status, state)
 
 
 @kernel
 def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
-    Returns a status: that of `inputs.check_step`, OK or NO_EQUILIBRIUM. n is 1.
+    Returns a status: that of `inputs.check_step`, OK, NO_EQUILIBRIUM or STATE_NOT_FINITE. n is 1.
     """
     status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status != OK:
         return status
-    move_ends(n, inputs, step, trial)
-    remember(inputs, step, trial)
+    move_ends(n, parameters, inputs, step, trial)
+    remember(parameters, inputs, step, trial)
     status = settle(parameters, trial)
-    if status == OK:
-        copy(trial, state)
-    return status
+    return accept(n, parameters, status, trial, state)
 
 
 @kernel

@@ -11,7 +11,7 @@ from ..algebra.vectors import get, put
 from ..arrays import positions_and_velocities, shared_arrays
 from ..chain.properties import chain_of
 from ..communication.drive import drive_of_step, place_ends
-from ..communication.inputs import accept, begin, check_state, remember, trial_of_step
+from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel
 from ..equilibrium import end_tensions, newton, slower_motion, strut
@@ -33,7 +33,7 @@ def initialize(n, parameters, inputs, state, work):
     if parameters[at.INITIAL_SHAPE] == at.STRAIGHT:
         newton.straighten(chain, x)
         newton.straighten(chain, v)
-        return check_state(n, state)
+        return finish_start(n, parameters, status, state)
     ground_velocity = get(v, 0)
     kite_velocity = get(v, n)
     spin = (0.0, 0.0, 0.0)
@@ -51,9 +51,7 @@ def initialize(n, parameters, inputs, state, work):
         end_tensions.store(body, state, w)
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
-    if status != OK:
-        return status
-    return check_state(n, state)
+    return finish_start(n, parameters, status, state)
 
 
 @kernel
@@ -75,10 +73,10 @@ def advance(n, parameters, inputs, step, state, work):
         if status != OK:
             return status
     place_ends(drive, step, x, v)
-    remember(inputs, step, trial)
+    remember(parameters, inputs, step, trial)
     end_tensions.forget(trial)
     strut.leave(chain_of(n, parameters, trial), x, v)
-    return accept(n, status, trial, state)
+    return accept(n, parameters, status, trial, state)
 
 
 @kernel

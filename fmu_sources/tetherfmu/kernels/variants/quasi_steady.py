@@ -11,7 +11,8 @@ from tetherfmu.runtime.status import OK
 from ..algebra.vectors import along, get, put, scale, sub
 from ..arrays import copy, positions_and_velocities, trial_state
 from ..chain.properties import chain_of
-from ..communication.inputs import accept, begin, check_state, move_ends, remember, trial_of_step
+from ..communication.ends import move_ends
+from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel, view
 from ..equilibrium import end_tensions, newton, slower_motion
@@ -51,9 +52,7 @@ def initialize(n, parameters, inputs, state, work):
     status = begin(n, parameters, inputs, state)
     if status == OK:
         status = settle(n, parameters, state, False, newton.balance(n, work))
-    if status == OK:
-        status = check_state(n, state)
-    return status
+    return finish_start(n, parameters, status, state)
 
 
 @kernel
@@ -72,13 +71,13 @@ def advance(n, parameters, inputs, step, state, work):
     newton.tensions(chain_of(n, parameters, state), x, w.tension)
     for i in range(1, n):
         put(x, i, along(get(x, i), step, get(v, i)))
-    move_ends(n, inputs, step, trial)
-    remember(inputs, step, trial)
+    move_ends(n, parameters, inputs, step, trial)
+    remember(parameters, inputs, step, trial)
     status = settle(n, parameters, trial, True, w)
     last, _ = positions_and_velocities(n, state)
     for i in range(1, n):
         put(v, i, scale(1.0 / step, sub(get(x, i), get(last, i))))
-    return accept(n, status, trial, state)
+    return accept(n, parameters, status, trial, state)
 
 
 @kernel

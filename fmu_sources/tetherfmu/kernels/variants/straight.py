@@ -10,7 +10,8 @@ from tetherfmu.runtime.status import OK
 from ..algebra.vectors import add, along, dot, put_at, scale, sub
 from ..chain import segment
 from ..chain.properties import property_of
-from ..communication.inputs import begin, check_step, move_ends, remember
+from ..communication.ends import move_ends
+from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import finish, wave_time, write_direction
 from ..compilation import kernel
 from .chord import chord_load, chord_of, write_common
@@ -18,18 +19,21 @@ from .chord import chord_load, chord_of, write_common
 
 @kernel
 def initialize(n, parameters, inputs, state, work):
-    """Fill the state (modified); returns a status: OK or INPUT_NOT_FINITE. n is 1."""
-    return begin(n, parameters, inputs, state)
+    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE or STATE_NOT_FINITE. n is 1."""
+    return finish_start(n, parameters, begin(n, parameters, inputs, state), state)
 
 
 @kernel
 def advance(n, parameters, inputs, step, state, work):
-    """Advance the state (modified) by a communication step [s]; returns the status of `inputs.check_step`. n is 1."""
-    status = check_step(n, parameters, inputs, step, state)
+    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
+
+    Returns a status: that of `inputs.check_step`, OK or STATE_NOT_FINITE. n is 1.
+    """
+    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status == OK:
-        move_ends(n, inputs, step, state)
-        remember(inputs, step, state)
-    return status
+        move_ends(n, parameters, inputs, step, trial)
+        remember(parameters, inputs, step, trial)
+    return accept(n, parameters, status, trial, state)
 
 
 @kernel

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tetherfmu.runtime.variants import VARIANTS, class_name
 from tetherfmu.study.measuring.errors import converged
-from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.runs import Config, implausible
 from tetherfmu.study.measuring.tables import page
 
 from .forecast import GROUPS, MARGIN, Advice, group_error, least_cost, limit
@@ -62,4 +62,5 @@ def explain(scene, advice):
     """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
     found, level = numbers(scene), scene.wanted.allowed_error * (1.0 if advice.point else MARGIN)
     facts = {"numbers": found, "reasons": list(reasons(advice.config, found, level)), "level": level}
-    return page(TEMPLATE, scene=scene, advice=advice, fmu=class_name(advice.config.variant), **facts).rstrip("\n")
+    text = page(TEMPLATE, scene=scene, advice=advice, fmu=class_name(advice.config.variant), **facts).rstrip("\n")
+    return "\n".join([text, *(f"  warning   {each}" for each in implausible(scene, advice.config.step))])

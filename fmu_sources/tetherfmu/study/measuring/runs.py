@@ -2,8 +2,9 @@
 
 from dataclasses import asdict, replace
 from typing import NamedTuple
+from warnings import catch_warnings, simplefilter
 
-from tetherfmu.results import Flown, StepRefused
+from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
 SHAPE_POINTS = 21
@@ -30,6 +31,7 @@ class Run(NamedTuple):
     flown: Flown  # without the positions of the nodes
     work: int  # internal steps, accepted and rejected, or Newton iterations for shapes
     calls: int  # communication steps
+    implausible: tuple = ()  # sentences on what no tether and no kite does
 
 
 def parameters_of(scene, config):
@@ -45,9 +47,16 @@ def run(scene, config, exact=False):
     """
     inputs = scene.inputs(config.step, exact)
     scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
-    model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], shape_points=SHAPE_POINTS)
-    try:
-        flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
-    except StepRefused as refusal:
-        raise StepRefused(f"{config.words()}: {refusal}") from None
-    return Run(flown._replace(positions=None), sum(model.counters.values()), len(inputs))
+    with catch_warnings():
+        simplefilter("ignore", PlausibilityWarning)  # each run of a study would tell the same
+        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], shape_points=SHAPE_POINTS)
+        try:
+            flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
+        except StepRefused as refusal:
+            raise StepRefused(f"{config.words()}: {refusal}") from None
+    return Run(flown._replace(positions=None), sum(model.counters.values()), len(inputs), tuple(model.implausible))
+
+
+def implausible(scene, step):
+    """Sentences on what no tether and no kite does in a scene, as the straight tether sees it in steps of `step` [s]."""
+    return run(scene, Config("straight", 0, 0.0, step)).implausible

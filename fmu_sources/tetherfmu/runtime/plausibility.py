@@ -1,0 +1,63 @@
+"""What no tether and no kite does, with its limit and the sentence of one warning; the numbers stay what they are.
+
+The kernels note it in the state (`layout.WARNINGS`), see `kernels/communication/plausibility.py`.
+"""
+
+from . import layout as at
+
+LARGEST_STRETCH = 1.05  # length of a segment over its unstretched length [-]; ropes of Dyneema break near 1.04
+LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
+FASTEST = 340.0  # an end [m/s]: about the speed of sound at the ground
+JUDGED_WAY = 0.5  # of an end on which its positions and velocities are compared [m]: far above noise of millimetres
+LARGEST_RESIDUE = 0.5  # part of this way that the velocities may leave unexplained [-]; it is 1 if they are 0
+
+STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(
+    at.WARNING_KINDS
+)
+
+_ACCELERATION = (
+    "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; look for jumps of {end}_position and "
+    "{end}_velocity, and at their units"
+)
+_SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; look at its motion and its units"
+_RESIDUE = (
+    "{end}_velocity contradicts {end}_position: it leaves {percent:.0f} % of the way of the {end} end unexplained; set it "
+    "to the rate of {end}_position, or end_velocities to 2 (derived)"
+)
+SENTENCES = {
+    STRETCH: (
+        "a segment is stretched by {strain:.3g} %, beyond {allowed:.3g} % (Dyneema breaks near 4 %); "
+        "check kite_position, ground_position, initial_length and reel_out_speed"
+    ),
+    GROUND_ACCELERATION: _ACCELERATION,
+    KITE_ACCELERATION: _ACCELERATION,
+    GROUND_SPEED: _SPEED,
+    KITE_SPEED: _SPEED,
+    GROUND_RESIDUE: _RESIDUE,
+    KITE_RESIDUE: _RESIDUE,
+}
+_END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
+
+
+def kinds(state):
+    """What was implausible since the start of a state, as a set of bits; ValueError if no state holds such a number."""
+    noted = state[at.WARNINGS]
+    if not (0.0 <= noted < 1 << at.WARNING_KINDS and noted == int(noted)):
+        raise ValueError("has numbers that no tether has")
+    return int(noted)
+
+
+def sentences(state, told=0):
+    """Sentences on what was implausible since the start of a state, but for those with a bit in `told`."""
+    new = kinds(state) & ~told
+    return [
+        sentence.format(
+            end=_END.get(kind, "kite"),
+            value=state[at.WARNED_VALUES + kind],
+            percent=100.0 * state[at.WARNED_VALUES + kind],
+            strain=100.0 * (state[at.WARNED_VALUES + kind] - 1.0),
+            allowed=100.0 * (LARGEST_STRETCH - 1.0),
+        )
+        for kind, sentence in SENTENCES.items()
+        if new >> kind & 1
+    ]

@@ -1,0 +1,125 @@
+"""With `end_velocities = derived` velocity and acceleration of an end come from its last three positions.
+
+    u = (p - p_last)/h_last,   a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
+
+exact for constant acceleration, with any steps. The first step knows no velocity (the ends rest), the second no
+acceleration.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from scenes import CIRCLE_TETHER, circle
+from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.runtime.parameters import Tether
+
+EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
+every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
+every_end = pytest.mark.parametrize("end", ["kite", "ground"])
+STARTS = {"kite": np.array([30.0, 0.0, 40.0]), "ground": np.array([-30.0, 0.0, -40.0])}
+LIES = np.array([7.0, -80.0, 3.0])  # velocities that nobody reads [m/s]
+UNEVEN = np.cumsum([0.0, 0.02, 0.05, 0.03, 0.02, 0.04, 0.01, 0.02])
+
+
+def derived(model, end, path, times, velocity=LIES):
+    """Fly one end along path(time), the other one stays at the origin; end position and velocity after each step."""
+    other = {"ground": "kite", "kite": "ground"}[end]
+    tether = model(Tether(segments=4, initial_length=60.0), end_velocities="derived")
+    tether.initialize(**{f"{end}_position": path(times[0]), f"{end}_velocity": velocity, f"{other}_position": np.zeros(3)})
+    node, rows = {"kite": -1, "ground": 0}[end], []
+    for now, then in pairwise(times):
+        tether.step(then - now, **{f"{end}_position": path(now), f"{end}_velocity": velocity})
+        rows.append((tether.positions[node], tether.velocities[node]))
+    return np.array(rows)
+
+
+@every_model
+@every_end
+def test_constant_velocity_is_given_after_the_first_step(model, end):
+    speed = np.array([3.0, -1.0, 2.0])
+    rows = derived(model, end, lambda time: STARTS[end] + speed * time, UNEVEN)
+    np.testing.assert_array_equal(rows[0], [STARTS[end], np.zeros(3)])  # at rest
+    expected = STARTS[end] + np.outer(UNEVEN[1:], speed)
+    # rounding of positions, 1e-14 m, over two steps of at least 10 ms
+    np.testing.assert_allclose(rows[1:, 0], expected[1:], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(rows[1:, 1], np.tile(speed, (len(rows) - 1, 1)), rtol=0, atol=1e-11)
+
+
+@every_model
+@every_end
+def test_constant_acceleration_is_exact_from_the_third_step_on(model, end):
+    """With steps of 10 to 50 ms; the next one is at most four times (h_last + h_before)/2."""
+    speed, acceleration = np.array([[3.0, -1.0, 2.0], [-4.0, 5.0, 1.0]])
+    rows = derived(model, end, lambda time: STARTS[end] + speed * time + 0.5 * acceleration * time**2, UNEVEN)
+    then = UNEVEN[1:, None]
+    np.testing.assert_allclose(
+        rows[2:, 0], (STARTS[end] + speed * then + 0.5 * acceleration * then**2)[2:], rtol=0, atol=1e-11
+    )
+    np.testing.assert_allclose(rows[2:, 1], (speed + acceleration * then)[2:], rtol=0, atol=1e-9)
+
+
+@every_model
+def test_second_order_on_the_circle(model):
+    """v errs by j h^2/3 and a by j h, j the jerk: the end by j h^2 (1/3 + 1 + 1/2) and by j h^3 (1/3 + 1/2 + 1/6)."""
+    rate, end = 0.5, 2.0
+    jerk = rate**3 * 500.0 * np.sin(np.radians(10.0))
+    position, velocity = circle(end, rate)
+    for step in (0.02, 0.01):
+        tether = model(CIRCLE_TETHER, end_velocities="derived")
+        tether.initialize(circle(0.0, rate)[0])
+        for k in range(round(end / step)):
+            tether.step(step, kite_position=circle(k * step, rate)[0])
+        # leading terms; the next ones are of relative size rate h <= 0.01
+        assert np.linalg.norm(tether.velocities[-1] - velocity) == pytest.approx(11.0 / 6.0 * jerk * step**2, rel=0.05)
+        assert np.linalg.norm(tether.positions[-1] - position) == pytest.approx(jerk * step**3, rel=0.05)
+
+
+def forces(step, **options):
+    """Forces on a kite at 43 m/s on a taut tether from 26 to 30 s, when the jolt of the start is forgotten."""
+    tether = TetherDynamic(initial_length=505.0, relative_tolerance=1e-7, **options)
+    tether.initialize(*circle(0.0, 0.5))
+    rows = [tether.step(step, *circle(k * step, 0.5)).kite_force for k in range(round(30.0 / step))]
+    every = round(0.08 / step)
+    return np.array(rows)[every - 1 :: every][-50:]
+
+
+def test_forces_converge_with_second_order():
+    """Against given velocities at a fine step: 0.59, 0.08 and 0.02 N of 500 N."""
+    exact = forces(0.0025)
+    error = [np.sqrt(np.mean((forces(step, end_velocities="derived") - exact) ** 2)) for step in (0.04, 0.02, 0.01)]
+    order = -np.diff(np.log2(error))
+    # drag feels the velocity (order 2), the spring of this taut tether the position (order 3)
+    assert np.all(order > 1.8)
+    assert np.all(order < 3.3)
+
+
+@every_model
+def test_velocity_inputs_are_not_read(model):
+    """Neither at the start, in no initial shape, nor in flight."""
+    for shape in ("static_equilibrium", "quasi_steady", "straight"):
+        rows = []
+        for velocity in (np.zeros(3), LIES):
+            tether = model(initial_length=505.0, end_velocities="derived", initial_shape=shape)
+            rows.append(tether.initialize(kite_velocity=velocity, ground_velocity=velocity))
+            rows += [tether.step(0.02, kite_position=(300.0, 0.1 * k, 400.0), kite_velocity=velocity) for k in range(5)]
+        half = len(rows) // 2
+        for one, other in zip(rows[:half], rows[half:], strict=True):
+            assert all(map(np.array_equal, one, other))
+
+
+@every_model
+def test_a_state_continues_bit_for_bit(model):
+    """The positions of the last two steps are in the state: at the first, second and any later step."""
+    path = [circle(0.02 * k)[0] for k in range(10)]
+    tether, another = (model(initial_length=525.0, end_velocities="derived") for _ in range(2))
+    tether.initialize(path[0])
+    states, rows = [], []
+    for position in path:
+        states.append(tether.get_state())
+        rows.append(tether.step(0.02, position))
+    for k in (7, 1, 2, 0):
+        another.set_state(states[k])
+        for position, expected in zip(path[k:], rows[k:], strict=True):
+            assert all(map(np.array_equal, another.step(0.02, position), expected))

@@ -1,0 +1,229 @@
+"""What no tether and no kite does is noted in the state once, with its first value; what does happen is not.
+
+Stretch l/l0 > 1.05; acceleration 2 |x1 - x0 - v0 h|/h^2 > 9810 m/s2; speed > 340 m/s; twice in a row, on 0.5 m of an end,
+its velocities leave more than half of the way unexplained. The limits are those of runtime/plausibility.py, written here
+once more.
+"""
+
+import numpy as np
+import pytest
+
+from scenes import circle
+from tetherfmu import PlausibilityWarning, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility
+
+STEP = 0.02
+KITE = np.array([300.0, 0.0, 400.0])
+ALONG = KITE / 500.0
+EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
+every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
+every_end = pytest.mark.parametrize("end", ["kite", "ground"])
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+
+
+def noted(model):
+    """Values that were noted, by kind."""
+    state = model.get_state()
+    kinds = plausibility.kinds(state)
+    return {k: state[at.WARNED_VALUES + k] for k in range(at.WARNING_KINDS) if kinds >> k & 1}
+
+
+def kind(end, what):
+    return getattr(plausibility, f"{end.upper()}_{what}")
+
+
+def fly(model, positions, velocities, step=STEP, end="kite"):
+    """Start at the first position and do a step from each; the ends that do not move are 500 m apart."""
+    rest = {"kite_position": KITE} if end == "ground" else {}
+    for k, (position, velocity) in enumerate(zip(positions, velocities, strict=True)):
+        inputs = {f"{end}_position": position, f"{end}_velocity": velocity, **rest}
+        if k == 0:
+            model.initialize(**inputs)
+        model.step(step, **inputs)
+    return noted(model)
+
+
+def on_circle(count, step=STEP, rate=0.05):
+    pairs = [circle(k * step, rate) for k in range(count)]
+    return np.array(pairs).swapaxes(0, 1)
+
+
+@every_model
+def test_stretch(model):
+    """At the start: the chord is 500 m long. 1.049 times the length is allowed, 1.051 not; 5 times is five times."""
+    for stretch, told in ((1.049, False), (1.051, True), (5.0, True)):
+        tether = model(initial_length=500.0 / stretch)
+        tether.initialize(KITE)
+        found = noted(tether)
+        assert set(found) == ({plausibility.STRETCH} if told else set())
+        if told:  # the chain and the catenary sag: they are longer than their chord by less than 1e-4 of it
+            assert found[plausibility.STRETCH] == pytest.approx(stretch, rel=1e-3)
+
+
+@every_model
+def test_stretch_in_flight(model):
+    """Reeled in by 1 m/s for 35 s, 2 % slack at the start."""
+    tether = model(initial_length=510.0)
+    tether.initialize(KITE)
+    for _ in range(350):
+        tether.step(0.1, kite_position=KITE, reel_out_speed=-1.0)
+    found = noted(tether)
+    assert set(found) == {plausibility.STRETCH}
+    assert found[plausibility.STRETCH] == pytest.approx(1.05, abs=2e-3)  # noted when it was passed: 0.02 % in a step
+
+
+@every_model
+@every_end
+def test_speed_at_the_start_and_in_flight(model, end):
+    across = np.array([0.0, 1.0, 0.0])
+    for speed in (339.0, 341.0):
+        found = fly(model(initial_length=520.0), [np.zeros(3) if end == "ground" else KITE], [speed * across], 1e-6, end)
+        assert set(found) == ({kind(end, "SPEED")} if speed > 340.0 else set())
+        start = KITE if end == "kite" else np.zeros(3)
+        times, acceleration = 0.01 * np.arange(100), 1000.0  # [m/s2]: 340 m/s after 0.34 s
+        positions = start + 0.5 * acceleration * times[:, None] ** 2 * across
+        until = 30 if speed < 340.0 else 40
+        found = fly(
+            model(initial_length=620.0),
+            positions[:until],
+            (acceleration * times[:, None] * across)[:until],
+            0.01,
+            end,
+        )
+        assert set(found) == ({kind(end, "SPEED")} if speed > 340.0 else set())
+
+
+@every_model
+@every_end
+def test_acceleration(model, end):
+    """A jump by d at rest is 2 d/h^2: 9810 m/s2 for 1.96 mm in 0.632 ms; not in the first step."""
+    start = KITE if end == "kite" else np.zeros(3)
+    step, still = 6.32e-4, np.zeros((4, 3))
+    for jump, told in ((1.9e-3, False), (2.0e-3, True)):
+        positions = start - np.array([0.0, 0.0, 1.0, 1.0])[:, None] * jump * ALONG
+        found = fly(model(initial_length=510.0), positions, still, step, end)
+        assert set(found) == ({kind(end, "ACCELERATION")} if told else set())
+        if told:
+            assert found[kind(end, "ACCELERATION")] == pytest.approx(2.0 * jump / step**2, rel=1e-9)  # 500 m in doubles
+    tether = model(initial_length=510.0)
+    tether.initialize(KITE)
+    tether.step(STEP, **{f"{end}_position": start - 3.0 * ALONG})
+    assert noted(tether) == {}
+
+
+@every_model
+@pytest.mark.parametrize(
+    ("given", "way"),
+    [(0.0, 1.0), (-1.0, 2.0), (0.4, 0.6), (1.6, 0.6 / 1.6), (2.5, 0.6)],
+    ids=["zero", "back", "slow", "fast", "faster"],
+)
+def test_contradiction_on_the_circle(model, given, way):
+    """Velocities are a factor `given` of the right ones: 1 - given of the way is left, over the longer of both ways."""
+    positions, velocities = on_circle(20)
+    found = fly(model(initial_length=525.0), positions, given * velocities)
+    told = abs(1.0 - given) / max(1.0, given) > 0.5
+    assert set(found) == ({plausibility.KITE_RESIDUE} if told else set())
+    if told:  # the circle is a line here but for its curvature, 0.01 rad
+        assert found[plausibility.KITE_RESIDUE] == pytest.approx(way, rel=1e-3)
+
+
+@every_model
+def test_contradiction_comes_after_a_metre(model):
+    """Twice half a metre in a row, 87 mm in a step: the thirteenth input ends the second one."""
+    positions, velocities = on_circle(13)
+    assert fly(model(initial_length=525.0), positions[:12], 0.0 * velocities[:12]) == {}
+    assert set(fly(model(initial_length=525.0), positions, 0.0 * velocities)) == {plausibility.KITE_RESIDUE}
+
+
+def test_no_contradiction_of_a_single_jump():
+    """One position that is wrong by metres is an acceleration."""
+    positions, velocities = on_circle(40)
+    positions[20:] += 5.0
+    assert set(fly(TetherStraight(initial_length=525.0), positions, velocities)) == {plausibility.KITE_ACCELERATION}
+
+
+@every_model
+@every_end
+def test_contradiction_of_a_straight_flight(model, end):
+    start, speed = (KITE if end == "kite" else np.zeros(3)), np.array([1.0, -6.0, 2.0])
+    positions = start + STEP * np.arange(20)[:, None] * speed
+    tether = model(initial_length=520.0)
+    assert fly(tether, positions, np.tile(speed, (20, 1)), end=end) == {}
+    assert set(fly(tether, positions, np.zeros((20, 3)), end=end)) == {kind(end, "RESIDUE")}
+    held = np.tile(start, (20, 1))  # the other way round: velocities without positions
+    assert set(fly(tether, held, np.tile(speed, (20, 1)), end=end)) == {kind(end, "RESIDUE")}
+
+
+@pytest.mark.parametrize("angle", [0.5, 1.0, 2.0])
+def test_no_contradiction_in_coarse_steps(angle):
+    """A step over an angle t: the way is 2 r sin(t/2), the mean velocity explains r t cos(t/2) of it: 64 % for 2 rad."""
+    positions, velocities = on_circle(60, angle / 0.05)
+    assert plausibility.KITE_RESIDUE not in fly(TetherStraight(initial_length=525.0), positions, velocities, angle / 0.05)
+
+
+@every_end
+@pytest.mark.parametrize("step", [0.02, 0.1])
+def test_no_contradiction_of_noise_at_rest(end, step):
+    """1 mm of noise, 20 000 steps: the way adds up to 40 m, what it leaves does not."""
+    start = KITE if end == "kite" else np.zeros(3)
+    noise = 1e-3 * np.random.default_rng(3).normal(size=(20_000, 3))
+    assert fly(TetherStraight(initial_length=510.0), start + noise, np.zeros_like(noise), step, end) == {}
+    velocities = 0.2 * np.random.default_rng(4).normal(size=noise.shape)  # [m/s]
+    assert fly(TetherStraight(initial_length=510.0), start + noise, velocities, step, end) == {}
+
+
+@pytest.mark.parametrize("step", [0.1, 0.02, 0.005])
+@pytest.mark.parametrize("speeds", [(0.0, 30.0), (30.0, 0.0), (10.0, -10.0), (-20.0, 5.0)])
+def test_no_contradiction_of_jumps_of_the_velocity(step, speeds):
+    """The velocity jumps every 0.5 s between two, at a communication point or between two of them."""
+    for late in (0.0, 0.3, 0.7):
+        times = step * np.arange(400)
+        turns = np.floor((times + late * step) / 0.5 + 1e-9).astype(int)
+        within = times + late * step - 0.5 * turns
+        whole = 0.5 * (np.array(speeds)[np.arange(turns.max() + 1) % 2]).cumsum()
+        way = np.concatenate(([0.0], whole))[turns] + within * np.array(speeds)[turns % 2]
+        velocity = np.array(speeds)[turns % 2][:, None] * np.array([0.0, 1.0, 0.0])
+        positions = KITE + (way - way[0])[:, None] * np.array([0.0, 1.0, 0.0])
+        found = fly(TetherStraight(initial_length=1e4), positions, velocity, step)
+        assert plausibility.KITE_RESIDUE not in found
+
+
+def test_a_free_end_moves_as_it_must():
+    """Nobody gives its motion, so nothing contradicts, and no jump of an input is behind its acceleration."""
+    tether = TetherDynamic(initial_length=50.0, segments=5, free_ends=(False, True))
+    tether.initialize((30.0, 0.0, 40.0))
+    for _ in range(200):
+        tether.step(STEP)
+    assert noted(tether) == {}
+
+
+@every_model
+def test_once_since_the_start(model):
+    """The first value stays; a new start begins anew."""
+    positions, velocities = on_circle(60)
+    tether = model(initial_length=525.0)
+    first = fly(tether, positions[:20], 0.0 * velocities[:20])
+    assert fly(tether, positions, 0.0 * velocities) == first
+    assert fly(tether, positions, velocities) == {}
+
+
+@every_model
+def test_numbers_are_the_same(model):
+    """What is noted changes nothing: a state in which all was noted goes on with the same numbers."""
+    positions, velocities = on_circle(40)
+    clean, noisy = (model(initial_length=525.0) for _ in range(2))
+    for tether in (clean, noisy):
+        fly(tether, positions[:5], velocities[:5])
+    state = noisy.get_state()
+    state[at.WARNINGS] = (1 << at.WARNING_KINDS) - 1
+    state[at.WARNED_VALUES : at.WARNED_VALUES + at.WARNING_KINDS] = 1e9
+    noisy.set_state(state)
+    for position, velocity in zip(positions[5:], velocities[5:], strict=True):
+        outputs = [tether.step(STEP, kite_position=position, kite_velocity=velocity) for tether in (clean, noisy)]
+        assert all(np.array_equal(one, other) for one, other in zip(*outputs, strict=True))
+
+
+def test_category():
+    with pytest.warns(PlausibilityWarning, match=r"^a segment is stretched by 400 %, beyond 5 %"):
+        TetherStraight(initial_length=100.0).initialize(KITE)

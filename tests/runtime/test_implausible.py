@@ -1,0 +1,97 @@
+"""An FMU says once since its start what is implausible: not in a state that has said it, again after reset."""
+
+import pytest
+
+from isolation import in_own_process
+from runtime.host import Host
+from runtime.test_rollback import STEP, blob_of, restore
+from scenes import circle
+from tetherfmu.export.archive import SLAVES
+
+every_fmu = pytest.mark.parametrize("fmu", list(SLAVES))
+STRETCHED, CONTRADICTS = "a segment is stretched by 400 %, beyond 5 %", "kite_velocity contradicts kite_position"
+
+
+def fly(host, begin, end, factor=0.0):
+    """Steps on the circle with a wrong velocity; returns the messages."""
+    host.messages.clear()
+    for k in range(begin, end):
+        position, velocity = circle(k * STEP)
+        host.time = k * STEP
+        host.step(STEP, kite_position=position, kite_velocity=factor * velocity)
+    return host.messages[:]
+
+
+def started(path, length=525.0, **values):
+    return Host(path).start(initial_length=length, kite_position=circle(0.0)[0], **values)
+
+
+@every_fmu
+@in_own_process
+def test_a_kite_at_500_m_on_a_tether_of_100_m(fmu_folder, fmu):
+    host = started(fmu_folder / f"{fmu}.fmu", 100.0)
+    assert len(host.messages) == 1
+    assert STRETCHED in host.messages[0].replace("%%", "%")  # a message is a printf format
+    assert not any("stretched" in message for message in fly(host, 0, 20, 1.0))
+
+
+@every_fmu
+@in_own_process
+def test_once_in_flight_and_again_after_reset(fmu_folder, fmu):
+    host = started(fmu_folder / f"{fmu}.fmu")
+    assert host.messages == []
+    assert len(fly(host, 0, 40)) == 1
+    assert CONTRADICTS in host.messages[0]
+    assert fly(host, 40, 80) == []
+    host.fmu.reset()
+    host.start(initial_length=525.0, kite_position=circle(0.0)[0])
+    assert len(fly(host, 0, 40)) == 1
+
+
+@every_fmu
+@in_own_process
+def test_states(fmu_folder, fmu):
+    """A state that has said it says nothing anywhere; one of before says it once, but not twice in one instance."""
+    path = fmu_folder / f"{fmu}.fmu"
+    host = started(path)
+    before = blob_of(host)
+    assert len(fly(host, 0, 20)) == 1
+    after = blob_of(host)
+    for blob, begin in ((after, 20), (before, 0), (after, 20)):
+        restore(host, blob)
+        assert fly(host, begin, 40) == []
+    for blob, begin, count in ((after, 20, 0), (before, 0, 1)):
+        another = Host(path, "another")
+        restore(another, blob)
+        assert len(fly(another, begin, 40)) == count
+
+
+@every_fmu
+@in_own_process
+def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
+    """A flight; a first start in initialization mode with other ends; a kite that waits elsewhere before the first step."""
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    host.fmu.setupExperiment(startTime=0.0)
+    host.fmu.enterInitializationMode()
+    host.set(initial_length=100.0)
+    assert host.get("kite_tension") > 1e5  # stretched by 400 %
+    host.set(initial_length=525.0, kite_position=circle(0.0)[0], kite_velocity=circle(0.0)[1])
+    host.fmu.exitInitializationMode()
+    assert host.messages == []
+    assert fly(host, 0, 100, 1.0) == []
+    derived = started(fmu_folder / f"{fmu}.fmu", end_velocities=2)
+    assert fly(derived, 0, 100) == []
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 128.0])
+@in_own_process
+def test_a_forged_note_is_refused(fmu_folder, value):
+    from runtime.test_rollback import count_of
+    from tetherfmu.runtime import layout as at
+    from tetherfmu.runtime.saved_state import from_bytes, to_bytes
+
+    host = started(fmu_folder / "TetherStraight.fmu")
+    saved = from_bytes(blob_of(host), "straight", count_of(host))
+    saved.state[at.WARNINGS] = value
+    restore(host, to_bytes(saved))
+    assert "the FMU state that was set has numbers that no tether has" in host.messages[-1]
