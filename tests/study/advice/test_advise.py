@@ -53,8 +53,8 @@ def unseen(seed, number, allowed):
 
 @pytest.mark.parametrize(
     ("seed", "number", "allowed"),
-    [(1001, 2, 0.01), (1001, 7, 0.03), (1001, 12, 0.03), (3001, 13, 0.01), (4001, 11, 0.01)],
-    ids=["figure of eight, snaps", "reel, slack", "landing, slack", "towing", "launch"],
+    [(1001, 2, 0.01), (1001, 7, 0.03), (1001, 12, 0.03), (5001, 13, 0.03), (4001, 11, 0.01)],
+    ids=["figure of eight, snaps", "reel, slack", "landing, slack", "towing, snaps", "launch"],
 )
 def test_fast_advice_is_right_where_a_tether_goes_slack_or_snaps(seed, number, allowed):
     """A forecast from dimensionless numbers alone was up to 16 times off here, and told that 1 or 3 % were met."""

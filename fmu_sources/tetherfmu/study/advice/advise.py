@@ -8,7 +8,7 @@ from math import ceil, inf, sqrt
 from pathlib import Path
 from typing import NamedTuple
 
-from tetherfmu.runtime.variants import VARIANTS, class_name
+from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.measuring.costs import least_cost
 from tetherfmu.study.measuring.errors import Reference, converged, worst
 from tetherfmu.study.measuring.runs import Config
@@ -72,9 +72,12 @@ class Search:
         return self.part(self.points[config])
 
     def hopeless(self, config):
-        """Whether a tether of this kind that is not coarser in any respect was clearly wrong."""
+        """Whether a tether of this kind that is not coarser in any respect was clearly wrong.
+
+        Not so the quasi-steady tether: few segments may make up for what its model leaves out.
+        """
         return any(
-            done.variant == config.variant
+            done.variant == config.variant != "quasi_steady"
             and done.segments >= config.segments
             and done.tolerance <= config.tolerance
             and done.step <= config.step
@@ -99,12 +102,12 @@ class Search:
             segments, choices = finer[parts.index(part)]
 
     def cheaper(self):
-        """Try what may do at less cost: of each kind the finest first, then all from the cheapest on."""
+        """Try what may do at less cost: straight and catenary at the shortest step first, then all from the cheapest on."""
         costs = {config: least_cost(self.scene, config) for config in ladder(self.scene)}
-        for variant in VARIANTS:
+        for variant in ("straight", "catenary"):
             mine = [each for each in costs if each.variant == variant and costs[each] < self.least_that_does()]
-            if mine and variant != "dynamic":
-                self.fly(max(mine, key=lambda each: (each.segments, -each.step)))
+            if mine:
+                self.fly(min(mine, key=lambda each: each.step))
         for config in sorted(costs, key=lambda each: (costs[each], each.tolerance)):
             if costs[config] >= self.least_that_does() or self.stopped:
                 return

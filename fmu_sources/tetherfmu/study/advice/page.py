@@ -10,7 +10,7 @@ from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.store import POINTS, Store
-from tetherfmu.study.measuring.tables import page, percent
+from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
@@ -62,10 +62,10 @@ def summary(verdicts):
             "scenes": len(table),
             "told to be met": table.claimed.sum(),
             "and was not": table.wrong.sum(),
-            "true error within the two told": f"{table.inside.sum()} ({percent(table.inside.mean())})",
-            "processor time: median": table.seconds.median(),
-            "of 90 % at most": table.seconds.quantile(0.9),
-            "longest [s]": table.seconds.max(),
+            "true error within the two told": f"{table.inside.sum()} ({table.inside.mean():.0%})",
+            "processor time [s]: median": f"{table.seconds.median():.2f}",
+            "90 % below": f"{table.seconds.quantile(0.9):.2f}",
+            "longest": f"{table.seconds.max():.2f}",
             "most configurations tried": table.tried.max(),
         }
         for name, table in rows.items()
