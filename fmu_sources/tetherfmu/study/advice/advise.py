@@ -40,7 +40,7 @@ class Advice(NamedTuple):
     finer: Reference
     tried: int  # configurations that were flown
     budget: float  # of all flights [s]
-    stopped: bool  # whether the budget ended the search, or the refinement of the finer model
+    stopped: bool  # whether the budget ended the search
 
 
 class Search:
@@ -135,8 +135,7 @@ def advise(scene, budget=BUDGET):
     good = [point for point in points if search.part(point) <= 1.0]
     chosen = min(good, key=lambda point: point.cost) if good else min(points, key=search.part)
     error, own = chosen.error(names), search.own
-    stopped = search.stopped or own > PART_OF_CHECK * allowed
-    evidence = chosen, finer, len(points), budget, stopped
+    evidence = chosen, finer, len(points), budget, search.stopped
     return Advice(chosen.config, max(0.0, error - own), error + own, error + own <= allowed, *evidence)
 
 
@@ -146,19 +145,18 @@ def fast_advice(scene):
 
 
 def warnings(scene, advice):
-    """Lines on what a user should doubt in an `Advice`."""
+    """All lines of warning that are printed with an `Advice`."""
     names, finer = scene.wanted.outputs, advice.finer
-    if advice.met:
-        return
-    if finer.own_error(names) > PART_OF_CHECK * scene.wanted.allowed_error:
+    if not advice.met and finer.own_error(names) > PART_OF_CHECK * scene.wanted.allowed_error:
         yield (
             f"the finer model did not converge: half of its segments change {', '.join(names)} by "
             f"{percent(worst(finer.space, names))}, the double step with ten times the tolerance by "
             f"{percent(worst(finer.time, names))}; no error below {percent(finer.own_error(names))} can be shown"
         )
-    if advice.stopped:
-        more = "; without --fast more is tried" if advice.budget == FAST_BUDGET else ""
-        yield f"the search ended at its limit, about {advice.budget:g} s of flights{more}"
+    if not advice.met and advice.stopped:
+        yield f"the search ended at its limit, about {advice.budget:g} s of flights"
+    if not advice.met and advice.budget == FAST_BUDGET:
+        yield "this is what a second of flights can show; without --fast more is flown"
 
 
 def explain(scene, advice):
