@@ -122,5 +122,8 @@ def test_the_stability_map_keeps_finished_points(tmp_path):
 
 
 def test_while_the_advisor_flies(tmp_path):
-    scene = EXAMPLES / "scenes" / "figure_of_eight.toml"
+    """A long flight: the advice for it takes some seconds."""
+    scene = tmp_path / "circle.toml"
+    text = (EXAMPLES / "scenes" / "circle.toml").read_text(encoding="utf-8")
+    scene.write_text(text.replace('duration = "20 s"', 'duration = "1000 s"'), encoding="utf-8")
     assert stopped(os.killpg, COMMAND, "advise", scene, begun=lambda _: True, wait=1.0, cwd=tmp_path) == ["stopped"]

@@ -28,7 +28,7 @@ def parse(arguments, prog):
 
     advice = added(run_advise, "advise", "say which FMU, segments, tolerance and communication step to use")
     advice.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
-    advice.add_argument("--fast", action="store_true", help="from the dimensionless numbers alone, not checked")
+    advice.add_argument("--fast", action="store_true", help="in a second or two; says so if that does not suffice")
     trade = added(run_tradeoff, "tradeoff", "measure error and cost of every configuration in a scene")
     trade.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
     trade.add_argument(
@@ -59,8 +59,7 @@ def parse(arguments, prog):
 
 def run_advise(options):
     """Print the advice for a scene; returns 1 if nothing meets what it asks for."""
-    from tetherfmu.study.advice.advise import advise, explain
-    from tetherfmu.study.advice.forecast import fast_advice
+    from tetherfmu.study.advice.advise import advise, explain, fast_advice
     from tetherfmu.study.scenes.files import load
 
     scene = load(options.scene)
@@ -102,7 +101,7 @@ def run_tradeoff(options):
 def run_costs(_):
     """Measure and store the unit costs."""
     now("measuring the unit costs")
-    import_module("tetherfmu.study.measuring.costs").measure_costs()
+    import_module("tetherfmu.study.measuring.unit_costs").measure_costs()
 
 
 def run_thresholds(_):

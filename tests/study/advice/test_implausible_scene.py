@@ -3,8 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from tetherfmu.study.advice.advise import explain
-from tetherfmu.study.advice.forecast import fast_advice
+from tetherfmu.study.advice.advise import explain, fast_advice
 from tetherfmu.study.scenes.files import load
 
 SCENE = load(Path(__file__).parents[3] / "examples" / "scenes" / "parked.toml")

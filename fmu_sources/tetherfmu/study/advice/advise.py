@@ -1,66 +1,168 @@
-"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it."""
+"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it.
+
+Every flight is charged by `costs.cost`, counted work times unit costs, so that a scene always gets the same advice. What
+all flights may cost together is bounded: what is not known by then is said.
+"""
 
 from math import ceil, inf, sqrt
 from pathlib import Path
+from typing import NamedTuple
 
-from tetherfmu.runtime.variants import VARIANTS, class_name
-from tetherfmu.study.measuring.errors import converged
-from tetherfmu.study.measuring.runs import Config, implausible
-from tetherfmu.study.measuring.tables import page
+from tetherfmu.runtime.variants import class_name
+from tetherfmu.study.measuring.costs import least_cost
+from tetherfmu.study.measuring.errors import Reference, converged, worst
+from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.tables import page, percent
 
-from .forecast import GROUPS, MARGIN, Advice, group_error, least_cost, limit
 from .numbers import numbers
-from .tradeoff import SEGMENTS, ladder, measure, steps
+from .reasons import reasons
+from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
 TEMPLATE = Path(__file__).with_name("advice.txt.j2")
+BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
+HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # what a flight and each of its steps take besides the kernel [s]
+PART_OF_FINER = 0.6  # of the budget: what the finer model may cost
 PART_OF_CHECK = 0.125  # of the allowed error: what the finer model may be wrong by
 CHECK_SEGMENTS = 1.8  # of the finer model to begin with: this over the root of the allowed error
-PROBE_SEGMENTS = 11
-HOPELESS = 3.0  # a communication step whose probe is wrong by so many times the allowed error is left out
+CHECK_STEP = 0.017  # its communication step to begin with [s], about
+FIRST_SEGMENTS = 11  # of the search
+CLEARLY = 1.5  # a tether that is wrong by so many times the allowed error: nothing coarser is tried
 
 
-def promising_steps(scene, finer):
-    """Communication steps with which a dynamic tether comes near the allowed error."""
-    good = []
-    for step in steps(scene):
-        probe = measure(scene, Config("dynamic", PROBE_SEGMENTS, 1e-4, step), finer.run.flown)
-        part = probe.error(scene.wanted.outputs) / scene.wanted.allowed_error
-        if part <= HOPELESS:
-            good.append(step)
-        if part <= 0.5:  # shorter steps cost more and are not needed ...
-            break
-    return good + [step for step in steps(scene) if good and step < min(good)][:1]  # ... but for the next one
+class Advice(NamedTuple):
+    """What to use, and how well that is known."""
+
+    config: Config
+    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
+    expected: float  # plus the finer model's own
+    met: bool  # whether `expected` is allowed
+    point: Measured  # errors against the finer model
+    finer: Reference
+    tried: int  # configurations that were flown
+    budget: float  # of all flights [s]
+    stopped: bool  # whether the budget ended the search
 
 
-def advise(scene):
-    """`Advice` for a scene, checked by flying it."""
+class Search:
+    """Configurations that were flown in a scene against a finer model, within a budget [s].
+
+    Looked for is the allowed error, or if the finer model is not that good, twice its own error.
+    """
+
+    def __init__(self, scene, finer, budget):
+        self.scene, self.finer, self.left = scene, finer, budget - finer.spent
+        self.own = finer.own_error(scene.wanted.outputs)
+        self.limit = max(scene.wanted.allowed_error, 2.0 * self.own)
+        self.points, self.stopped = {}, False
+
+    def part(self, point):
+        """Error of a `Measured` over the one looked for [-], the finer model's own error included."""
+        return (point.error(self.scene.wanted.outputs) + self.own) / self.limit
+
+    def fly(self, config):
+        """`part` of a configuration; infinite if it would cost too much, but for the first one."""
+        if config not in self.points:
+            duration = self.scene.duration
+            handling = HANDLING + HANDLING_OF_STEP * duration / config.step
+            if self.points and handling + least_cost(self.scene, config) * duration > self.left:
+                self.stopped = True
+                return inf
+            point = self.points[config] = measure(self.scene, config, self.finer.run.flown)
+            self.left -= handling + point.cost * duration
+        return self.part(self.points[config])
+
+    def hopeless(self, config):
+        """Whether a tether of this kind that is not coarser in any respect was clearly wrong.
+
+        Not so the quasi-steady tether: few segments may make up for what its model leaves out.
+        """
+        return any(
+            done.variant == config.variant != "quasi_steady"
+            and done.segments >= config.segments
+            and done.tolerance <= config.tolerance
+            and done.step <= config.step
+            and self.part(point) > CLEARLY
+            for done, point in self.points.items()
+        )
+
+    def least_that_does(self):
+        """Least cost per simulated second of what was found [-], infinite if nothing was."""
+        return min((point.cost for point in self.points.values() if self.part(point) <= 1.0), default=inf)
+
+    def refine(self):
+        """Go from a coarse dynamic tether to one that does, by more segments or shorter steps, what helps more."""
+        segments, choices = SEGMENTS[SEGMENTS.index(FIRST_SEGMENTS) :], steps(self.scene)
+        part = self.fly(Config("dynamic", segments[0], TOLERANCES[-1], choices[0]))
+        while part > 1.0:
+            finer = [(segments[1:], choices)] * (len(segments) > 1) + [(segments, choices[1:])] * (len(choices) > 1)
+            parts = [self.fly(Config("dynamic", more[0], TOLERANCES[-1], shorter[0])) for more, shorter in finer]
+            part = min(parts, default=inf)
+            if part == inf:
+                return
+            segments, choices = finer[parts.index(part)]
+
+    def cheaper(self):
+        """Try what may do at less cost: straight and catenary at the shortest step first, then all from the cheapest on."""
+        costs = {config: least_cost(self.scene, config) for config in ladder(self.scene)}
+        for variant in ("straight", "catenary"):
+            mine = [each for each in costs if each.variant == variant and costs[each] < self.least_that_does()]
+            if mine:
+                self.fly(min(mine, key=lambda each: each.step))
+        for config in sorted(costs, key=lambda each: (costs[each], each.tolerance)):
+            if costs[config] >= self.least_that_does() or self.stopped:
+                return
+            if not self.hopeless(config):
+                self.fly(config)
+
+
+def finer_model(scene, budget):
+    """`Reference` that an advice is measured against, within a budget [s]."""
+    allowed = scene.wanted.allowed_error
+    first = max(4, 2 * ceil(0.5 * CHECK_SEGMENTS / sqrt(allowed)))
+    while first > 4 and 4.0 * least_cost(scene, Config("dynamic", first, 0.0, CHECK_STEP)) * scene.duration > budget:
+        first = max(4, 2 * (first // 4))
+    return converged(scene, PART_OF_CHECK * allowed, scene.wanted.outputs, first, CHECK_STEP, budget)
+
+
+def advise(scene, budget=BUDGET):
+    """`Advice` for a scene, by flying it; its flights cost about the budget at most [s]."""
     allowed, names = scene.wanted.allowed_error, scene.wanted.outputs
-    finer = converged(scene, PART_OF_CHECK * allowed, names, max(4, 2 * ceil(0.5 * CHECK_SEGMENTS / sqrt(allowed))))
-    own = finer.own_error(names)
-    good_steps = promising_steps(scene, finer) or steps(scene)[-1:]
-    tried, good = [], []
-    for least, config in sorted((least_cost(scene, c), c) for c in ladder(scene) if c.step in good_steps):
-        if least >= min((point.cost for point in good), default=inf):
-            break
-        tried.append(measure(scene, config, finer.run.flown))
-        good = [point for point in tried if point.error(names) + own <= allowed]
-    chosen = min(good, key=lambda point: point.cost) if good else min(tried, key=lambda point: point.error(names))
-    return Advice(chosen.config, chosen.error(names) + own, bool(good), None, chosen, finer, len(tried))
+    finer = finer_model(scene, PART_OF_FINER * budget)
+    search = Search(scene, finer, budget)
+    search.refine()
+    search.cheaper()
+    points = search.points.values()
+    good = [point for point in points if search.part(point) <= 1.0]
+    chosen = min(good, key=lambda point: point.cost) if good else min(points, key=search.part)
+    error, own = chosen.error(names), search.own
+    evidence = chosen, finer, len(points), budget, search.stopped
+    return Advice(chosen.config, max(0.0, error - own), error + own, error + own <= allowed, *evidence)
 
 
-def reasons(config, found, level):
-    """Why not a simpler tether, with as many segments: triples of variant, number that hurts it most, its limit."""
-    for variant in VARIANTS[: VARIANTS.index(config.variant)]:
-        segments = (config.segments or SEGMENTS[-1]) if variant == "quasi_steady" else 0
-        simpler = Config(variant, segments, 0.0, config.step)
-        errors = {group: group_error(group, simpler, found) for group in GROUPS}
-        group = max(errors, key=errors.get)
-        yield variant, group, limit(group, simpler, found, level)
+def fast_advice(scene):
+    """`Advice` for a scene from flights of less than a second; what they cannot show is not met."""
+    return advise(scene, FAST_BUDGET)
+
+
+def warnings(scene, advice):
+    """All lines of warning that are printed with an `Advice`."""
+    yield from advice.finer.run.implausible
+    names, finer = scene.wanted.outputs, advice.finer
+    if not advice.met and finer.own_error(names) > PART_OF_CHECK * scene.wanted.allowed_error:
+        yield (
+            f"the finer model did not converge: half of its segments change {', '.join(names)} by "
+            f"{percent(worst(finer.space, names))}, the double step with ten times the tolerance by "
+            f"{percent(worst(finer.time, names))}; no error below {percent(finer.own_error(names))} can be shown"
+        )
+    if not advice.met and advice.stopped:
+        yield f"the search ended at its limit, about {advice.budget:g} s of flights"
+    if not advice.met and advice.budget == FAST_BUDGET:
+        yield "this is what a second of flights can show; without --fast more is flown"
 
 
 def explain(scene, advice):
     """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
-    found, level = numbers(scene), scene.wanted.allowed_error * (1.0 if advice.point else MARGIN)
-    facts = {"numbers": found, "reasons": list(reasons(advice.config, found, level)), "level": level}
-    text = page(TEMPLATE, scene=scene, advice=advice, fmu=class_name(advice.config.variant), **facts).rstrip("\n")
-    return "\n".join([text, *(f"  warning   {each}" for each in implausible(scene, advice.config.step))])
+    found = numbers(scene)
+    facts = {"numbers": found, "reasons": list(reasons(advice.config, found, scene.wanted.allowed_error))}
+    facts |= {"warnings": list(warnings(scene, advice)), "fmu": class_name(advice.config.variant)}
+    return page(TEMPLATE, scene=scene, advice=advice, **facts).rstrip("\n")

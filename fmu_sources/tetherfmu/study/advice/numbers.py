@@ -21,20 +21,13 @@ COARSE = 8  # segments of the flight that the numbers come from
 
 
 class Numbers(NamedTuple):
-    """See above; all are dimensionless but the tension [N] and the unstretched length [m]."""
+    """See above."""
 
     weight: float
     drag: float
     stretch: float
     slack: float
     wave: float
-    tension: float
-    length: float
-
-    @property
-    def softening(self):
-        """q^2/(12 s), q^2 = weight^2 + drag^2, s = stretch: how much softer sag makes a tether than its elasticity [-]."""
-        return (self.weight**2 + self.drag**2) / (12.0 * max(self.stretch, 1e-12))
 
 
 def numbers(scene):
@@ -53,26 +46,4 @@ def numbers(scene):
         tension / tether.axial_stiffness,
         max(0.0, float(np.mean(slack))),
         float(np.mean(flown.outputs[:, at.WAVE_TIME])) * rate,
-        tension,
-        float(np.mean(length)),
     )
-
-
-def lead_error(scene, step, found):
-    """Error of the force on the kite [-] that comes from knowing the inputs only at the start of each step [s].
-
-    Lengths: the ends are led to p + v h + a h^2/2 with the last acceleration, and the reel-out speed is held; both err by a
-    length d, which counts EA/L / (1 + softening) d / T. Wind: half a step late; counts with its share in the tension.
-    """
-    time = step * np.arange(1, round(scene.duration / step))
-    before, now, after = (scene.flight.motion(time + shift) for shift in (-step, 0.0, step))
-    chord = now.kite - now.ground
-    speed, last_speed = (each.kite_velocity - each.ground_velocity for each in (now, before))
-    led = chord + 1.5 * step * speed - 0.5 * step * last_speed
-    gap = np.sum((led - (after.kite - after.ground)) * chord, -1) / size(chord)
-    reeled = step * np.cumsum(now.reel_out_speed) - (after.reeled - now.reeled[0])
-    stiffness = scene.tether.axial_stiffness / found.length / (1.0 + found.softening)
-    wind = scene.wind(time)
-    change = rms(size(np.diff(wind, axis=0))) / max(rms(size(wind)), 1e-12) if len(time) > 1 else 0.0
-    share = found.softening / (1.0 + found.softening) * found.drag / max(np.hypot(found.drag, found.weight), 1e-12)
-    return stiffness * rms(gap - reeled) / found.tension + share * change

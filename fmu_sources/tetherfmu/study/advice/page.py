@@ -2,6 +2,9 @@
 
 from dataclasses import replace
 from pathlib import Path
+from time import process_time
+
+import pandas as pd
 
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
@@ -12,9 +15,8 @@ from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spelling
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
 
-from .advise import advise
+from .advise import BUDGET, FAST_BUDGET, advise, fast_advice
 from .figures import draw_scenes, draw_sweeps
-from .forecast import MARGIN, fast_advice
 from .thresholds import read
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
@@ -29,18 +31,45 @@ def asking(scene, allowed):
     return replace(scene, wanted=replace(scene.wanted, outputs=NAMES, allowed_error=allowed))
 
 
-def judged(scene, reference):
-    """What is true of the advice for the force on the kite: a dict of texts and numbers.
+def verdict(scene, reference, advisor):
+    """What is true of an advice for the force on the kite: a dict of texts, numbers and times [s] of the processor.
 
-    Errors are measured against a finer reference than the advisor's own; `met` and `fast_met` say whether they are allowed.
+    Errors are measured against a finer reference than the advisor's own, and are known up to that one's own error. `met`,
+    `wrong`: the allowed error was told to be met, and is or is not. `inside`: the error lies within the two that were told.
     """
-    advice, allowed = advise(scene), scene.wanted.allowed_error
-    point, fast = (measure(scene, each.config, reference.run.flown) for each in (advice, fast_advice(scene)))
-    error, fast_error = point.error(NAMES), fast.error(NAMES)
-    advised = {"advised": advice.config.words(), "cost": point.cost, "claimed": advice.met, "expected": advice.expected}
-    verdict = {"error": error, "fast_error": fast_error, "own_error": reference.own_error(NAMES)}
-    verdict |= {"met": advice.met and error <= allowed, "fast_met": fast_error <= allowed}
-    return {"scene": scene.name, "allowed": allowed, **advised, **verdict}
+    began = process_time()
+    advice = advisor(scene)
+    told = {"seconds": process_time() - began, "advised": advice.config.words(), "cost": advice.point.cost}
+    told |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": advice.tried}
+    error = measure(scene, advice.config, reference.run.flown).error(NAMES)
+    own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
+    inside = advice.least - own <= error <= advice.expected + own
+    return told | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
+
+
+def judged(scene, reference):
+    """`verdict` on the advice and, as `fast`, on the fast advice; with the scene and what is allowed."""
+    facts = {"scene": scene.name, "allowed": scene.wanted.allowed_error, "own_error": reference.own_error(NAMES)}
+    return facts | verdict(scene, reference, advise) | {"fast": verdict(scene, reference, fast_advice)}
+
+
+def summary(verdicts):
+    """Table of what became of both advices; `verdicts` are as of `judged`."""
+    rows = {"advice": pd.DataFrame(verdicts), "fast advice": pd.DataFrame([each["fast"] for each in verdicts])}
+    return pd.DataFrame(
+        {
+            "": name,
+            "scenes": len(table),
+            "told to be met": table.claimed.sum(),
+            "and was not": table.wrong.sum(),
+            "true error within the two told": f"{table.inside.sum()} ({table.inside.mean():.0%})",
+            "processor time [s]: median": f"{table.seconds.median():.2f}",
+            "90 % below": f"{table.seconds.quantile(0.9):.2f}",
+            "longest": f"{table.seconds.max():.2f}",
+            "most configurations tried": table.tried.max(),
+        }
+        for name, table in rows.items()
+    )
 
 
 def unseen(scene):
@@ -63,7 +92,7 @@ def declared():
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
     rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
     facts = {"thresholds": rows, "records": {"": Scene} | RECORDS, "flights": KINDS, "outputs": OUTPUTS}
-    facts |= {"names": NAMES, "seed": SEED, "margin": MARGIN}
+    facts |= {"names": NAMES, "seed": SEED, "budget": BUDGET, "fast_budget": FAST_BUDGET}
     return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 
 
@@ -78,7 +107,7 @@ def how_much_tether(results, verdicts, work_precision):
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
     dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
-    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "work_precision": work_precision}
+    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary, "work_precision": work_precision}
     return page(TEMPLATE, **declared(), **facts, results=results)
 
 

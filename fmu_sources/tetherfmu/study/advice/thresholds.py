@@ -1,7 +1,7 @@
 """Where each tether stops being enough: measured over dimensionless groups, one at a time.
 
-`python -m tetherfmu.study thresholds` writes thresholds.csv, which the advisor reads (`forecast.py`). Sweeps, each against a
-converged reference, with so short communication steps that these do not count:
+`python -m tetherfmu.study thresholds` writes thresholds.csv, from which the advisor gives reasons (`reasons.py`).
+Sweeps, each against a converged reference, with so short communication steps that these do not count:
 
     weight   a kite at rest, no wind; gravity grows, the tension is kept; at three stretches
     drag     a kite circling about the vertical, no gravity; the speed grows, the tension is kept; at three stretches

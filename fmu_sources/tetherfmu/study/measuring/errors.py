@@ -13,13 +13,14 @@ that knows the mean reel-out speed of each step and the wind of its middle (`Sce
 """
 
 from functools import cache
-from math import ceil
+from math import ceil, inf
 from typing import NamedTuple
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 
+from .costs import cost
 from .runs import Config, Run, run
 
 SETTLING = 3.0  # wave times after which the start is forgotten ...
@@ -86,31 +87,39 @@ class Reference(NamedTuple):
     run: Run
     space: dict  # change of each output against half of the segments
     time: dict  # change of each output against the double communication step and ten times the tolerance
+    spent: float  # what all flights cost together, by `costs.cost` [s]
 
     def own_error(self, names):
         """Bound of its own error in some outputs: both changes together; each is larger than what is left."""
         return worst(self.space, names) + worst(self.time, names)
 
 
-def converged(scene, target, names, first_segments=FIRST_SEGMENTS):
+def converged(scene, target, names, first_segments=FIRST_SEGMENTS, longest_step=LONGEST_STEP, budget=inf):
     """`Reference` of a scene, refined until its `own_error` is at most `target` [-], or until the finest allowed.
 
     names : outputs that count, of `scenes.files.OUTPUTS`.  first_segments : to begin with; doubled as needed.
+    longest_step : communication step to begin with [s], about; halved as needed.  budget : the next refinement, which costs
+    about twice as much, is left out if the flights would cost more than this [s].
     """
     n = first_segments
-    step = scene.every / (2 * ceil(scene.every / (2.0 * LONGEST_STEP) - 1e-6))  # an output interval is an even multiple
+    step = scene.every / (2 * ceil(scene.every / (2.0 * longest_step) - 1e-6))  # an output interval is an even multiple
+    spent = {}
 
     @cache
     def fly(segments, h, tolerance):
-        return run(scene, Config("dynamic", segments, tolerance, h), exact=True)
+        config = Config("dynamic", segments, tolerance, h)
+        flight = run(scene, config, exact=True)
+        spent[config] = cost(scene, config, flight.calls, flight.work) * scene.count * scene.every
+        return flight
 
     while True:
         finest = fly(n, step, TOLERANCE)
         space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
         time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
-        found = Reference(Config("dynamic", n, TOLERANCE, step), finest, space, time)
+        config, total = Config("dynamic", n, TOLERANCE, step), sum(spent.values())
+        found = Reference(config, finest, space, time, total)
         finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
-        if found.own_error(names) <= target or not any(finer):
+        if found.own_error(names) <= target or not any(finer) or total + 3.0 * spent[config] > budget:
             return found
         if (worst(space, names) >= worst(time, names) and finer[0]) or not finer[1]:
             n *= 2

@@ -55,8 +55,3 @@ def run(scene, config, exact=False):
         except StepRefused as refusal:
             raise StepRefused(f"{config.words()}: {refusal}") from None
     return Run(flown._replace(positions=None), sum(model.counters.values()), len(inputs), tuple(model.implausible))
-
-
-def implausible(scene, step):
-    """Sentences on what no tether and no kite does in a scene, as the straight tether sees it in steps of `step` [s]."""
-    return run(scene, Config("straight", 0, 0.0, step)).implausible

@@ -14,7 +14,6 @@ from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .flights import KINDS, Flight
-from .series import Series
 
 # what else a quantity may be given in than in its unit, and the factor to the unit
 UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
@@ -163,6 +162,8 @@ def read_flight(table, folder):
         require(table, "flight of kind series", ("file",))
         if not isinstance(table["file"], str):
             raise ValueError(f"flight.file is {table.get('file')!r}; it must be the name of a CSV file")
+        from .series import Series  # its splines take half a second to import
+
         return Series(folder / table["file"])
     if kind not in KINDS:
         raise ValueError(f"flight.kind is {kind!r}; it must be one of {', '.join([*KINDS, 'series'])}")

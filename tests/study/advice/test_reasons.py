@@ -1,15 +1,12 @@
-"""The forecast of the fast advice: its numbers by formulas, its thresholds in order, its step error as measured."""
+"""Reasons of an advice: the numbers of a scene by formulas, thresholds in order."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from study.scenes_of_tests import SCENE, written
-from tetherfmu.study.__main__ import main
-from tetherfmu.study.advice.forecast import fast_advice, forecast, group_error, thresholds_at
-from tetherfmu.study.advice.numbers import lead_error, numbers
+from tetherfmu.study.advice.numbers import numbers
+from tetherfmu.study.advice.reasons import thresholds_at
 from tetherfmu.study.advice.thresholds import (
     LEVELS,
     SWEEPS,
@@ -22,18 +19,7 @@ from tetherfmu.study.advice.thresholds import (
     weight_scene,
     write,
 )
-from tetherfmu.study.advice.tradeoff import measure
-from tetherfmu.study.measuring.errors import converged
-from tetherfmu.study.measuring.runs import Config
-from tetherfmu.study.scenes.files import load
 from tetherfmu.study.scenes.random_scenes import random_scenes
-
-STRAIGHT, CATENARY = Config("straight", 0, 0.0, 0.02), Config("catenary", 0, 0.0, 0.02)
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return load(written(tmp_path_factory.mktemp("forecast")))
 
 
 @pytest.mark.parametrize(("load", "stretch"), [(0.01, 1e-2), (0.03, 1e-3)])
@@ -65,15 +51,6 @@ def test_mass_per_meter():
     assert wave_scene(60.0).tether.mass_per_meter == pytest.approx(724.0 * np.pi * 0.004**2 / 4.0)
 
 
-def test_error_of_a_held_reel_is_forecast(tmp_path):
-    """A winch at 8 m/s, inputs every 20 ms: the length is late by up to 8 cm; a stiff tether feels it."""
-    text = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "reel"\nphase_time = "4 s"\nramp_time = "1 s"')
-    reel = load(written(tmp_path, text.replace("505 m", "199 m")))
-    reference = converged(reel, 1e-3, ("kite_force",)).run.flown
-    measured = measure(reel, Config("dynamic", 16, 1e-4, 0.02), reference).errors["kite_force"]
-    assert lead_error(reel, 0.02, numbers(reel)) == pytest.approx(measured, rel=0.2)
-
-
 @pytest.mark.parametrize("variant", ["straight", "catenary", "quasi_steady"])
 def test_thresholds_grow_with_the_level(variant):
     segments = 8 if variant == "quasi_steady" else 0
@@ -100,25 +77,6 @@ def test_tables_are_stored_as_they_were_read(tmp_path):
     write(read(), read(SWEEPS), tmp_path / "thresholds.csv", tmp_path / "sweeps.csv")
     assert (tmp_path / "thresholds.csv").read_bytes() == TABLE.read_bytes()
     assert (tmp_path / "sweeps.csv").read_bytes() == SWEEPS.read_bytes()
-
-
-def test_forecast_sums_the_groups(scene):
-    found = numbers(scene)
-    made = forecast(CATENARY, found, {0.02: 0.001})
-    groups = sum(group_error(group, CATENARY, found) for group in ("weight", "drag", "slack", "wave"))
-    assert sum(made.values()) == pytest.approx(groups + 0.001)
-
-
-def test_fast_advice_asks_for_more_where_less_is_allowed(scene):
-    few, many = (fast_advice(replace(scene, wanted=replace(scene.wanted, allowed_error=e))) for e in (0.1, 0.01))
-    assert few.expected > many.expected
-
-
-def test_fast_command_tells_what_to_use(scene, tmp_path, capsys):
-    assert main(["advise", "--fast", str(written(tmp_path))]) == 0
-    said = capsys.readouterr().out
-    for words in (".fmu", "communication step 20 ms", "expect", "numbers", "not checked"):
-        assert words in said
 
 
 def test_random_scenes_are_always_the_same():

@@ -1,0 +1,50 @@
+"""The unit costs of costs.csv, fitted to measured times: `python -m tetherfmu.study costs`."""
+
+import tempfile
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import nnls
+
+from tetherfmu.export.archive import build
+from tetherfmu.results import StepRefused
+from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.study.scenes.random_scenes import random_scenes
+
+from .costs import COLUMNS, HOST, TABLE, regressors
+from .runs import Config, run
+from .through_fmpy import measured
+
+SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
+SCENES, HOST_STEPS = 4, 3000
+
+
+def fitted(scenes, variant):
+    """Unit costs [s] of a variant, fitted to the fastest of a few runs of some scenes."""
+    rows = []
+    segments = SEGMENTS if variant in ("quasi_steady", "dynamic") else (0,)
+    for scene, n, step in product(scenes, segments, STEPS):
+        config = Config(variant, n, 1e-4 if variant == "dynamic" else 0.0, step)
+        try:
+            runs = [run(scene, config) for _ in range(REPEATS)]
+        except StepRefused:
+            continue
+        seconds = min(each.flown.seconds for each in runs)
+        rows.append(regressors(config, runs[0].calls, runs[0].work) / seconds)  # relative errors count
+    return nnls(np.array(rows), np.ones(len(rows)))[0]
+
+
+def measure_costs():
+    """Measure all unit costs in random scenes, store and print them.
+
+    What FMPy adds to a communication step is the time of a straight tether's FMU, whose kernel costs next to nothing.
+    """
+    scenes = random_scenes(SCENES)
+    rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
+    with tempfile.TemporaryDirectory() as folder:
+        path = build("TetherStraight", folder)
+        rows[HOST] = [sum(measured(path, HOST_STEPS, REPEATS)[1:]), 0.0, 0.0, 0.0]
+    found = pd.DataFrame.from_dict(rows, orient="index", columns=COLUMNS).rename_axis("variant")
+    found.map("{:.3g}".format).to_csv(TABLE, lineterminator="\r\n")
+    print(TABLE.read_text(encoding="utf-8"), end="")
