@@ -2,8 +2,8 @@
 
     python tests/benchmarks/extremes.py [--long]
 
-Each line is computed by the functions of the test of that name in tests/physics/extremes. --long adds an hour of noise
-and 1e7 communication steps (some minutes).
+Each line is computed by the functions of the test of that name in tests/physics/extremes. --long adds an hour of noise,
+hours without damping and 1e7 communication steps (some minutes).
 """
 
 import argparse
@@ -14,7 +14,7 @@ from time import perf_counter
 import numpy as np
 
 TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS), str(TESTS / "physics" / "extremes")]
+sys.path[:0] = [str(TESTS), str(TESTS / "physics"), str(TESTS / "physics" / "extremes")]
 
 
 def snap():
@@ -116,6 +116,15 @@ def noise():
         yield f"noise of the inputs: {name} force, {one:.2f} N", "linear theory", f"{100 * (one / other - 1):.1f} %", None
 
 
+def undamped():
+    from test_energy_without_damping import FALLS, fall
+
+    for name in FALLS:
+        total, kinetic = fall(name, 3600.0)
+        gained = (total.max() - total[0]) / kinetic.max()
+        yield f"an hour without damping, {name}: energy gained", "none", f"{100 * gained:.3f} % of the kinetic", None
+
+
 def long_runs():
     from test_many_steps import STEPS_PER_REVOLUTION, drift
     from test_noise import force_noise
@@ -143,10 +152,10 @@ def long_runs():
 def main(arguments=None):
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--long", action="store_true", help="also an hour of noise and 1e7 steps")
+    parser.add_argument("--long", action="store_true", help="also an hour of noise, hours without damping and 1e7 steps")
     groups = [snap, stop, released, resonance, spinning, sessions, noise]
     if parser.parse_args(arguments).long:
-        groups.append(long_runs)
+        groups += [undamped, long_runs]
     print("| scenario | oracle | error | energy from nowhere |\n|---|---|---|---|")
     for group in groups:
         for scenario, oracle, error, residual in group():

@@ -35,15 +35,16 @@ def note(state, kind, square, limit):
 
 @kernel
 def note_shape(n, parameters, state):
-    """Note the largest stretch l/l0 of the segments and the speeds of the ends in the state (modified)."""
+    """Note the largest stretch l/l0 of the segments, if too large, and the speeds of the ends in the state (modified)."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
-    largest = 0.0
+    largest = limits.LARGEST_STRETCH**2
     start = get(x, 0)
     for s in range(n):
         end, rest = get(x, s + 1), rest_length(chain, s)
         r = sub(end, start)
-        largest = max(largest, dot(r, r) / (rest * rest))
+        if dot(r, r) > largest * rest * rest:
+            largest = dot(r, r) / (rest * rest)
         start = end
     note(state, limits.STRETCH, largest, limits.LARGEST_STRETCH)
     ground_velocity, kite_velocity = get(v, 0), get(v, n)

@@ -1,5 +1,6 @@
 """One run: a configuration of a tether flown through a scene, and what it gave at the output times of the scene."""
 
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from typing import NamedTuple
 from warnings import catch_warnings, simplefilter
@@ -40,6 +41,14 @@ def parameters_of(scene, config):
     return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
 
 
+@contextmanager
+def unwarned():
+    """Keeps plausibility warnings of the tethers back: each run of a study would tell the same."""
+    with catch_warnings():
+        simplefilter("ignore", PlausibilityWarning)
+        yield
+
+
 def run(scene, config, exact=False):
     """`Run` of a `Config` through a scene; StepRefused if the tether refuses the start or a step.
 
@@ -47,8 +56,7 @@ def run(scene, config, exact=False):
     """
     inputs = scene.inputs(config.step, exact)
     scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
-    with catch_warnings():
-        simplefilter("ignore", PlausibilityWarning)  # each run of a study would tell the same
+    with unwarned():
         model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], shape_points=SHAPE_POINTS)
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step))

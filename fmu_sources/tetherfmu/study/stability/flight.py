@@ -25,6 +25,7 @@ from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.study.measuring.runs import unwarned
 from tetherfmu.study.scenes.standard import MODELS
 
 from .points import CALLS, MOST_REELED, kite
@@ -94,6 +95,7 @@ def bounds(point, strain, end_speed):
     return point.axial_stiffness * strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
+@unwarned()
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     """Fly a point; returns its `MapFlight`.
 
