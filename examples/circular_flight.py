@@ -35,9 +35,9 @@ from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
 from tetherfmu.libraries.children import ctrl_c_waits
-from tetherfmu.runtime.variants import class_name, variant_of
+from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
-TETHERS = {variant: class_name(variant) for variant in ("dynamic", "quasi_steady", "catenary", "straight")}
+TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
@@ -185,7 +185,7 @@ def find_fmu(name):
 def tether(text):
     """A variant of the tether by any of its names, or "all"."""
     try:
-        return text if text == "all" else variant_of(text)
+        return text if text == "all" else variant_of(text, VARIANTS)
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"{error}, or all") from None
 

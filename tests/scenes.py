@@ -23,6 +23,19 @@ def circle(time, rate=CIRCLE_RATE):
     return turn @ position, turn @ velocity
 
 
+def kite_at_start(name, position, velocity=(0.0, 0.0, 0.0)):
+    """Values of an FMU, by its name, that place its kite [m] with a velocity [m/s] at the start."""
+    initial = "initial_" if name.endswith("Free") else ""
+    return {f"{initial}kite_position": position, f"{initial}kite_velocity": velocity}
+
+
+def kite_inputs(name, position, velocity):
+    """Inputs of a tether, by its name, that lead its kite along a path [m, m/s], or pull a free one towards it."""
+    if name.endswith("Free"):
+        return {"kite_load": 0.6 * np.asarray(position) + 10.0 * np.asarray(velocity) + (0.0, 0.0, 150.0)}
+    return {"kite_position": position, "kite_velocity": velocity}
+
+
 def fly_circle(tether, step, duration, wind=(0.1, 0.0, 0.0), rate=CIRCLE_RATE):
     """Fly a `TetherModel` along the circle; returns the times [s] and the list of outputs after each step."""
     position, velocity = circle(0.0, rate)
