@@ -33,9 +33,10 @@ In a communication step from t to t + h:
 
 Within the step the tether leads its ends on a smooth curve to the predicted position p + v h + a h^2/2, with a from the last
 two velocities (theory, "Driven ends"). Position and velocity of an end must fit together; the tether follows the position
-and trusts the velocity. It says so in one warning if they contradict each other, as when `kite_velocity` is left at 0. Wind
-and reel-out speed are held over the step. The outputs at t = 0 are there when the initialization ends; in initialization
-mode they are calculated whenever they are read.
+and trusts the velocity. It says so in one warning if they contradict each other, as when `kite_velocity` is left at 0. The
+reel-out speed goes on within the step as from its last to its present value (theory, "Inputs within a step"); where it
+jumps, as the set points of a winch do, set `input_continuation` to 2 (held). The wind is held. The outputs at t = 0 are
+there when the initialization ends; in initialization mode they are calculated whenever they are read.
 
 A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
 at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm: 1.6 % instead of 0.3 %); in the first step

@@ -240,9 +240,12 @@ class TetherModel:
             except ValueError:
                 self._inputs[:] = inputs
                 raise
+        continuation = self._parameters[at.INPUT_CONTINUATION]
         if tether_length is not None:
             self._state[at.LENGTH] = tether_length - self._inputs[at.REEL_OUT_SPEED] * step
+            self._parameters[at.INPUT_CONTINUATION] = at.HELD
         problem = self._instance.advance(step)
+        self._parameters[at.INPUT_CONTINUATION] = continuation
         if problem:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
             raise StepRefused(problem, self._instance.status)

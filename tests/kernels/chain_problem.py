@@ -14,9 +14,10 @@ class ChainProblem:
     """Arrays and the drive of a bent chain of 4 segments in a sheared wind; both ends move, the tether reels.
 
     It stays taut, so that its forces are smooth and the order of a method can be seen. wind_profile : of `layout.py`.
+    acceleration : of the reeling [m/s2].  load_rate : None, or that of the load on a kite end that is free [N/s].
     """
 
-    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2):
+    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, acceleration=0.0, load_rate=None):
         self.n = n = 4
         tether = Tether(
             segments=n,
@@ -39,16 +40,19 @@ class ChainProblem:
         self.memory = np.zeros(at.work_size(n))
         self.stages, self.descent = stages(n, self.memory), descent(n, self.memory)
         still = (0.0, 0.0, 0.0)
+        kite_is_free = load_rate is not None
         self.drive = Drive(
             n,
             self.parameters,
             driven_end.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
             driven_end.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
-            n - 1,
+            n if kite_is_free else n - 1,
             self.length,
             reeling,
+            acceleration,
             self.wind,
-            still,
+            (60.0, 10.0, 100.0) if kite_is_free else still,
+            load_rate if kite_is_free else still,
         )
         self.chain = chain_during(self.drive, 0.0)

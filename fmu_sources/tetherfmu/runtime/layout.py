@@ -31,8 +31,9 @@ INITIAL_LENGTH = 13
 GROUND_IS_FREE = 14
 KITE_IS_FREE = 15
 END_VELOCITIES = 16
+INPUT_CONTINUATION = 17
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 17
+PARAMETER_SCALARS = 18
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -55,7 +56,7 @@ INPUTS = 19
 # state: header, then node positions, then node velocities
 WARNING_KINDS = 7
 LENGTH = 0  # unstretched [m]
-REELING = 1  # rate of the unstretched length in the last step [m/s]
+REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
 SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before the first
 SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule
@@ -75,7 +76,9 @@ KITE_RESIDUE = 31  # way [m] of the kite that its velocities do not explain, and
 GROUND_RESIDUE = 36
 WARNINGS = 41  # sum of 2**k, k of all that was implausible since the start, see `runtime/plausibility.py`
 WARNED_VALUES = 42  # for each k the value that was, 0 without
-STATE_HEADER = 42 + WARNING_KINDS
+LAST_REEL_OUT_SPEED = 42 + WARNING_KINDS  # input at the start of the last communication step [m/s]
+LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
+STATE_HEADER = LAST_KITE_LOAD + 3
 
 # outputs
 GROUND_FORCE = 0
@@ -103,6 +106,7 @@ UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
 AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
+LINEAR, HELD = 1, 2
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6

@@ -118,6 +118,12 @@ class Solver:
         "velocities of the ends: given by the inputs; derived from their positions (those inputs are then ignored)",
         choices=("given", "derived"),
     )
+    input_continuation: int = quantity(
+        1,
+        "",
+        "reel_out_speed and kite_load within a step: go on as from their last to their present value; held",
+        choices=("linear", "held"),
+    )
 
     def __post_init__(self):
         check(self)

@@ -23,7 +23,7 @@ def attempt_of(reel_out_speed, law, slack):
     inputs = np.zeros(at.INPUTS)
     inputs[at.KITE_POSITION : at.KITE_POSITION + 6] = *KITE, *KITE_VELOCITY
     inputs[at.REEL_OUT_SPEED], inputs[at.WIND_VELOCITY] = reel_out_speed, 8.0
-    state[at.LENGTH], state[at.REELING], state[at.LAST_STEP] = LENGTH, reel_out_speed, STEP
+    state[at.LENGTH], state[at.LAST_REEL_OUT_SPEED], state[at.LAST_STEP] = LENGTH, reel_out_speed, STEP
     state[at.LAST_KITE_VELOCITY : at.LAST_KITE_VELOCITY + 3] = KITE_VELOCITY
     nodes = np.linspace(np.zeros(3), KITE, N + 1) * (0.9 if slack else 1.3) + random.normal(0.0, 0.3, (N + 1, 3))
     nodes[0] = 0.0

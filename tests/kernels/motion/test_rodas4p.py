@@ -89,9 +89,9 @@ def test_l_stable():
     assert abs(1.0 - weights @ np.linalg.solve(alpha + gamma, np.ones(6))) < 1e-10
 
 
-def march(steps, reeling):
+def march(steps, **motion):
     """Positions of a swinging chain with moving ends and a sheared wind after 0.4 s in equal steps."""
-    problem = ChainProblem(reeling=reeling)
+    problem = ChainProblem(**motion)
     h = 0.4 / steps
     x, v = problem.x.copy(), problem.v.copy()
     for k in range(steps):
@@ -100,18 +100,27 @@ def march(steps, reeling):
     return np.concatenate([x, v])
 
 
-@pytest.mark.parametrize("reeling", [0.0, 1.5])
-def test_observed_order(reeling):
+MOTIONS = {
+    "no reeling": {"reeling": 0.0},
+    "reeling": {"reeling": 1.5},
+    "reeling that speeds up": {"reeling": 0.0, "acceleration": 4.0},
+    "the same, stretch rate law": {"reeling": 1.0, "acceleration": -6.0, "damping_law": 2},
+    "growing load": {"reeling": 1.5, "acceleration": 2.0, "load_rate": (30.0, -60.0, 90.0)},
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_observed_order(motion):
     """The slope of log error over log step is 4, with moving ends and a growing tether (explicit time derivative)."""
-    exact = march(512, reeling)
+    exact = march(512, **motion)
     steps = np.array([16, 32, 64])
-    errors = [np.abs(march(count, reeling) - exact).max() for count in steps]
+    errors = [np.abs(march(count, **motion) - exact).max() for count in steps]
     slope = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert slope == pytest.approx(4.0, abs=0.2)
 
 
 def test_implicit_euler_has_order_1():
-    exact = march(512, 1.5)[: 3 * 5]
+    exact = march(512, reeling=1.5)[: 3 * 5]
     errors = []
     for steps in (200, 400):
         problem = ChainProblem(reeling=1.5)

@@ -13,7 +13,7 @@ import pytest
 from audited import run
 from mechanics import line_density
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Solver, Tether
 
 VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
 
@@ -21,9 +21,10 @@ VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
 def session(variant, n, length, speed, step):
     """A model, its kite, its shortest length, and inputs over time: in within `count` steps, out for as long, rest.
 
-    The length follows a cosine of mean speed `speed` [m/s].
+    The length follows a cosine of mean speed `speed` [m/s]; each step is given its mean speed, which is held.
     """
-    model = variant(Tether(segments=n, initial_length=length, drag_coefficient=30.0))
+    held = Solver(input_continuation="held")
+    model = variant(Tether(segments=n, initial_length=length, drag_coefficient=30.0), solver=held)
     shortest = 0.01 * (n if variant in (TetherDynamic, TetherQuasiSteady) else 1)
     count = round((length - shortest) / speed / step)
     kite = np.array([0.6, 0.0, 0.7]) * shortest

@@ -138,6 +138,21 @@ def rate_from_reeling(chain, records, force_rate):
 
 
 @kernel
+def add_rate_from_acceleration(chain, acceleration, x, records, force_rate):
+    """Add dF/d(dl0/dt) d2l0/dt2 of the node forces [N/s] to `force_rate` (modified): dampers feel the rate of reeling.
+
+    acceleration : second derivative of the unstretched length of the tether [m/s2].  x : node positions [m].
+    """
+    if acceleration == 0.0 or not segment.sees_reeling(chain):
+        return
+    for s in range(chain.n):
+        record = record_of(s, chain.n, records)
+        pull = scale(-record[segment.DAMPER] * acceleration / chain.length, sub(get(x, s + 1), get(x, s)))
+        put(force_rate, s, add(get(force_rate, s), pull))
+        put(force_rate, s + 1, sub(get(force_rate, s + 1), pull))
+
+
+@kernel
 def add_end_motion(n, kite_end, dx, dv, records, force):
     """Add to `force` (modified) the change of node forces [N] when one end moves by dx [m] and dv [m/s]."""
     still = (0.0, 0.0, 0.0)

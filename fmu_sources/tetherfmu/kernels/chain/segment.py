@@ -66,9 +66,15 @@ def stiffness(chain, s, branch, rest):
 
 
 @kernel
+def sees_reeling(chain):
+    """Whether a damper sees the strain, and so the rate of the unstretched length: by the strain_rate law."""
+    return chain.parameters[at.DAMPING_LAW] == at.STRAIN_RATE
+
+
+@kernel
 def seen_growth(chain):
     """(dl0/dt)/l0 [1/s] as far as the damper sees it: all of it by the strain_rate law, nothing by the stretch_rate law."""
-    return chain.growth if chain.parameters[at.DAMPING_LAW] == at.STRAIN_RATE else 0.0
+    return chain.growth if sees_reeling(chain) else 0.0
 
 
 @kernel

@@ -4,20 +4,21 @@ from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.vectors import get, put, scale, vector_at
+from ..algebra.vectors import along, get, put, scale, vector_at
 from ..chain.properties import chain_at
 from ..compilation import kernel, view
+from .continuation import load_rate, reel_acceleration, reeled
 from .driven_end import curve, position_at, turning_accelerations, velocity_at
 from .ends import motions
 
-Drive = namedtuple("Drive", "n parameters ground kite first last length reeling wind load")
+Drive = namedtuple("Drive", "n parameters ground kite first last length reeling acceleration wind load load_rate")
 Drive.__doc__ = """A chain and what acts on it during one communication step.
 
 n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `driven_end.curve`.
 first, last : first and last node that moves freely.
-length, reeling : unstretched length at the start [m] and its constant rate [m/s].
-wind : at the reference height [m/s].  load : force on a free kite end [N].
+length, reeling, acceleration : unstretched length at the start [m], its rate there [m/s], the constant rate of that [m/s2].
+wind : at the reference height [m/s].  load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
 
 
@@ -38,15 +39,24 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
         n if kite_is_free else n - 1,
         state[at.LENGTH],
         inputs[at.REEL_OUT_SPEED],
+        reel_acceleration(parameters, inputs, step, state),
         vector_at(inputs, at.WIND_VELOCITY),
         scale(1.0 if kite_is_free else 0.0, vector_at(inputs, at.KITE_LOAD)),
+        scale(1.0 if kite_is_free else 0.0, load_rate(parameters, inputs, step, state)),
     )
 
 
 @view
 def chain_during(drive, time):
     """The `Chain` at a time [s] of the communication step."""
-    return chain_at(drive.n, drive.parameters, drive.length + drive.reeling * time, drive.reeling, drive.wind)
+    length = reeled(drive.length, drive.reeling, drive.acceleration, time)
+    return chain_at(drive.n, drive.parameters, length, drive.reeling + drive.acceleration * time, drive.wind)
+
+
+@kernel
+def load_during(drive, time):
+    """Load [N] on a free kite end at a time [s] of the communication step, else 0."""
+    return along(drive.load, time, drive.load_rate)
 
 
 @kernel

@@ -23,6 +23,12 @@ LARGEST_TURN = 2.0  # [rad] of the chord in a first step: beyond, half of the sq
 
 
 @kernel
+def per_last_step(last_step, step):
+    """1/h_last [1/s], with h_last no shorter than a quarter of the communication step [s]."""
+    return 1.0 / max(last_step, step / STRONGEST_GROWTH)
+
+
+@kernel
 def estimated_acceleration(velocity, last_velocity, last_step, step):
     """Acceleration [m/s2] from two velocities [m/s] that are `last_step` [s] apart; 0 without a last.
 
@@ -30,7 +36,7 @@ def estimated_acceleration(velocity, last_velocity, last_step, step):
     """
     if last_step <= 0.0:
         return 0.0, 0.0, 0.0
-    return scale(1.0 / max(last_step, step / STRONGEST_GROWTH), sub(velocity, last_velocity))
+    return scale(per_last_step(last_step, step), sub(velocity, last_velocity))
 
 
 @kernel

@@ -9,6 +9,7 @@ from ..algebra.vectors import put_at, vector_at
 from ..arrays import copy, state_size, trial_state
 from ..chain.properties import chain_at, rest_length
 from ..compilation import kernel, view
+from .continuation import reel_acceleration, reeled, shortest_reeled
 from .ends import place_at_start, velocities
 from .plausibility import note_shape, note_step
 
@@ -55,9 +56,11 @@ def check_step(n, parameters, inputs, step, state):
     if not (step > 0.0 and step <= at.LONGEST_STEP):
         return STEP_NOT_POSITIVE
     speed = inputs[at.REEL_OUT_SPEED]
-    after = chain_at(n, parameters, state[at.LENGTH] + speed * step, speed, vector_at(inputs, at.WIND_VELOCITY))
+    acceleration = reel_acceleration(parameters, inputs, step, state)
+    least = shortest_reeled(state[at.LENGTH], speed, acceleration, step)
+    shortest = chain_at(n, parameters, least, 0.0, vector_at(inputs, at.WIND_VELOCITY))
     for s in range(n):
-        if rest_length(after, s) < at.MIN_SEGMENT_LENGTH:
+        if rest_length(shortest, s) < at.MIN_SEGMENT_LENGTH:
             return REELED_TOO_SHORT
     return OK
 
@@ -66,8 +69,11 @@ def check_step(n, parameters, inputs, step, state):
 def remember(parameters, inputs, step, state):
     """Header of the state (modified) after a communication step of `step` [s]."""
     ground, kite = velocities(parameters, inputs, state)
-    state[at.LENGTH] += inputs[at.REEL_OUT_SPEED] * step
-    state[at.REELING] = inputs[at.REEL_OUT_SPEED]
+    speed, acceleration = inputs[at.REEL_OUT_SPEED], reel_acceleration(parameters, inputs, step, state)
+    state[at.LENGTH] = reeled(state[at.LENGTH], speed, acceleration, step)
+    state[at.REELING] = speed + acceleration * step
+    state[at.LAST_REEL_OUT_SPEED] = speed
+    put_at(state, at.LAST_KITE_LOAD, vector_at(inputs, at.KITE_LOAD))
     state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))

@@ -43,7 +43,7 @@ from ..arrays import copy, node_arrays, shared_arrays
 from ..chain import segment
 from ..chain.nodes import longest_part, node_masses
 from ..chain.properties import property_of, rest_length
-from ..communication.drive import chain_during, hold_ends, place_ends
+from ..communication.drive import chain_during, hold_ends, load_during, place_ends
 from ..compilation import kernel, view
 
 MOST_ITERATIONS = 8  # of a step and of its coarser parts
@@ -225,7 +225,7 @@ def begin(attempt, time, x, w):
             put(w.old, i, along(end, -h, get(w.free, i)))
             put(w.free, i, end)
     if drive.last == n:
-        put(w.free, n, along(get(w.free, n), h * h / w.mass[n], drive.load))
+        put(w.free, n, along(get(w.free, n), h * h / w.mass[n], load_during(drive, time + h)))
     start = chain_during(drive, time)
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)

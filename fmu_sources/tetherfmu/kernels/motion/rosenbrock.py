@@ -27,7 +27,7 @@ from ..algebra.vectors import add, along, get, norm, put, scale, sub
 from ..arrays import node_arrays, shared_arrays
 from ..chain import nodes, segment
 from ..chain.properties import point_mass, rest_length
-from ..communication.drive import chain_during, hold_ends, place_ends
+from ..communication.drive import chain_during, hold_ends, load_during, place_ends
 from ..communication.driven_end import acceleration_at, velocity_at
 from ..compilation import kernel, view
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, MOMENTUM, R_BY_GAMMA, P
@@ -68,6 +68,8 @@ def prepare(drive, time, h, x, v, w):
     chain = chain_during(drive, time)
     nodes.node_masses(chain, w.mass)
     nodes.linearize(chain, x, v, w.records, w.force_rate)
+    nodes.add_rate_from_acceleration(chain, drive.acceleration, x, w.records, w.force_rate)
+    put(w.force_rate, n, add(get(w.force_rate, n), drive.load_rate))
     if drive.first == 1:
         end, rate = velocity_at(drive.ground, time), acceleration_at(drive.ground, time)
         nodes.add_end_motion(n, False, end, rate, w.records, w.force_rate)
@@ -88,7 +90,7 @@ def stage_force(drive, time, w):
     chain = chain_during(drive, time)
     nodes.node_masses(chain, w.stage_mass)
     nodes.node_forces(chain, w.branches, w.x, w.v, w.stage_mass, w.q)
-    put(w.q, drive.n, add(get(w.q, drive.n), drive.load))
+    put(w.q, drive.n, add(get(w.q, drive.n), load_during(drive, time)))
 
 
 @kernel
@@ -216,7 +218,7 @@ def step(drive, time, h, x, v, w):
         now = time + ALPHA[stage] * h
         place_ends(drive, now, w.x, w.v)
         stage_force(drive, now, w)
-        if stage == 0 and drive.reeling != 0.0:
+        if stage == 0 and (drive.reeling != 0.0 or drive.acceleration != 0.0):
             correct_rate_for_mass(chain_during(drive, time), w)
         solve_stage(drive, stage, h, w)
         if stage >= at.STAGES - 2:

@@ -57,7 +57,7 @@ def run(scene, config, exact=False):
     inputs = scene.inputs(config.step, exact)
     scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
     with unwarned():
-        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], shape_points=SHAPE_POINTS)
+        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], held=exact, shape_points=SHAPE_POINTS)
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
         except StepRefused as refusal:

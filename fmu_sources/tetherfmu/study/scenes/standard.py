@@ -73,15 +73,16 @@ def release_scene(segments, duration=10.0):
     return RaceScene("release", duration, Release(), Tether(segments=segments, initial_length=70.0))
 
 
-def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **options):
+def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=False, **options):
     """A tether of a variant, initialized for a scene; `tolerance` 0 is the solver's default.
 
-    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  options : of TetherModel.
+    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  held : whether the reel-out speed
+    stays as it is during a step.  options : of TetherModel.
     """
     shape = QUASI_STEADY_START
     if isinstance(scene.flight, Release):
         shape, options["free_ends"] = STATIC_START, (False, True)
-    solver = Solver(relative_tolerance=tolerance, initial_shape=shape)
+    solver = Solver(tolerance, initial_shape=shape, input_continuation=at.HELD if held else at.LINEAR)
     model = MODELS[variant](scene.tether, scene.environment, solver, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
     *ends, (reel_out_speed,), wind_velocity, _ = np.split(first, INPUT_STARTS)

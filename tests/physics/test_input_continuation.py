@@ -1,0 +1,116 @@
+"""Within a communication step the reel-out speed and the load of a free kite go on as before, or are held.
+
+    linear   L grows by s h + a h^2/2,  a = (s - s_last)/max(h_last, h/4),  0 in the first step
+    held     L grows by s h
+
+With smooth inputs the error is of order 2 in h, and of order 1 if they are held. A jump of D leaves D h/2.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.results import StepRefused
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
+
+VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
+KITE = (30.0, 0.0, 40.0)
+SLACK = Tether(segments=5, initial_length=52.0)
+
+
+def started(variant=TetherDynamic, tether=SLACK, **solver):
+    model = variant(tether, solver=Solver(**solver))
+    model.initialize(KITE)
+    return model
+
+
+@pytest.mark.parametrize("fixed_step", [0.0, 0.01])
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_speed_that_grows_linearly_is_followed_exactly(variant, fixed_step):
+    model = started(variant, fixed_step=fixed_step)
+    times = np.cumsum([0.0, 0.02, 0.05, 0.03, 0.02])  # not uniform
+    for now, then in pairwise(times):
+        out = model.step(then - now, reel_out_speed=1.0 + 20.0 * now)
+    # the first step knows no acceleration: 20 m/s2 (0.02 s)^2/2 is missing
+    expected = 52.0 + then + 10.0 * then**2 - 10.0 * 0.02**2
+    assert out.tether_length == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_jump_leaves_half_a_step():
+    model, held = started(), started(input_continuation="held")
+    for each in (model, held):
+        for speed in (0.0, 0.0, 2.0, 2.0, 2.0):
+            out = each.step(0.02, reel_out_speed=speed)
+    assert model.outputs().tether_length == pytest.approx(52.0 + 3 * 0.04 + 2.0 * 0.02 / 2.0, rel=1e-14)
+    assert out.tether_length == pytest.approx(52.0 + 3 * 0.04, rel=1e-14)
+
+
+def test_a_jump_after_a_short_step_is_not_blown_up():
+    model = started()
+    model.step(0.001, reel_out_speed=0.0)
+    # a = 1 m/s over a quarter of 0.1 s
+    assert model.step(0.1, reel_out_speed=1.0).tether_length == pytest.approx(52.0 + 0.1 + 0.5 * 40.0 * 0.01, rel=1e-14)
+
+
+def test_the_shortest_length_within_a_step_counts():
+    model = started(tether=Tether(segments=1, initial_length=0.1))
+    model.step(0.02, reel_out_speed=-2.0)  # 60 mm
+    before = model.get_state()
+    with pytest.raises(StepRefused, match="reel_out_speed"):
+        model.step(0.12, reel_out_speed=-1.45)  # falls to 3 mm, below the 10 mm that are allowed, and ends at 18 mm
+    np.testing.assert_array_equal(model.get_state(), before)
+
+
+@pytest.mark.parametrize(("continuation", "order"), [("linear", 2.0), ("held", 1.0)])
+def test_order_of_the_force(continuation, order):
+    """A taut tether between fixed ends is reeled to and fro: its force follows the length."""
+
+    def forces(step):
+        model = started(
+            tether=Tether(segments=5, initial_length=49.9), input_continuation=continuation, relative_tolerance=1e-8
+        )
+        kept = []
+        for k in range(round(2.0 / step)):
+            out = model.step(step, reel_out_speed=0.05 * np.sin(3.0 * k * step))
+            kept.append(out.ground_tension)
+        return np.array(kept)[round(0.08 / step) - 1 :: round(0.08 / step)]
+
+    fine = forces(0.0025)
+    errors = [np.sqrt(np.mean((forces(step) - fine) ** 2)) for step in (0.08, 0.04, 0.02)]
+    assert -np.diff(np.log2(errors)) == pytest.approx(order, abs=0.3)
+
+
+@pytest.mark.parametrize("fixed_step", [0.0, 1e-4])
+def test_a_load_that_grows_linearly(fixed_step):
+    """A mass m that nothing holds but the load f t: m v = f t^2/2, m x = f t^3/6; the first step holds the load 0."""
+    tether = Tether(segments=1, initial_length=50.0, slack_stiffness_ratio=0.0, axial_damping=0.0)
+    solver = Solver(fixed_step=fixed_step, relative_tolerance=1e-8)
+    void = Environment(gravity=0.0, air_density=0.0)
+    model = TetherDynamic(tether, void, solver, free_ends=(False, True), point_masses={1: 10.0})
+    model.initialize((30.0, 0.0, 0.0))
+    mass = 10.0 + 0.5 * tether.mass_per_meter * 50.0
+    step, count, rate = 0.05, 20, np.array([4.0, -3.0, 5.0])
+    for k in range(count):
+        model.step(step, kite_load=rate * k * step)
+    end, first = count * step, 0.5 * rate * step**2 / mass  # velocity that the first step lacks
+    # backward Euler of 0.1 ms: relative error of the velocity (steps/time), of the position twice that
+    accuracy = 1e-9 if fixed_step == 0.0 else 5e-4
+    velocity = 0.5 * rate * end**2 / mass - first
+    position = rate * end**3 / 6.0 / mass - first * (end - step) - rate * step**3 / 6.0 / mass
+    np.testing.assert_allclose(model.velocities[1], velocity, rtol=accuracy)
+    np.testing.assert_allclose(model.positions[1] - [30.0, 0.0, 0.0], position, rtol=accuracy)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_restored_it_goes_on_bit_for_bit(variant):
+    model = started(variant)
+    speeds = [0.0, 0.4, -0.3, 0.8, 0.1]
+    for speed in speeds[:3]:
+        model.step(0.02, reel_out_speed=speed)
+    kept = model.get_state()
+    first = [model.step(0.02, reel_out_speed=speed).kite_force for speed in speeds[3:]]
+    model.set_state(kept)
+    again = [model.step(0.02, reel_out_speed=speed).kite_force for speed in speeds[3:]]
+    np.testing.assert_array_equal(first, again)
