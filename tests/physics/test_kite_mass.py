@@ -1,7 +1,7 @@
 """A free kite end: the released end of tutorial scene 08, and a mass on a vertical tether, which is a spring.
 
-Scene 08: 70 m and 10 segments between (0, 0, 0) and (-40, 0, -47) m, at rest in a wind of 2 m/s; then the lower end is free and
-the tether reels out at 0.3 m/s. It uses the stretch-rate damper and a slack stiffness of 0.01/1.01 of the taut one.
+Scene 08: 70 m and 10 segments between (0, 0, 0) and (-40, 0, -47) m, at rest in a wind of 2 m/s; then the lower end is free
+and the tether reels out at 0.3 m/s. It uses the stretch-rate damper and a slack stiffness of 0.01/1.01 of the taut one.
 """
 
 import numpy as np

@@ -48,7 +48,7 @@ def test_the_motion_of_the_kite_is_no_input():
     tether = started()
     with pytest.raises(TypeError, match="kite_position"):
         tether.step(0.02, kite_position=KITE)
-    with pytest.raises(ValueError, match="kite_load is 3.0; it must be three numbers"):
+    with pytest.raises(ValueError, match=r"kite_load is 3\.0; it must be three numbers"):
         tether.step(0.02, kite_load=3.0)
 
 

@@ -24,7 +24,7 @@ class Host:
     """One instance of an FMU.
 
     path : of the FMU, or of a folder where it was extracted before.
-    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `name` of the FMU, `folder`.
+    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `name`, `folder`.
     """
 
     def __init__(self, path, name="tether"):
