@@ -100,6 +100,8 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     def references(*names):
         return references_of(fmu_file, reference, names)
 
+    if "kite_load[1]" in reference:
+        raise WrongUse(f"{fmu_file} has a free kite end, which cannot be flown on a circle; take one with driven ends")
     inputs, outputs = references("kite_position", "kite_velocity"), references("ground_force", "kite_force") + points
     with running(fmu_file, description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
