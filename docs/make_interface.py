@@ -16,8 +16,8 @@ TEXT = """# Interface
 <!-- Written by docs/make_interface.py from the sources: edit those, and run it again. -->
 
 The plug of {fmus}.
-Names, units, causality and signs are the same in each, so that one replaces another without rewiring; `TetherDynamicFree.fmu`
-differs at the kite end ("A free kite end").
+Names, units, causality and signs are the same in each, so that one replaces another without rewiring; only
+`TetherDynamicFree.fmu` differs at the kite end ("A free kite end").
 FMI 2.0 co-simulation, SI units, structured names.
 
 Frame: right-handed, z up, origin where you want it; gravity acts along -z, heights count from z = 0.
@@ -79,15 +79,15 @@ Where a tether gives an output another meaning:
 
 ## A free kite end
 
-In `TetherDynamicFree.fmu` the kite end is a point mass that moves under the force of the tether, its weight and a load. The importer
-computes the load from `kite_position` and `kite_velocity`, which are outputs there: those of the end of the step before. All other
-variables are as above and below, with the same value references. These differ:
+In `TetherDynamicFree.fmu` the kite end is a point mass that moves under the force of the tether, its weight and a load. The
+importer computes the load from `kite_position` and `kite_velocity`, which are outputs there: those of the end of the step
+before. These variables differ; all others are as above and below, and value references are the same in all tethers:
 
 {free}
 
-The load goes on within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment only. The
-start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step on. `end_velocities`
-concerns the ground end only.
+The load goes on within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment only.
+The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step on.
+`end_velocities` concerns the ground end only.
 
 ## Parameters
 
