@@ -85,9 +85,9 @@ before. These variables differ; all others are as above and below, and value ref
 
 {free}
 
-The load goes on within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment only.
-The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step on.
-`end_velocities` concerns the ground end only.
+The load goes on within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment
+only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step
+on. `end_velocities` concerns the ground end only.
 
 ## Parameters
 

@@ -73,3 +73,22 @@ def test_a_mass_at_rest_pulls_with_its_weight(segments):
     np.testing.assert_allclose(outputs.kite_force, mass * weight - load, atol=1e-6)
     np.testing.assert_allclose(outputs.ground_force, load - (mass + LINE * LENGTH) * weight, atol=1e-6)
     np.testing.assert_allclose(outputs.kite_velocity, 0.0, atol=1e-6)
+
+
+def flown(step, input_continuation):
+    """Position [m] after 4 s of a kite of 10 kg with a lift along the tether and a drag c |w| w of w, air minus kite."""
+    tether = TetherDynamicFree(initial_length=500.0, input_continuation=input_continuation, relative_tolerance=1e-7)
+    outputs = tether.initialize((300.0, 0.0, 400.0), wind_velocity=(8.0, 0.0, 0.0))
+    for _ in range(round(4.0 / step)):
+        wind = np.array([8.0, 0.0, 0.0]) - outputs.kite_velocity
+        lift = (180.0, 40.0 + 5.0 * outputs.kite_velocity[0], 350.0)
+        outputs = tether.step(step, kite_load=lift + 2.0 * np.linalg.norm(wind) * wind)
+    return outputs.kite_position
+
+
+@pytest.mark.parametrize(("input_continuation", "order"), [("linear", 2), ("held", 1)])
+def test_order_of_a_load_that_depends_on_the_motion(input_continuation, order):
+    """Steps of 40, 20, 10 ms, far longer than a kite moved by kite_force allows (1.5 ms): differences fall as 2^order."""
+    positions = [flown(step, input_continuation) for step in (0.04, 0.02, 0.01)]
+    coarse, fine = (np.linalg.norm(positions[k] - positions[k + 1]) for k in (0, 1))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.2)
