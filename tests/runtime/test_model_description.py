@@ -44,6 +44,7 @@ PARAMETERS = {  # name: (start, unit), as the plug says
     "fixed_step": ("0", "s"),
     "initial_shape": ("1", None),
     "end_velocities": ("1", None),
+    "input_continuation": ("1", None),
 }
 
 PARAMETERS_OF_A_FREE_KITE = {
@@ -80,9 +81,8 @@ def test_offers_the_plug(fmu_folder, name):
         assert variables[each].variability == "fixed"
     assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ([None] * 3 if is_free else ["300", "0", "400"])
     assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
-    assert {variables[each].type for each in ("damping_law", "wind_profile", "initial_shape", "end_velocities")} == {
-        "Enumeration"
-    }
+    enumerations = ("damping_law", "wind_profile", "initial_shape", "end_velocities", "input_continuation")
+    assert {variables[each].type for each in enumerations} == {"Enumeration"}
 
 
 @every_fmu
