@@ -8,8 +8,9 @@ from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
 from runtime.host import Host
-from runtime.test_rollback import blob_of
+from runtime.test_rollback import blob_of, count_of, restore
 from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
+from tetherfmu.runtime.saved_state import from_bytes, to_bytes
 
 FMU = "TetherDynamicFree.fmu"
 
@@ -91,6 +92,29 @@ def test_the_motion_cannot_be_set(fmu_folder):
     with pytest.raises(FMICallException):
         host.step(0.02)
     host.step(0.02)
+
+
+@pytest.mark.parametrize("value", [math.nan, 1e300])
+@in_own_process
+def test_a_forged_motion_is_computed_anew(fmu_folder, value):
+    """Of a state before the start nothing is read; afterwards the motion follows from the state of the tether."""
+
+    def forged(host):
+        saved = from_bytes(blob_of(host), "dynamic_free", count_of(host))
+        saved.values[host.reference["kite_position[1]"]] = saved.values[host.reference["kite_velocity[2]"]] = value
+        return to_bytes(saved)
+
+    host, twin = Host(fmu_folder / FMU), Host(fmu_folder / FMU)
+    restore(host, forged(host))
+    assert all(map(math.isfinite, host.all_outputs()))
+    for each in (host, twin):
+        each.start()
+        each.step(0.02)
+    restore(host, forged(host))
+    assert host.all_outputs() == twin.all_outputs()
+    for each in (host, twin):
+        each.step(0.02, kite_load=(33.0, 0.0, 167.0))
+    assert host.all_outputs() == twin.all_outputs()
 
 
 @in_own_process
