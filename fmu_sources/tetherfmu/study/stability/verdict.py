@@ -31,13 +31,17 @@ class Verdict(NamedTuple):
 
 
 def difference(point, flight, refined):
-    """Error of a flight [-] against its refinement, inf beyond all numbers; None where the refinement has only the start."""
+    """Error of a flight [-] against its refinement, inf beyond all numbers; None where the refinement has only the start.
+
+    Two flights without any force have no error.
+    """
     count = min(len(flight.forces), len(refined.forces))
     if count < 2:
         return None
     a, b = flight.forces[:count], refined.forces[:count]
     size = np.sqrt(np.mean(b**2)) + LINE_DENSITY * point.length * point.gravity
-    return float(np.nan_to_num(np.sqrt(np.mean((a - b) ** 2)) / size, nan=np.inf))
+    error = np.sqrt(np.mean((a - b) ** 2))
+    return float(np.nan_to_num(error / size, nan=np.inf)) if error else 0.0
 
 
 def judge(point):
