@@ -40,8 +40,8 @@ def values_of(table):
 
 def session(folder, others):
     """State machine for the FMU in a folder; `others` holds serialized states of other FMUs."""
-    names = {variable.name for variable in description_of(folder).modelVariables}
-    good_inputs = {name: values for name, values in GOOD_INPUTS.items() if name in names}
+    inputs = {variable.name for variable in description_of(folder).modelVariables if variable.causality == "input"}
+    good_inputs = {name: values for name, values in GOOD_INPUTS.items() if name in inputs}
 
     class Session(RuleBasedStateMachine):
         states = Bundle("states")

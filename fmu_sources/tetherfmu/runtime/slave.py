@@ -261,11 +261,12 @@ class TetherSlave(Fmi2Slave):
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
-        before = self._get_fmu_state()
+        before, values = self._get_fmu_state(), self._values[:]
         try:
             self._take(saved_state.from_bytes(blob, self.variant, len(self._values)))
         except ValueError as problem:
             self._take(saved_state.from_bytes(before, self.variant, len(self._values)))
+            self._values[:] = values  # also outputs that cannot be computed from what has been set since
             self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
             return
         self._refusal = None
