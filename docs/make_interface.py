@@ -7,15 +7,17 @@ from tetherfmu.export.documents import folded, meaning, start
 from tetherfmu.runtime.model_description import number
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variants import class_name
 
 PAGE = Path(__file__).with_name("interface.md")
-FMU_OF = {variant: "Tether" + variant.title().replace("_", "") for variant in IGNORED}
+FMU_OF = {variant: class_name(variant) for variant in IGNORED}
 TEXT = """# Interface
 
 <!-- Written by docs/make_interface.py from the sources: edit those, and run it again. -->
 
 The plug of {fmus}.
-Names, units, causality and signs are the same in each, so that one replaces another without rewiring.
+Names, units, causality and signs are the same in each, so that one replaces another without rewiring; only
+`TetherDynamicFree.fmu` differs at the kite end ("A free kite end").
 FMI 2.0 co-simulation, SI units, structured names.
 
 Frame: right-handed, z up, origin where you want it; gravity acts along -z, heights count from z = 0.
@@ -58,7 +60,7 @@ of its own
     h < 2 kite_damping / kite_stiffness
 
 or the motion along a taut tether grows: 1.5 ms for the default material, whatever the length. A kite whose motion is
-prescribed has no such limit.
+prescribed has no such limit, and `TetherDynamicFree.fmu` has none: it moves the kite itself.
 
 ## Inputs
 
@@ -74,6 +76,18 @@ segment that is lumped at the end, not its inertia (theory, "End forces").
 Where a tether gives an output another meaning:
 
 {notes}
+
+## A free kite end
+
+In `TetherDynamicFree.fmu` the kite end is a point mass that moves under the force of the tether, its weight and a load. The
+importer computes the load from `kite_position` and `kite_velocity`, which are outputs there: those of the end of the step
+before. These variables differ; all others are as above and below, and value references are the same in all tethers:
+
+{free}
+
+The load goes on within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment
+only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step
+on. `end_velocities` concerns the ground end only.
 
 ## Parameters
 
@@ -122,6 +136,18 @@ def parameters():
     return table(("name", "unit", "start", "allowed", "meaning"), rows)
 
 
+def free_kite():
+    """Table of the variables that only the tether with a free kite end has, or has in another role."""
+    driven = {(v.name, v.causality) for v in variables("dynamic", 0)}
+    listed = [v for v in variables("dynamic_free", 0) if (v.name, v.causality) not in driven]
+    rows = []
+    for name, each in folded(listed):
+        first = start(each) if each[0].start is not None else ""
+        allowed = each[0].quantity.range() if each[0].causality == PARAMETER else ""
+        rows.append((f"`{name}`", each[0].causality, each[0].quantity.unit, first, allowed, meaning(each)))
+    return table(("name", "causality", "unit", "start", "allowed", "meaning"), rows)
+
+
 def by_tether(texts, last_column):
     """Table of what tethers say of a variable, equal texts in one row; texts : variant -> name -> text."""
     tethers = {}
@@ -138,6 +164,7 @@ def page():
         fmus=", ".join(f"`{name}.fmu`" for name in SLAVES),
         inputs=signals(INPUT),
         outputs=signals(OUTPUT),
+        free=free_kite(),
         parameters=parameters(),
         notes=by_tether(NOTES, "meaning"),
         ignored=by_tether(IGNORED, "why"),

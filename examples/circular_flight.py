@@ -35,9 +35,9 @@ from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
 from tetherfmu.libraries.children import ctrl_c_waits
-from tetherfmu.runtime.variants import class_name, variant_of
+from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
-TETHERS = {variant: class_name(variant) for variant in ("dynamic", "quasi_steady", "catenary", "straight")}
+TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
@@ -100,6 +100,8 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     def references(*names):
         return references_of(fmu_file, reference, names)
 
+    if "kite_load[1]" in reference:
+        raise WrongUse(f"{fmu_file} has a free kite end, which cannot be flown on a circle; take one with driven ends")
     inputs, outputs = references("kite_position", "kite_velocity"), references("ground_force", "kite_force") + points
     with running(fmu_file, description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
@@ -185,7 +187,7 @@ def find_fmu(name):
 def tether(text):
     """A variant of the tether by any of its names, or "all"."""
     try:
-        return text if text == "all" else variant_of(text)
+        return text if text == "all" else variant_of(text, VARIANTS)
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"{error}, or all") from None
 

@@ -8,7 +8,7 @@ from importlib import import_module
 from .runtime import __version__
 
 _HOMES = {
-    "models": ("TetherDynamic", "TetherQuasiSteady", "TetherCatenary", "TetherStraight"),
+    "models": ("TetherDynamic", "TetherDynamicFree", "TetherQuasiSteady", "TetherCatenary", "TetherStraight"),
     "results": ("Flown", "Outputs", "PlausibilityWarning", "StepRefused"),
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
     "materials": ("MATERIALS", "tether_of"),

@@ -44,14 +44,14 @@ def with_quantities(model, given, tethers, *records):
 
 
 def checked_masses(point_masses, segments):
-    """Pairs (node, mass) of a dict of point masses; ValueError if a node or a mass [kg] does not exist."""
+    """A dict of point masses, node to mass [kg]; ValueError if a node or a mass does not exist."""
     masses = dict(point_masses or {})
     for node, mass in masses.items():
         if node not in range(segments + 1) or not (mass >= 0.0 and np.isfinite(mass)):
             raise ValueError(
                 f"point_masses has {mass!r} kg at node {node!r}; it must be at least 0 kg at a node from 0 to {segments}"
             )
-    return masses.items()
+    return masses
 
 
 def node_vectors(name, given, segments):

@@ -1,5 +1,10 @@
-"""The Python API: the four tethers, without FMI."""
+"""The Python API: the tethers, without FMI."""
 
+from numpy.typing import ArrayLike
+
+from tetherfmu.runtime.parameters import FreeKite
+
+from .results import Outputs
 from .tether_model import TetherModel
 
 
@@ -31,6 +36,71 @@ class TetherDynamic(TetherModel):
 
     def __init__(self, *arguments, free_ends: tuple[bool, bool] = (False, False), **options):
         super().__init__(*arguments, **options, _free_ends=free_ends)
+
+
+class TetherDynamicFree(TetherModel):
+    """The dynamic tether with a kite end that is a free point mass: a load comes in, its motion goes out.
+
+    `kite_position` and `kite_velocity` of `initialize` are where the motion starts; afterwards they are outputs.
+
+    Parameters
+    ----------
+    kite_mass : float
+        Point mass at the kite end [kg], at least 0, beside half of the last segment. Gravity acts on it.
+
+    The other parameters are those of `TetherModel`.
+
+    Examples
+    --------
+    A kite of 10 kg on a tether of 505 m, 500 m away at the start, and a load that carries it outwards:
+
+    >>> tether = TetherDynamicFree(initial_length=505.0, kite_mass=10.0)
+    >>> start = tether.initialize(kite_position=(300.0, 0.0, 400.0), wind_velocity=(8.0, 0.0, 0.0))
+    >>> for _ in range(50):
+    ...     outputs = tether.step(0.02, kite_load=(150.0, 0.0, 330.0))
+    >>> outputs.kite_position.round(1).tolist(), outputs.kite_velocity.round(1).tolist()
+    ([302.2, 0.0, 399.8], [3.8, 0.0, -1.0])
+    """
+
+    variant = "dynamic_free"
+
+    def __init__(self, *arguments, kite_mass: float = FreeKite.kite_mass, **options):
+        super().__init__(*arguments, **options, _free_ends=(False, True), _kite_mass=FreeKite(kite_mass).kite_mass)
+
+    def step(
+        self,
+        step: float,
+        kite_load: ArrayLike | None = None,
+        ground_position: ArrayLike | None = None,
+        ground_velocity: ArrayLike | None = None,
+        reel_out_speed: float | None = None,
+        wind_velocity: ArrayLike | None = None,
+    ) -> Outputs:
+        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+
+        Parameters
+        ----------
+        step : float
+            Communication step [s].
+        kite_load : (3,) array
+            External force on the kite [N]: aerodynamics, control; not its weight. 0 from the start on until it is given.
+        ground_position, ..., wind_velocity
+            As for `initialize`.
+
+        Returns
+        -------
+        Outputs
+            Those at the end of the step.
+
+        Raises
+        ------
+        StepRefused
+            If the step cannot be done; the tether keeps the state and the inputs of before.
+        ValueError
+            If an argument has another shape; nothing is changed.
+        """
+        inputs = None, None, ground_position, ground_velocity, reel_out_speed, kite_load
+        return self._step(step, inputs, wind_velocity)
 
 
 class TetherQuasiSteady(TetherModel):

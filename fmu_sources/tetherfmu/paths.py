@@ -80,11 +80,12 @@ def inputs_along(
     reel_out_speed: Callable[[float], float] | float = 0.0,
     wind_velocity: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
     start: float = 0.0,
+    kite_load: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
-    kite, ground : ends that move; None: at (300, 0, 400) m and at the origin.  reel_out_speed [m/s], wind_velocity [m/s] :
-    constant, or functions of time [s].  start : time of the first step [s].
+    kite, ground : ends that move; None: at (300, 0, 400) m and at the origin.  reel_out_speed [m/s], wind_velocity [m/s],
+    kite_load (of a free kite end) [N] : constant, or functions of time [s].  start : time of the first step [s].
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 19)
@@ -97,6 +98,6 @@ def inputs_along(
         for place, end in ((at.KITE_POSITION, kite or parked), (at.GROUND_POSITION, ground or still)):
             row[place : place + 6] = np.concatenate(end.at(time))
         row[at.REEL_OUT_SPEED] = reel_out_speed(time) if callable(reel_out_speed) else reel_out_speed
-        wind = wind_velocity(time) if callable(wind_velocity) else wind_velocity
-        row[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+        for place, vector in ((at.WIND_VELOCITY, wind_velocity), (at.KITE_LOAD, kite_load)):
+            row[place : place + 3] = vector(time) if callable(vector) else vector
     return rows

@@ -35,6 +35,8 @@ class Outputs(NamedTuple):
         Work since the start: internal steps, those that were taken back, Newton iterations.
     shape : (points, 3) array
         Points at equal unstretched length, ground first [m].
+    kite_position, kite_velocity : (3,) arrays
+        Of the kite end [m, m/s]: where a free one has moved to, or a driven one is led.
 
     Examples
     --------
@@ -61,6 +63,8 @@ class Outputs(NamedTuple):
     solver_rejections: int
     solver_iterations: int
     shape: np.ndarray
+    kite_position: np.ndarray
+    kite_velocity: np.ndarray
 
 
 class Flown(NamedTuple):

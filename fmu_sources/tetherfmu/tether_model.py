@@ -18,7 +18,7 @@ from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variables import KITE_AT_START
-from tetherfmu.runtime.variants import WITHOUT_NODES, effective
+from tetherfmu.runtime.variants import WITHOUT_DAMPING, WITHOUT_NODES, effective, library_of
 
 from . import energy
 from .arguments import checked_masses, node_vectors, number, record_of, tethers_of, whole, with_quantities
@@ -76,6 +76,7 @@ class TetherModel:
         shape_points: int | None = None,
         kernels: Kernels | None = None,
         _free_ends: tuple[bool, bool] = (False, False),
+        _kite_mass: float = 0.0,
         **quantities: float | str,
     ):
         name = type(self).__name__
@@ -86,11 +87,13 @@ class TetherModel:
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = checked_masses(point_masses, segments)
+        if _kite_mass:
+            masses[segments] = masses.get(segments, 0.0) + _kite_mass
         self._points = segments + 1 if shape_points is None else whole("shape_points", shape_points)
         tethers = tuple(effective(each, self.variant) for each in tethers)
-        self._kernels = kernels or ready.kernels(self.variant)
+        self._kernels = kernels or ready.kernels(library_of(self.variant))
         self._instance = instance = Instance(self._kernels, self._points)
-        instance.set_up(tethers, environment, solver, point_masses=masses, free_ends=_free_ends)
+        instance.set_up(tethers, environment, solver, point_masses=masses.items(), free_ends=_free_ends)
         self.segments: int = instance.segments
         arrays = instance.values, instance.parameters, instance.state, instance.before, instance.work
         values, self._parameters, self._state, self._before, self._work = map(np.frombuffer, arrays)  # views
@@ -215,9 +218,14 @@ class TetherModel:
         ValueError
             If an argument has another shape; nothing is changed.
         """
+        inputs = kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, kite_load
+        return self._step(step, inputs, wind_velocity, tether_length)
+
+    def _step(self, step, given, wind_velocity, tether_length=None):
+        """What `step` does; given : values of `_INPUTS`."""
         if not self._runs:
             raise self._not_initialized()
-        if tether_length is not None and self.variant == "dynamic":
+        if tether_length is not None and self.variant not in WITHOUT_DAMPING:
             raise ValueError(
                 "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
             )
@@ -225,7 +233,7 @@ class TetherModel:
         if tether_length is not None:
             tether_length = number("tether_length", tether_length, "m")
         inputs, parameters, length = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
-        self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, kite_load)
+        self._set(*given)
         if wind_velocity is not None:
             try:
                 self._set_wind(wind_velocity)
@@ -241,7 +249,7 @@ class TetherModel:
         if problem:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
             raise StepRefused(problem, self._instance.status)
-        self._warn()
+        self._warn(deeper=1)
         return self._present()
 
     def fly(self, inputs: ArrayLike, step: float, every: int = 1, peaks: bool = True) -> Flown:
@@ -391,7 +399,7 @@ class TetherModel:
             if velocities is not None:
                 raise ValueError("velocities of nodes are given without their positions")
             return None
-        if self.variant != "dynamic":
+        if self.variant in WITHOUT_DAMPING:
             raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
         positions = node_vectors("positions", positions, self.segments)
         moving = np.zeros_like(positions) if velocities is None else node_vectors("velocities", velocities, self.segments)
@@ -448,10 +456,13 @@ class TetherModel:
         """What is said before the start."""
         return StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
 
-    def _warn(self):
-        """Warn the caller of a public method of what is implausible, each once since the start."""
+    def _warn(self, deeper=0):
+        """Warn the caller of a public method of what is implausible, each once since the start.
+
+        deeper : calls between that method and the one that calls this.
+        """
         for sentence in self._instance.warnings():
-            warn(sentence, PlausibilityWarning, stacklevel=3)
+            warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
 
     def _present(self):
         """`Outputs` as they were computed last."""
@@ -464,4 +475,5 @@ class TetherModel:
             *values[at.SLACK_SEGMENTS + 1 : at.SOLVER_STEPS].tolist(),
             *map(int, values[at.SOLVER_STEPS : at.SHAPE].tolist()),
             values[at.SHAPE :].reshape(-1, 3),
+            *self._motion()[:, -1].copy(),
         )

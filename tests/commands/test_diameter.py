@@ -52,6 +52,6 @@ def test_check_passes(fmu, capsys):
 @pytest.mark.parametrize("diameter", [DIAMETER.minimum, DIAMETER.maximum])
 @pytest.mark.parametrize("segments", [SEGMENTS.minimum, SEGMENTS.maximum])
 def test_the_ends_of_what_is_allowed_pass_their_check(tmp_path, diameter, segments):
-    """All four; their evidence sets have digits enough."""
+    """All FMUs; their evidence sets have digits enough."""
     assert main(["build", "--diameter", str(diameter), "--segments", str(segments), "--out", str(tmp_path)]) == 0
     assert main(["check", *map(str, tmp_path.glob("*.fmu"))]) == 0

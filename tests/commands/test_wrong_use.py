@@ -210,6 +210,14 @@ def test_what_an_fmu_refuses_is_told_without_a_traceback(fmu_folder, tmp_path):
     assert done.stderr.splitlines()[-1].endswith("the FMU has said why")
 
 
+def test_a_free_kite_cannot_be_flown_on_a_circle(fmu_folder, capsys, tmp_path):
+    fmu = fmu_folder / "TetherDynamicFree.fmu"
+    assert run("fly", "--fmu", str(fmu), "--out", str(tmp_path)) == 2
+    assert f"{fmu} has a free kite end" in capsys.readouterr().err
+    assert run("fly", "--tether", "dynamic-free", "--out", str(tmp_path)) == 2
+    assert "no tether is called dynamic-free; choose from straight" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", list(COMMANDS))
 def test_help_shows_the_command_as_it_is_typed(name, capsys):
     assert run(name, "--help") == 0

@@ -71,6 +71,7 @@ def test_every_variant_tells_its_own_physics(fmu_folder, name):
         "TetherCatenary": "asinh(V2/H)",
         "TetherQuasiSteady": "omega x (omega x r_i)",
         "TetherDynamic": "m_i dv_i/dt",
+        "TetherDynamicFree": "(kite_mass + m_n) dv_n/dt",
     }
     text = content(fmu_folder / f"{name}.fmu")["documentation/index.html"].decode("utf-8")
     assert [each for each in SLAVES if symbol[each] in text] == [name]

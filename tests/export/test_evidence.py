@@ -13,6 +13,7 @@ from tetherfmu.export import evidence
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver, Tether
 
+dynamic = pytest.mark.parametrize("model", [models.TetherDynamic, models.TetherDynamicFree])
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
@@ -65,31 +66,53 @@ def test_the_scene_moves_what_it_says():
     assert (start["wind_velocity"][0], end["wind_velocity"][0]) == (0.0, 8.0)
 
 
-def deviation(relative_tolerance):
-    """Largest difference of the dynamic tether's kite_tension from the reference, as a part of the largest tension."""
-    scene = [evidence.inputs_at(k * evidence.STEP) for k in range(evidence.STEPS + 1)]
-    reference = np.array(evidence.reference(models.TetherDynamic, Tether(), scene))[:, 7]
-    tether = models.TetherDynamic(Tether(), solver=Solver(relative_tolerance=relative_tolerance))
-    tensions = [tether.initialize(**scene[0]).kite_tension]
+def deviation(model, relative_tolerance):
+    """Largest difference of a dynamic tether's kite_tension from the reference, as a part of the largest tension."""
+    scene, names = evidence.scene_of(model, Tether()), evidence.recorded(model.variant)
+    reference = np.array(evidence.reference(model, Tether(), scene))[:, names.index("kite_tension")]
+    tether = model(Tether(), solver=Solver(relative_tolerance=relative_tolerance))
+    tensions = [tether.initialize(wind_velocity=scene[0]["wind_velocity"]).kite_tension]
     tensions += [tether.step(evidence.STEP, **inputs).kite_tension for inputs in scene[:-1]]
     return np.abs(reference - tensions).max() / reference.max()
 
 
-def test_the_reference_is_far_better_than_what_is_allowed():
-    """A tolerance ten times tighter moves the reference of the dynamic tether by less than 1e-4 of the allowed deviation."""
-    assert deviation(0.1 * evidence.REFERENCE_TOLERANCE) < 1e-4 * evidence.ALLOWED["dynamic"]
+@dynamic
+def test_the_reference_is_far_better_than_what_is_allowed(model):
+    """A tolerance ten times tighter moves the reference of a dynamic tether by less than 1e-4 of the allowed deviation."""
+    assert deviation(model, 0.1 * evidence.REFERENCE_TOLERANCE) < 1e-4 * evidence.ALLOWED[model.variant]
 
 
-def test_the_default_tolerance_stays_well_within_what_is_allowed():
-    assert 1e-5 < deviation(DEFAULT_TOLERANCE) < 1e-3
+@dynamic
+def test_the_default_tolerance_stays_well_within_what_is_allowed(model):
+    assert 1e-6 < deviation(model, DEFAULT_TOLERANCE) < 1e-3
 
 
+@pytest.mark.parametrize("diameter", [0.004, 0.5])
+def test_the_load_begins_with_what_holds_a_free_kite(diameter):
+    tether = Tether().with_diameter(diameter)
+    (first, *_) = evidence.scene_of(models.TetherDynamicFree, tether)
+    balance = np.array(first["kite_load"]) + models.TetherDynamicFree(tether).initialize().kite_force
+    np.testing.assert_allclose(balance, (0.0, 0.0, 10.0 * 9.81), atol=1e-3)  # 10 digits of up to 1e6 N
+
+
+def test_a_free_kite_is_pulled_taut():
+    tether = models.TetherDynamicFree()
+    tether.initialize()
+    scene = evidence.scene_of(models.TetherDynamicFree, Tether())
+    outputs = [tether.step(evidence.STEP, **inputs) for inputs in scene[:-1]]
+    assert outputs[-1].kite_tension > 3.0 * outputs[0].kite_tension
+    assert max(each.kite_position[1] for each in outputs) > 20.0
+
+
+@dynamic
 @pytest.mark.parametrize("segments", [1, 300])
-def test_the_set_belongs_to_the_start_values_of_the_fmu(segments):
+def test_the_set_belongs_to_the_start_values_of_the_fmu(model, segments):
     """Also with the fewest and with the most segments that a builder may ask for."""
-    made, usual = (evidence.files("TetherDynamic", Tether(segments=number)) for number in (segments, 20))
-    assert made["TetherDynamic_in.csv"] == usual["TetherDynamic_in.csv"]
-    assert made["TetherDynamic_ref.csv"] != usual["TetherDynamic_ref.csv"]
+    name = model.__name__
+    made, usual = (evidence.files(name, Tether(segments=number)) for number in (segments, 20))
+    same = made[f"{name}_in.csv"] == usual[f"{name}_in.csv"]
+    assert same == (model is models.TetherDynamic)  # the load of a free kite begins with the force of its tether
+    assert made[f"{name}_ref.csv"] != usual[f"{name}_ref.csv"]
 
 
 def test_digits_hide_the_last_bit_of_a_zero():

@@ -18,22 +18,31 @@ import numpy as np
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
-from scenes import circle
+from scenes import circle, kite_at_start, kite_inputs
 
 STEP, STEPS = 0.02, 2000  # 40 s, a third of the turn
 # sizes of the steps: as they are meant; as rounded by clients that take differences of times, or of whole nanoseconds
 EXACT = np.full(STEPS, STEP)
 DIFFERENCES = np.diff(STEP * np.arange(STEPS + 1))
 NANOSECONDS = np.diff(np.arange(STEPS + 1) * round(STEP * 1e9) / 1e9)
-INPUTS = [f"{vector}[{i}]" for vector in ("kite_position", "kite_velocity") for i in (1, 2, 3)]
-ROWS = [np.concatenate(circle(k * STEP)).tolist() for k in range(STEPS + 1)]
-START_REALS = {
-    "initial_length": 525.0,
-    "wind_velocity[1]": 8.0,
-    "reel_out_speed": 0.1,
-    **dict(zip(INPUTS, ROWS[0], strict=True)),
-}
 START_INTEGERS = {"segments": 12}
+
+
+def numbers(vectors):
+    """Numbers by FMI names, from a dict of vectors."""
+    return {f"{name}[{i}]": float(number) for name, vector in vectors.items() for i, number in enumerate(vector, start=1)}
+
+
+def start_reals(path):
+    """Start values of Real variables for an FMU, by its path, or for a container of FMUs with driven kites."""
+    kite = {**kite_inputs(path.stem, *circle(0.0)), **kite_at_start(path.stem, *circle(0.0))}
+    return {"initial_length": 525.0, "wind_velocity[1]": 8.0, "reel_out_speed": 0.1, **numbers(kite)}
+
+
+def flight(path):
+    """Names of the inputs that move, and a row of their values for each communication point."""
+    rows = [numbers(kite_inputs(path.stem, *circle(k * STEP))) for k in range(STEPS + 1)]
+    return list(rows[0]), [list(row.values()) for row in rows]
 
 
 def different(found, expected):
@@ -66,10 +75,11 @@ def instance(path, name="tether"):
     identifier = description.coSimulation.modelIdentifier
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName=name)
     references, _, _ = variables(path)
+    reals = start_reals(path)
     fmu.instantiate()
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()
-    fmu.setReal([references[name] for name in START_REALS], list(START_REALS.values()))
+    fmu.setReal([references[name] for name in reals], list(reals.values()))
     fmu.setInteger([references[name] for name in START_INTEGERS], list(START_INTEGERS.values()))
     fmu.exitInitializationMode()
     yield fmu
@@ -81,13 +91,14 @@ def instance(path, name="tether"):
 def fmpy(path, steps=EXACT):
     """FMPy, step by step."""
     references, reals, integers = variables(path)
-    inputs = [references[name] for name in INPUTS]
+    names, rows = flight(path)
+    inputs = [references[name] for name in names]
     outputs = [[references[name] for name in names] for names in (reals, integers)]
     points = []
     with instance(path) as fmu:
         points.append(fmu.getReal(outputs[0]) + fmu.getInteger(outputs[1]))
         for k, step in enumerate(steps):
-            fmu.setReal(inputs, ROWS[k])
+            fmu.setReal(inputs, rows[k])
             fmu.doStep(k * STEP, step)
             points.append(fmu.getReal(outputs[0]) + fmu.getInteger(outputs[1]))
     return _columns(reals + integers, points)
@@ -97,8 +108,9 @@ def fmpy_simulate(path):
     """`simulate_fmu` of FMPy."""
     _, reals, integers = variables(path)
     time = STEP * np.arange(STEPS + 1)
-    signal = np.rec.fromarrays([time, *np.transpose(ROWS)], names=["time", *INPUTS])
-    start, output = {**START_REALS, **START_INTEGERS}, reals + integers
+    names, rows = flight(path)
+    signal = np.rec.fromarrays([time, *np.transpose(rows)], names=["time", *names])
+    start, output = {**start_reals(path), **START_INTEGERS}, reals + integers
     result = simulate_fmu(
         str(path), stop_time=time[-1], output_interval=STEP, input=signal, start_values=start, output=output
     )
@@ -120,9 +132,10 @@ def libcosim(path):
     from libcosimpy.CosimSlave import CosimLocalSlave
 
     references, reals, integers = variables(path)
+    inputs, rows = flight(path)
     execution = CosimExecution.from_step_size(round(STEP * 1e9))
     slave = execution.add_local_slave(CosimLocalSlave(str(path), "tether"))
-    for name, value in START_REALS.items():
+    for name, value in start_reals(path).items():
         assert execution.real_initial_value(slave, references[name], value)
     for name, value in START_INTEGERS.items():
         assert execution.integer_initial_value(slave, references[name], value)
@@ -132,8 +145,8 @@ def libcosim(path):
         assert all(observer.start_time_series(slave, references[name], kind) for name in names)
     override = CosimManipulator.create_override()
     assert execution.add_manipulator(override)
-    for row in ROWS[:-1]:
-        assert override.slave_real_values(slave, [references[name] for name in INPUTS], row)
+    for row in rows[:-1]:
+        assert override.slave_real_values(slave, [references[name] for name in inputs], row)
         assert execution.step()
     result = {}
     for names, samples in ((reals, observer.time_series_real_samples), (integers, observer.time_series_integer_samples)):
@@ -162,8 +175,9 @@ def build_container(paths, folder, **options):
             built.add_input(name, path.name, name)
         for name in reals + integers:
             built.add_output(path.name, name, name if len(paths) == 1 else f"{path.stem}.{name}")
-    built.make_fmu(folder / "tethers.fmu", step_size=STEP, **options)
-    return folder / "tethers.fmu"
+    target = folder / (paths[0].name if len(paths) == 1 else "tethers.fmu")
+    built.make_fmu(target, step_size=STEP, **options)
+    return target
 
 
 def python_library():
@@ -178,7 +192,7 @@ def c_host(program, path, folder, plan, end="finalize", preloaded=()):
     description = read_model_description(str(path))
     extracted = Path(extract(str(path), unzipdir=str(folder / path.stem)))
     scenario = folder / f"{path.stem}.txt"
-    _write_scenario(scenario, references, reals, integers)
+    _write_scenario(scenario, path, references, reals, integers)
     library = extracted / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
     resources = (extracted / "resources").as_uri()
     done = subprocess.run(
@@ -200,14 +214,15 @@ def c_host(program, path, folder, plan, end="finalize", preloaded=()):
     return [_columns(reals + integers, each) for each in points]
 
 
-def _write_scenario(file, references, reals, integers):
+def _write_scenario(file, path, references, reals, integers):
     """The circle as `c_host.c` reads it."""
     words = []
-    for names in (START_REALS, START_INTEGERS):
+    for names in (start_reals(path), START_INTEGERS):
         words += [len(names), *(references[name] for name in names), *names.values()]
-    for names in (INPUTS, reals, integers):
+    inputs, rows = flight(path)
+    for names in (inputs, reals, integers):
         words += [len(names), *(references[name] for name in names)]
-    words += [STEPS, *EXACT.tolist(), *np.ravel(ROWS[:-1]).tolist()]
+    words += [STEPS, *EXACT.tolist(), *np.ravel(rows[:-1]).tolist()]
     file.write_text(" ".join(float(word).hex() for word in words))
 
 

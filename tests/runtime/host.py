@@ -15,15 +15,21 @@ def description_of(path):
     return read_model_description(str(path))
 
 
+def names_of(host, causality):
+    """Names of the variables of a causality."""
+    return [variable.name for variable in host.description.modelVariables if variable.causality == causality]
+
+
 class Host:
     """One instance of an FMU.
 
     path : of the FMU, or of a folder where it was extracted before.
-    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `folder`.
+    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `name`, `folder`.
     """
 
     def __init__(self, path, name="tether"):
         self.description = description_of(path)
+        self.name = self.description.modelName
         self.folder = extract(str(path)) if is_zipfile(path) else path
         self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         self.kind = {variable.name: variable.type for variable in self.description.modelVariables}

@@ -10,7 +10,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host
+from runtime.host import Host, names_of
+from scenes import kite_inputs
 from tetherfmu.export.archive import SLAVES
 
 LONGEST_CALL = 2.0  # seconds
@@ -46,10 +47,6 @@ def assert_finite(host):
     assert all(math.isfinite(value) for value in host.all_outputs())
 
 
-def names_of(host, causality):
-    return [v.name for v in host.description.modelVariables if v.causality == causality]
-
-
 @pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
 def test_every_input(fmu_folder, fmu):
@@ -80,7 +77,7 @@ def test_every_length_of_step(fmu_folder, fmu):
     for speed in (0.0, 40.0):
         for step in STEPS:
             host.fmu.setFMUState(state)
-            host.set(**{"kite_velocity[1]": speed})
+            host.set(**kite_inputs(fmu, (300.0, 0.0, 400.0), (speed, 0.0, 0.0)))
             said = outcome(host, lambda step=step: host.fmu.doStep(0.02, step))
             assert_finite(host)
             if said != "done":
@@ -107,6 +104,6 @@ def test_every_parameter(fmu_folder, fmu):
                 assert name in said or "equilibrium" in said, (name, value, said)
                 continue
             assert_finite(host)
-            outcome(host, lambda host=host: host.step(0.02, kite_velocity=(1.0, 0.0, 0.0)))
+            outcome(host, lambda host=host: host.step(0.02, **kite_inputs(fmu, (300.0, 0.0, 400.0), (1.0, 0.0, 0.0))))
             assert_finite(host)
             host.free()

@@ -5,10 +5,12 @@ import pytest
 from isolation import in_own_process
 from runtime.host import Host
 from runtime.test_rollback import STEP, blob_of, restore
-from scenes import circle
+from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.runtime.variants import VARIANTS, class_name
 
 every_fmu = pytest.mark.parametrize("fmu", list(SLAVES))
+every_driven_fmu = pytest.mark.parametrize("fmu", list(map(class_name, VARIANTS)))
 STRETCHED, CONTRADICTS = "a segment is stretched by 400 %, beyond 5 %", "kite_velocity contradicts kite_position"
 
 
@@ -18,12 +20,13 @@ def fly(host, begin, end, factor=0.0):
     for k in range(begin, end):
         position, velocity = circle(k * STEP)
         host.time = k * STEP
-        host.step(STEP, kite_position=position, kite_velocity=factor * velocity)
+        host.step(STEP, **kite_inputs(host.name, position, factor * velocity))
     return host.messages[:]
 
 
 def started(path, length=525.0, **values):
-    return Host(path).start(initial_length=length, kite_position=circle(0.0)[0], **values)
+    host = Host(path)
+    return host.start(initial_length=length, **kite_at_start(host.name, circle(0.0)[0]), **values)
 
 
 @every_fmu
@@ -35,7 +38,7 @@ def test_a_kite_at_500_m_on_a_tether_of_100_m(fmu_folder, fmu):
     assert not any("stretched" in message for message in fly(host, 0, 20, 1.0))
 
 
-@every_fmu
+@every_driven_fmu
 @in_own_process
 def test_once_in_flight_and_again_after_reset(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
@@ -48,7 +51,7 @@ def test_once_in_flight_and_again_after_reset(fmu_folder, fmu):
     assert len(fly(host, 0, 40)) == 1
 
 
-@every_fmu
+@every_driven_fmu
 @in_own_process
 def test_states(fmu_folder, fmu):
     """A state that has said it says nothing anywhere; one of before says it once, but not twice in one instance."""
@@ -75,7 +78,7 @@ def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
     host.fmu.enterInitializationMode()
     host.set(initial_length=100.0)
     assert host.get("kite_tension") > 1e5  # stretched by 400 %
-    host.set(initial_length=525.0, kite_position=circle(0.0)[0], kite_velocity=circle(0.0)[1])
+    host.set(initial_length=525.0, **kite_at_start(fmu, *circle(0.0)))
     host.fmu.exitInitializationMode()
     assert host.messages == []
     assert fly(host, 0, 100, 1.0) == []

@@ -136,12 +136,12 @@ def test_room_of_the_caller_is_left_alone(variant):
 def test_the_load_of_the_kite_has_a_name():
     instance = running("dynamic")
     instance.values[at.KITE_LOAD + 1] = nan
-    assert "the input kite_load is nan" in instance.advance(STEP)
+    assert "the input kite_load[2] is nan" in instance.advance(STEP)
 
 
 def test_tolerances():
     """The solver's own wins, then the importer's, then the default."""
     instance = Instance(kernels("dynamic"), POINTS)
     for own, importers, expected in ((1e-3, 1e-5, 1e-3), (0.0, 1e-5, 1e-5), (0.0, 0.0, 1e-4)):
-        instance.set_up((Tether(),), Environment(), Solver(relative_tolerance=own), importers)
+        instance.set_up((Tether(),), Environment(), Solver(relative_tolerance=own), tolerance=importers)
         assert instance.parameters[at.RELATIVE_TOLERANCE] == expected

@@ -5,7 +5,7 @@ import pytest
 
 from isolation import in_own_process
 from runtime.host import Host
-from scenes import REVOLUTION, circle
+from scenes import REVOLUTION, circle, kite_at_start, kite_inputs
 from tetherfmu import models
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.models import TetherDynamic
@@ -16,15 +16,14 @@ WIND = (0.1, 0.0, 0.0)
 
 def fly(host, steps, step=0.02, begin=0):
     for k in range(begin, begin + steps):
-        position, velocity = circle(k * step)
-        host.step(step, kite_position=position, kite_velocity=velocity)
+        host.step(step, **kite_inputs(host.name, *circle(k * step)))
     return host.all_outputs()
 
 
 def started(path, **values):
-    position, velocity = circle(0.0)
-    start = {"initial_length": 525.0, "kite_position": position, "kite_velocity": velocity, "wind_velocity": WIND}
-    return Host(path).start(**{**start, **values})
+    host = Host(path)
+    start = {"initial_length": 525.0, **kite_at_start(host.name, *circle(0.0)), "wind_velocity": WIND}
+    return host.start(**{**start, **values})
 
 
 @pytest.mark.parametrize("name", list(SLAVES))
@@ -37,11 +36,12 @@ def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
     outputs = tether.initialize(position, velocity, wind_velocity=WIND)
     assert host.get("kite_force") == list(outputs.kite_force)
     for k in range(round(REVOLUTION / 0.02)):
-        position, velocity = circle(0.02 * k)
-        host.step(0.02, kite_position=position, kite_velocity=velocity)
-        outputs = tether.step(0.02, position, velocity, wind_velocity=WIND)
+        inputs = kite_inputs(name, *circle(0.02 * k))
+        host.step(0.02, **inputs)
+        outputs = tether.step(0.02, **inputs, wind_velocity=WIND)
         assert host.get("kite_force") == list(outputs.kite_force)
-    for field in ("ground_force", "kite_force"):
+    moving = ("kite_position", "kite_velocity") if name == "TetherDynamicFree" else ()
+    for field in ("ground_force", "kite_force", *moving):
         assert host.get(field) == list(getattr(outputs, field))
     for field in ("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"):
         assert host.get(field) == getattr(outputs, field)
@@ -89,8 +89,7 @@ def test_reset_equals_a_fresh_instance(fmu_folder, name):
     fresh = fly(host, 30)
     host.fmu.reset()
     host.time = 0.0
-    position, velocity = circle(0.0)
-    host.start(initial_length=525.0, kite_position=position, kite_velocity=velocity, wind_velocity=WIND)
+    host.start(initial_length=525.0, **kite_at_start(name, *circle(0.0)), wind_velocity=WIND)
     assert fly(host, 30) == fresh
 
 

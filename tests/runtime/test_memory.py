@@ -10,7 +10,7 @@ import pytest
 
 from isolation import in_own_process
 from runtime.host import Host
-from scenes import circle
+from scenes import circle, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
 LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory and open files are read from /proc")
@@ -53,10 +53,11 @@ def test_2000_cycles(fmu_folder, fmu):
 def test_a_million_steps(fmu_folder, fmu):
     """Steps of 1 to 50 ms on the circle, states taken and freed: no growth after the first 10000, all outputs finite."""
     host = Host(fmu_folder / f"{fmu}.fmu").start(segments=3, fixed_step=0.025)
-    kite = [host.reference[f"kite_{what}[{i}]"] for what in ("position", "velocity") for i in (1, 2, 3)]
+    moving = kite_inputs(fmu, *circle(0.0))
+    kite = [host.reference[f"{name}[{i}]"] for name in moving for i in (1, 2, 3)]
     outputs = [host.reference[f"kite_force[{i}]"] for i in (1, 2, 3)] + [host.reference["sag"]]
     steps = np.random.default_rng(1).uniform(0.001, 0.05, 1000).tolist()
-    path = [[*circle(time)[0], *circle(time)[1]] for time in np.cumsum([0.0, *steps[:-1]])]
+    path = [np.ravel(list(kite_inputs(fmu, *circle(time)).values())).tolist() for time in np.cumsum([0.0, *steps[:-1]])]
     time, state = 0.0, None
     for lap in range(1000):
         if lap == 10:
@@ -85,8 +86,7 @@ def test_100_live_instances_are_independent(fmu_folder, fmu):
         return Host(folder).start(initial_length=length, segments=5)
 
     def fly(host, k):
-        position, velocity = circle(0.02 * k)
-        host.step(0.02, kite_position=position, kite_velocity=velocity)
+        host.step(0.02, **kite_inputs(fmu, *circle(0.02 * k)))
 
     hosts = [started(length) for length in lengths]
     for k in range(10):

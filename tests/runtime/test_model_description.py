@@ -11,8 +11,9 @@ from fmpy.validation import validate_fmu
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.kernel_library import this_platform
 
-VECTORS = {"input": ["kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity"]}
-VECTORS["output"] = ["ground_force", "kite_force"]
+VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "output": ["ground_force", "kite_force"]}
+DRIVEN = {"input": ["kite_position", "kite_velocity"], "output": []}
+FREE = {"input": ["kite_load"], "output": ["kite_position", "kite_velocity"]}
 SCALARS = {
     "input": ["reel_out_speed"],
     "output": [
@@ -43,6 +44,13 @@ PARAMETERS = {  # name: (start, unit), as the plug says
     "fixed_step": ("0", "s"),
     "initial_shape": ("1", None),
     "end_velocities": ("1", None),
+    "input_continuation": ("1", None),
+}
+
+PARAMETERS_OF_A_FREE_KITE = {
+    "kite_mass": ("10", "kg"),
+    **{f"initial_kite_position[{i}]": (start, "m") for i, start in enumerate(("300", "0", "400"), start=1)},
+    **{f"initial_kite_velocity[{i}]": ("0", "m/s") for i in (1, 2, 3)},
 }
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
@@ -57,22 +65,24 @@ def test_fmpy_finds_no_problem(fmu_folder, name):
 def test_offers_the_plug(fmu_folder, name):
     description = read_model_description(str(fmu_folder / f"{name}.fmu"))
     variables = {variable.name: variable for variable in description.modelVariables}
-    expected = set(PARAMETERS)
+    is_free = name == "TetherDynamicFree"
+    parameters = PARAMETERS | (PARAMETERS_OF_A_FREE_KITE if is_free else {})
+    expected = set(parameters)
     for causality in ("input", "output"):
-        names = SCALARS[causality] + [f"{each}[{i}]" for each in VECTORS[causality] for i in (1, 2, 3)]
+        vectors = VECTORS[causality] + (FREE if is_free else DRIVEN)[causality]
+        names = SCALARS[causality] + [f"{each}[{i}]" for each in vectors for i in (1, 2, 3)]
         assert {variables[each].causality for each in names} == {causality}
         expected.update(names)
     expected.update(f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3))
     assert set(variables) == expected
-    for each, (start, unit) in PARAMETERS.items():
+    for each, (start, unit) in parameters.items():
         assert (variables[each].start, variables[each].unit) == (start, unit)
         assert variables[each].causality == "parameter"
         assert variables[each].variability == "fixed"
-    assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ["300", "0", "400"]
+    assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ([None] * 3 if is_free else ["300", "0", "400"])
     assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
-    assert {variables[each].type for each in ("damping_law", "wind_profile", "initial_shape", "end_velocities")} == {
-        "Enumeration"
-    }
+    enumerations = ("damping_law", "wind_profile", "initial_shape", "end_velocities", "input_continuation")
+    assert {variables[each].type for each in enumerations} == {"Enumeration"}
 
 
 @every_fmu
@@ -103,6 +113,20 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
     assert {variables[each].min for each in not_negative} == {"0"}
     assert float(variables["ground_azimuth"].max) == -float(variables["ground_azimuth"].min) == math.pi
     assert float(variables["ground_elevation"].max) == -float(variables["ground_elevation"].min) == math.pi / 2.0
+
+
+@every_fmu
+def test_common_variables_have_one_order_and_one_value_reference(fmu_folder, name):
+    """So that a tool which keeps numbers instead of names can change the file, too."""
+    found, expected = (
+        {v.name: v.valueReference for v in read_model_description(str(fmu_folder / f"{each}.fmu")).modelVariables}
+        for each in (name, "TetherDynamic")
+    )
+    common = [each for each in found if each in expected]
+    assert [found[each] for each in common] == [expected[each] for each in common]
+    moved = {f"kite_{what}[{i}]" for what in ("position", "velocity") for i in (1, 2, 3)}  # an input, or an output
+    fixed = [each for each in common if each not in moved]
+    assert fixed == [each for each in expected if each not in moved]
 
 
 def build(folder, *options):

@@ -6,9 +6,9 @@ from tetherfmu import models
 from tetherfmu.commands.build import parse
 from tetherfmu.export.archive import SCRIPTS, SLAVES
 from tetherfmu.runtime.variables import IGNORED, NOTES
-from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
+from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name, variant_of
 
-every_variant = pytest.mark.parametrize("variant", VARIANTS)
+every_variant = pytest.mark.parametrize("variant", EVERY_VARIANT)
 
 
 @every_variant
@@ -24,7 +24,7 @@ def test_another_text_is_named(text):
     with pytest.raises(ValueError, match="no tether is called") as refusal:
         variant_of(text)
     assert f"called {text};" in str(refusal.value)
-    assert all(variant in str(refusal.value) and class_name(variant) in str(refusal.value) for variant in VARIANTS)
+    assert all(variant in str(refusal.value) and class_name(variant) in str(refusal.value) for variant in EVERY_VARIANT)
 
 
 @every_variant
@@ -35,14 +35,22 @@ def test_one_list_for_all(variant):
 
 
 def test_tables_have_the_same_variants():
-    assert set(IGNORED) == set(NOTES) == set(VARIANTS)
+    assert set(IGNORED) == set(NOTES) == set(EVERY_VARIANT)
+
+
+def test_a_list_without_free_ends():
+    """As the example asks that flies a driven kite."""
+    with pytest.raises(ValueError, match="no tether is called dynamic-free; choose from") as refusal:
+        variant_of("dynamic-free", VARIANTS)
+    assert "TetherDynamicFree" not in str(refusal.value)
 
 
 def test_builder_takes_every_spelling(capsys):
-    assert parse(["quasi-steady", "dynamic", "TetherStraight"]).names == [
+    assert parse(["quasi-steady", "dynamic", "TetherStraight", "dynamic-free"]).names == [
         "TetherQuasiSteady",
         "TetherDynamic",
         "TetherStraight",
+        "TetherDynamicFree",
     ]
     with pytest.raises(SystemExit):
         parse(["elastic"])

@@ -11,7 +11,7 @@ from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity, quantities
-from tetherfmu.runtime.variants import class_name, variant_of
+from tetherfmu.runtime.variants import class_name, library_of, variant_of
 
 MAX_SHAPE_POINTS = 1001
 SEGMENTS = dict(quantities(Tether))["segments"]
@@ -114,7 +114,7 @@ def main(arguments=None, prog="tetherfmu build"):
     if options.scene is not None:
         return build_for_scene(options)
     names = options.names or list(SLAVES)
-    ready.folders([SLAVES[name][1] for name in names], options.platforms)  # all at once is faster
+    ready.folders([library_of(SLAVES[name][1]) for name in names], options.platforms)  # all at once is faster
     for name in names:
         starts = options.diameter or ()
         show(build(name, options.out, options.segments or 20, options.shape_points, options.platforms, starts=starts))

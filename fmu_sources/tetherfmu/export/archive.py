@@ -21,13 +21,13 @@ from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
-from tetherfmu.runtime.variants import VARIANTS, class_name
+from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
 from . import osp
 from .documents import OSP_FOLDER, documents
 
 SCRIPTS = Path(__file__).with_name("slaves")
-SLAVES = {class_name(variant): (f"tether_{variant}.py", variant) for variant in VARIANTS}  # name: (slave script, variant)
+SLAVES = {class_name(each): (f"tether_{each}.py", each) for each in EVERY_VARIANT}  # name: (slave script, variant)
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.workarounds import hold
@@ -62,8 +62,9 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     folder, platforms = Path(folder), platforms or [this_platform()]
     folder.mkdir(parents=True, exist_ok=True)
     _, variant = SLAVES[name]
-    compiled = ready.folders([variant], platforms)[variant]
-    kernels = [compiled / file_name(variant, platform) for platform in platforms]
+    library = library_of(variant)
+    compiled = ready.folders([library], platforms)[library]
+    kernels = [compiled / file_name(library, platform) for platform in platforms]
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
         shipped = _write_package(resources, name, kernels)

@@ -23,8 +23,8 @@ OSP_FOLDER = "extra/com.open-simulation-platform"
 def documents(name, variant, description, options, platforms, scene_page=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
-    name : of the FMU.  variant : "dynamic", "quasi_steady", "catenary" or "straight".  description : of the model, one
-    paragraph.  options : dict of the build options.  platforms : names of those that the FMU has kernels for.
+    name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
+    options : dict of the build options.  platforms : names of those that the FMU has kernels for.
     scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
     """
     table = table_of(variant, options)

@@ -1,21 +1,27 @@
 """The evidence set of an FMU, in the files of FMI's cross-check: what goes in, what must come out, and with which options.
 
-The scene starts from the start values of the FMU: a kite 500 m away flies into a part of a circle and outwards, the wind
-rises, the tether pays out and becomes taut. The reference is the Python API with a tolerance far tighter than the FMU's.
+The scene starts from the start values of the FMU: a kite 500 m away flies into a part of a circle and outwards, a free one
+is pulled outwards and to and fro by its load; the wind rises, the tether pays out and becomes taut. The reference is the
+Python API with a tolerance far tighter than the FMU's.
 """
 
-from math import cos, sin
+from functools import partial
+from math import cos, hypot, sin
 
 from tetherfmu import models
-from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver
-from tetherfmu.runtime.variables import INPUT, KITE_AT_START, OUTPUT, variables
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver
+from tetherfmu.runtime.variables import INPUT, KITE_AT_START, OUTPUT, names_of, variables
+from tetherfmu.runtime.variants import FREE
 
 STEP, STEPS = 0.05, 200  # of communication [s], and how many of them
 REFERENCE_TOLERANCE = 1e-9  # of the solver; 1e-10 changes the reference by 1e-8 of the largest force
+# Relative tolerance of the run where it is not the default: a free kite remembers each snap of a tether of one segment
+TOLERANCES = {"dynamic_free": 1e-7}
 # Deviation from the reference, as a part of the largest value. The solver of the dynamic tether makes 1e-3 at its default
 # tolerance; the others integrate nothing, so that only the digits of the files are left.
-ALLOWED = {"dynamic": 5e-3, "quasi_steady": 1e-6, "catenary": 1e-6, "straight": 1e-6}
-RECORDED = ("ground_force", "kite_force", "ground_tension", "kite_tension", "tether_length", "sag")
+ALLOWED = {"dynamic": 5e-3, "dynamic_free": 5e-3, "quasi_steady": 1e-6, "catenary": 1e-6, "straight": 1e-6}
+RECORDED = ("kite_force", "ground_tension", "kite_tension", "tether_length", "sag")  # and for 10 outputs one vector more
+KITE = ("flies into a part of a circle and outwards", "is pulled outwards and to and fro by its load")  # driven, free
 INPUT_DIGITS, OUTPUT_DIGITS = 10, 8  # so that the last bit of a mathematical library does not show
 
 _TURN_RATE, _TURN_RISES = 0.08, 4.0  # [rad/s], [s]
@@ -23,6 +29,9 @@ _GROWTH, _GROWS = 0.018, 8.0  # of the distance [-], [s]
 _REEL_OUT, _REEL_OUT_BEGINS, _REEL_OUT_RISES = 0.5, 2.0, 4.0  # [m/s], [s], [s]
 _WIND, _WIND_RISES = 8.0, 3.0  # [m/s], [s]
 _GUST, _GUST_RATE = 2.0, 0.5  # [m/s], [rad/s]
+# on a free kite, as parts of the force of the tether at the start: along the tether and across it
+_PULL, _PULL_RISES = 2.7, 6.0  # [-], [s]
+_SWAY, _SWAY_RATE = 0.5, 0.8  # [-], [rad/s]
 
 
 def _rise(time, duration):
@@ -42,9 +51,26 @@ def inputs_at(time):
     stretching = growth_rate / (1.0 + growth)
     position = (east, north, (1.0 + growth) * z)
     velocity = (stretching * east - rate * north, stretching * north + rate * east, growth_rate * z)
+    return {"kite_position": position, "kite_velocity": velocity, **_around(time)}
+
+
+def inputs_of_free_kite(time, kite_force):
+    """As `inputs_at`, for a tether with a free kite end; kite_force : at the start [N].
+
+    The load begins with what holds the kite and the tether at rest, so that it suits light and heavy tethers.
+    """
+    force, distance = hypot(*kite_force), hypot(*KITE_AT_START)
+    pull = _PULL * force * _rise(time, _PULL_RISES)[0]
+    x, y, z = (pull * part / distance - held for part, held in zip(KITE_AT_START, kite_force, strict=True))
+    weight = FreeKite().kite_mass * Environment().gravity
+    return {"kite_load": (x, y + _SWAY * force * sin(_SWAY_RATE * time), z + weight), **_around(time)}
+
+
+def _around(time):
+    """Wind and reel-out speed at a time [s]."""
     wind = (_WIND * _rise(time, _WIND_RISES)[0], _GUST * sin(_GUST_RATE * time), 0.0)
     reel_out = _REEL_OUT * _rise(time - _REEL_OUT_BEGINS, _REEL_OUT_RISES)[0]
-    return {"kite_position": position, "kite_velocity": velocity, "reel_out_speed": reel_out, "wind_velocity": wind}
+    return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
 def files(name, tether):
@@ -53,31 +79,42 @@ def files(name, tether):
     name : of the FMU and of its class in `models`.  tether : `Tether` of the start values of the FMU.
     """
     model = getattr(models, name)
-    scene = [{key: _rounded(value) for key, value in inputs_at(k * STEP).items()} for k in range(STEPS + 1)]
+    scene, inputs = scene_of(model, tether), names_of(variables(model.variant, 0), INPUT)
     return {
-        f"{name}_in.csv": _table(_names(INPUT), [_flat(inputs, _names(INPUT)) for inputs in scene], INPUT_DIGITS),
-        f"{name}_ref.csv": _table(_names(OUTPUT), reference(model, tether, scene), OUTPUT_DIGITS),
+        f"{name}_in.csv": _table(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS),
+        f"{name}_ref.csv": _table(recorded(model.variant), reference(model, tether, scene), OUTPUT_DIGITS),
     }
+
+
+def scene_of(model, tether):
+    """Inputs at all communication points: list of dicts of the Python API's arguments, with the digits of the input file.
+
+    model : class of the Python API.  tether : `Tether` of the start values.
+    """
+    at = inputs_at
+    if model.variant in FREE:
+        at = partial(inputs_of_free_kite, kite_force=model(tether).initialize().kite_force.tolist())
+    return [{key: _rounded(value) for key, value in at(k * STEP).items()} for k in range(STEPS + 1)]
+
+
+def recorded(variant):
+    """FMI names of the recorded outputs."""
+    vectors = (*RECORDED, "kite_position" if variant in FREE else "ground_force")
+    return [name for name in names_of(variables(variant, 0), OUTPUT) if name.partition("[")[0] in vectors]
 
 
 def facts(variant):
     """Numbers in assets/evidence.opt, the options of the run, and in its description assets/evidence.txt."""
-    tolerances = {"tolerance": DEFAULT_TOLERANCE, "reference_tolerance": REFERENCE_TOLERANCE}
-    return {"step": STEP, "stop": STEP * STEPS, "allowed": ALLOWED[variant], **tolerances}
+    tolerances = {"tolerance": TOLERANCES.get(variant, DEFAULT_TOLERANCE), "reference_tolerance": REFERENCE_TOLERANCE}
+    return {"step": STEP, "stop": STEP * STEPS, "allowed": ALLOWED[variant], "kite": KITE[variant in FREE], **tolerances}
 
 
 def reference(model, tether, scene):
     """Recorded outputs of the Python API at the start and after each step: list of lists of numbers."""
     tether = model(tether, solver=Solver(relative_tolerance=REFERENCE_TOLERANCE))
-    rows = [tether.initialize(**scene[0])]
+    rows = [tether.initialize(**{key: value for key, value in scene[0].items() if key != "kite_load"})]
     rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]
-    return [_flat(row._asdict(), _names(OUTPUT)) for row in rows]
-
-
-def _names(causality):
-    """FMI names of all inputs or of the recorded outputs."""
-    listed = [variable.name for variable in variables("dynamic", 0) if variable.causality == causality]
-    return [name for name in listed if causality == INPUT or name.partition("[")[0] in RECORDED]
+    return [_flat(row._asdict(), recorded(model.variant)) for row in rows]
 
 
 def _flat(values, names):

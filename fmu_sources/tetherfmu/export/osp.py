@@ -17,17 +17,18 @@ def model_description(table):
     """Text of the file.
 
     Two Generic groups, `kite` and `ground`, each with a Force, a LinearVelocity and a LinearDisplacement in this order; and
-    the LinearVelocity groups `wind` and `reel_out`. libcosim connects a group with one of the same make: groups in groups in
-    the same order, with the same number of variables. What an FMU for one scene goes without is left out.
+    the LinearVelocity groups `wind` and `reel_out`. The force of a free kite end is its load. libcosim connects a group with
+    one of the same make: groups in groups in the same order, with the same number of variables. What an FMU for one scene
+    goes without is left out.
 
     table : of `variables.Variable`.
     """
     units = {variable.name: variable.quantity.unit for variable in table}
     root = Element("OspModelDescription", xmlns=NAMESPACE, version="1.0")
     groups = SubElement(root, "VariableGroups")
-    for end in ("kite", "ground"):
+    for end, force in (("kite", "load" if "kite_load[1]" in units else "force"), ("ground", "force")):
         port = Element("Generic", name=end)
-        for kind, what in (("Force", "force"), ("LinearVelocity", "velocity"), ("LinearDisplacement", "position")):
+        for kind, what in (("Force", force), ("LinearVelocity", "velocity"), ("LinearDisplacement", "position")):
             _vector(port, kind, f"{end}_{what}", units, f"{end}_{what}")
         if len(port):
             groups.append(port)

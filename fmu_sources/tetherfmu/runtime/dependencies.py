@@ -3,16 +3,19 @@
 A test sets every input and parameter to another value and looks which outputs change.
 """
 
+from .variants import FREE, library_of
+
 
 def _vector(name):
     return tuple(f"{name}[{i}]" for i in (1, 2, 3))
 
 
 _LENGTH = ("initial_length",)
-_POSITIONS = _vector("kite_position") + _vector("ground_position")
+_KITE_MOTION = _vector("kite_position") + _vector("kite_velocity")
+_POSITIONS = _KITE_MOTION[:3] + _vector("ground_position")
 _STRETCH = (*_POSITIONS, *_LENGTH, "axial_stiffness", "diameter", "density")
 _AIR = (
-    *(_vector("kite_velocity") + _vector("ground_velocity") + _vector("wind_velocity")),
+    *(_KITE_MOTION[3:] + _vector("ground_velocity") + _vector("wind_velocity")),
     "end_velocities",
     *("diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
@@ -52,13 +55,16 @@ _BY_VARIANT = {
 def depends_on(variant, name, shape_points, ignored):
     """Names of the inputs and parameters that an output depends on when initialization ends.
 
-    variant : "dynamic", "quasi_steady", "catenary" or "straight".  name : of the output.  shape_points : number of points of
-    the output `shape`.  ignored : inputs and parameters without effect.
+    variant : one of `variants.EVERY_VARIANT`.  name : of the output.  shape_points : number of points of the output `shape`.
+    ignored : inputs and parameters without effect.
     """
-    names = {**_EVERY_TETHER, **_BY_VARIANT[variant]}.get(name, _FORCE)
+    library = library_of(variant)
+    names = {**_EVERY_TETHER, **_BY_VARIANT[library]}.get(name, (name,) if name in _KITE_MOTION else _FORCE)
     if name.startswith("shape"):
-        names = _of_point(variant, *name[len("shape[") : -1].split(","), shape_points)
-    unused = {*ignored, *(() if variant == "dynamic" else ("reel_out_speed",))}
+        names = _of_point(library, *name[len("shape[") : -1].split(","), shape_points)
+    if variant in FREE:
+        names = (f"initial_{each}" if each in _KITE_MOTION else each for each in names)
+    unused = {*ignored, *(() if library == "dynamic" else ("reel_out_speed",))}
     return tuple(each for each in dict.fromkeys(names) if each not in unused)
 
 

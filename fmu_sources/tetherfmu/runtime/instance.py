@@ -10,7 +10,7 @@ from . import plausibility, status
 from .parameters import DEFAULT_TOLERANCE, pack
 from .variables import INPUT_NAMES
 
-INPUTS_AT, OUTPUTS_AT = 0, at.INPUTS  # places in `Instance.values`
+OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
 
 
 def zeros(count):
@@ -60,12 +60,12 @@ class Instance:
         self._inputs_address = address(self.values)
         self._outputs_address = self._inputs_address + 8 * OUTPUTS_AT
 
-    def set_up(self, tethers, environment, solver, tolerance=0.0, point_masses=(), free_ends=(False, False)):
+    def set_up(self, tethers, environment, solver, point_masses=(), free_ends=(False, False), tolerance=0.0):
         """Pack the parameters, make the arrays; it is to be started next.
 
-        tethers : as the variant knows them (`variants.effective`).  tolerance : the importer's relative tolerance [-], for a
-        solver without one of its own; 0 for none.  The others : see `parameters.pack`.  ValueError if the tethers do not fit
-        together or their segments are too short.
+        tethers : as the variant knows them (`variants.effective`).  point_masses, free_ends : see `parameters.pack`.
+        tolerance : the importer's relative tolerance [-], for a solver without one of its own; 0 for none.  ValueError if
+        the tethers do not fit together or their segments are too short.
         """
         tolerance = solver.relative_tolerance or tolerance or DEFAULT_TOLERANCE
         self.parameters = pack(tethers, environment, solver, tolerance, point_masses, free_ends)
@@ -119,6 +119,12 @@ class Instance:
         state, outputs = self._state_address, self._outputs_address
         return self.kernels.observe(self.segments, self._parameters_address, state, self.points, outputs, self._work_address)
 
+    def kite_end(self):
+        """Position [m] and velocity [m/s] of the kite end, an array of six numbers."""
+        velocity = len(self.state) - 3
+        position = velocity - 3 * (self.segments + 1)
+        return self.state[position : position + 3] + self.state[velocity:]
+
     def take(self, state):
         """Go on from a state, an array of its size; what was implausible in it is not told again.
 
@@ -140,7 +146,7 @@ class Instance:
         place = status.index(result)
         return status.sentence(
             result,
-            name=INPUT_NAMES.get(place, "kite_load"),  # the only input that is no FMI variable
+            name=INPUT_NAMES[place],
             value=self.values[place],
             step=step,
             reel_out_speed=self.values[at.REEL_OUT_SPEED],

@@ -129,6 +129,21 @@ class Solver:
         check(self)
 
 
+@documented
+@dataclass(frozen=True)
+class FreeKite:
+    """What a free kite end carries. ValueError if a number is out of range.
+
+    >>> FreeKite(kite_mass=25.0).kite_mass
+    25.0
+    """
+
+    kite_mass: float = quantity(10.0, "kg", "point mass at the kite end, beside half of the last segment", 0.0, 1e9)
+
+    def __post_init__(self):
+        check(self)
+
+
 def check_series(tethers):
     """Check tethers that are joined in series, ground first; ValueError if they do not fit together or are too fine."""
     first = tethers[0]

@@ -15,15 +15,16 @@ from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
 from . import __version__, layout, saved_state, status, variables
-from .instance import INPUTS_AT, OUTPUTS_AT, Instance, zeros
+from .instance import OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
 from .model_description import complete
 from .parameters import LOOSEST_TOLERANCE, check_series
 from .resources import KERNELS_FOLDER, options_in
 from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED, SavedState
-from .variants import effective
+from .variants import FREE, effective, library_of
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
+_KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # of a free kite: outputs, at the places of inputs
 _PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
 
 
@@ -45,7 +46,8 @@ class TetherSlave(Fmi2Slave):
         self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=step, tolerance=1e-4)
         self._about = options["about"]
         self._table = variables.table_of(self.variant, options)
-        self._instance = Instance(self._kernels(), options["shape_points"], room=len(variables.parameter_names()))
+        self._parameter_names = variables.names_of(self._table, variables.PARAMETER)
+        self._instance = Instance(self._kernels(), options["shape_points"], room=len(self._parameter_names))
         self._make_values()
         self._phase = BEFORE
         self._importer_tolerance = 0.0
@@ -57,14 +59,14 @@ class TetherSlave(Fmi2Slave):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""
         self._no_kernels = None
         try:
-            return load(Path(self.resources or ".") / KERNELS_FOLDER, self.variant)
+            return load(Path(self.resources or ".") / KERNELS_FOLDER, library_of(self.variant))
         except OSError as error:
             self._no_kernels = str(error)
             return None
 
     def _make_values(self):
         """One array of all values: inputs, outputs, parameters. The value reference of a variable is its place there."""
-        first = {"input": INPUTS_AT, "output": OUTPUTS_AT, "parameter": self._instance.parameters_at}
+        first = {"input": 0, "output": 0, "parameter": self._instance.parameters_at}
         self._references = [first[variable.causality] + variable.place for variable in self._table]
         self._values = self._instance.values
         pairs = list(zip(self._references, self._table, strict=True))
@@ -124,6 +126,7 @@ class TetherSlave(Fmi2Slave):
             self._refusal = None
             self._say(problem, Fmi2Status.discard)
             return False
+        self._read_free_kite()
         self._time = current_time + step_size
         self._warn()
         return True
@@ -194,7 +197,7 @@ class TetherSlave(Fmi2Slave):
                     f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
                 )
             elif reference >= self._instance.parameters_at and self._phase >= STEPPING:
-                name = variables.parameter_names()[reference - self._instance.parameters_at]
+                name = self._parameter_names[reference - self._instance.parameters_at]
                 self._refuse(f"{name} cannot be set to {value!r} now; it is fixed when the initialization ends")
             else:
                 self._values[reference] = value
@@ -206,10 +209,23 @@ class TetherSlave(Fmi2Slave):
         if self._no_kernels:
             return self._no_kernels
         try:
-            self._instance.set_up(*self._records(self._values), self._importer_tolerance)
+            self._instance.set_up(*self._records(self._values), tolerance=self._importer_tolerance)
         except (ValueError, OverflowError) as error:
             return str(error)
-        return self._instance.start()
+        if self.variant not in FREE:
+            return self._instance.start()
+        before = self._values[_KITE_END]
+        first = self._instance.parameters_at + self._parameter_names.index("initial_kite_position[1]")
+        self._values[_KITE_END] = self._values[first : first + len(before)]
+        problem = self._instance.start()
+        if problem:
+            self._values[_KITE_END] = before
+        return problem
+
+    def _read_free_kite(self):
+        """Outputs of a free kite end, after a step or when a state was set."""
+        if self.variant in FREE:
+            self._values[_KITE_END] = self._instance.kite_end()
 
     def _problem_of_time(self, time, step):
         """Why no step can be done now, or None; a communication point where no step ended is reported once."""
@@ -228,9 +244,11 @@ class TetherSlave(Fmi2Slave):
         return None
 
     def _records(self, values):
-        """Tethers (one), environment and solver in an array of all values; ValueError if one is out of range."""
-        tether, environment, solver = variables.records(self._table, values[self._instance.parameters_at :])
-        return (effective(tether, self.variant),), environment, solver
+        """What `Instance.set_up` wants, from an array of all values; ValueError if one is out of range."""
+        numbers = values[self._instance.parameters_at :]
+        tether, environment, solver, *kites = variables.records(self.variant, self._table, numbers)
+        masses = [(tether.segments, kite.kite_mass) for kite in kites]
+        return (effective(tether, self.variant),), environment, solver, masses, (False, bool(kites))
 
     # --- state
 
@@ -243,11 +261,12 @@ class TetherSlave(Fmi2Slave):
 
     def _set_fmu_state(self, blob):
         """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
-        before = self._get_fmu_state()
+        before, values = self._get_fmu_state(), self._values[:]
         try:
             self._take(saved_state.from_bytes(blob, self.variant, len(self._values)))
         except ValueError as problem:
             self._take(saved_state.from_bytes(before, self.variant, len(self._values)))
+            self._values[:] = values  # also outputs that cannot be computed from what has been set since
             self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
             return
         self._refusal = None
@@ -266,12 +285,15 @@ class TetherSlave(Fmi2Slave):
         instance = self._instance
         self._values[:OUTPUTS_AT] = saved.values[:OUTPUTS_AT]
         self._values[OUTPUTS_AT : instance.parameters_at] = zeros(instance.parameters_at - OUTPUTS_AT)
+        if self.variant in FREE:
+            self._values[_KITE_END] = zeros(_KITE_END.stop - _KITE_END.start)
         self._values[instance.parameters_at :] = saved.values[instance.parameters_at :]
         if records:
-            instance.set_up(*records, saved.tolerance)
+            instance.set_up(*records, tolerance=saved.tolerance)
             instance.take(saved.state)
             if instance.observe() != status.OK:
                 raise ValueError("has numbers that no tether has")
+            self._read_free_kite()
 
     def _records_of_state(self, saved):
         """Records of the parameters in a saved state; ValueError if they cannot be used with its state array."""

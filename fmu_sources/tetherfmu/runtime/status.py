@@ -30,7 +30,8 @@ SENTENCES = {
     ),
     STEP_TOO_SMALL: (
         "the solver cannot reach the relative_tolerance {relative_tolerance} with any internal step; the motion of an "
-        "end (kite_position, ground_position) jumps too far in this step of {step} s, or the tolerance is too small"
+        "end (kite_position, ground_position) or the kite_load jumps too far in this step of {step} s, or the tolerance is "
+        "too small"
     ),
     STATE_NOT_FINITE: "the motion leaves the range of numbers in a step of {step} s; check the inputs and parameters",
     NO_EQUILIBRIUM: (

@@ -1,7 +1,8 @@
 """The plug: the table of FMI variables, made from the records. One table for every tether.
 
 A variable lives at one place of the flat arrays (`layout.py`), which has its name: an input, an output, or a parameter of a
-record. Its value reference is its place in `Instance.values`.
+record. Its value reference is its place in `Instance.values`. The motion of a free kite end is an output; it stands where it
+is an input in the other tethers, so that all have the same value references.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -10,8 +11,9 @@ from math import degrees, pi
 
 from . import layout as at
 from .dependencies import depends_on
-from .parameters import Environment, Solver, Tether
+from .parameters import Environment, FreeKite, Solver, Tether
 from .quantities import Quantity, checked, quantities
+from .variants import FREE
 
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
 RECORDS = (Tether, Environment, Solver)
@@ -27,29 +29,36 @@ class Variable:
     causality: str  # INPUT, OUTPUT or PARAMETER
     kind: str  # "Real", "Integer" or "Enumeration"
     quantity: Quantity
-    place: int  # in the `inputs` or `outputs` array; of a parameter, its number
+    place: int  # in the `inputs` array or, from `layout.INPUTS` on, in the `outputs` array; of a parameter, its number
     start: float | None = None  # of inputs and parameters
     depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends
 
 
 def _vector(name, causality, unit, meaning, start=(None, None, None)):
-    place = getattr(at, name.upper())
+    place = getattr(at, name.upper()) + (at.INPUTS if causality == OUTPUT else 0)
     return [
         Variable(f"{name}[{i + 1}]", causality, "Real", Quantity(unit, f"{meaning}, {axis}"), place + i, start[i])
         for i, axis in enumerate("xyz")
     ]
 
 
-def _input_variables():
+_ZERO = (0.0, 0.0, 0.0)
+_KITE_MOTION = (
+    *_vector("kite_position", INPUT, "m", "position of the kite attachment point", KITE_AT_START),
+    *_vector("kite_velocity", INPUT, "m/s", "velocity of the kite attachment point", _ZERO),
+)
+_LOAD = "external force on the kite: aerodynamics, control; not its weight"
+_KITE_LOAD = tuple(_vector("kite_load", INPUT, "N", _LOAD, _ZERO))
+
+
+def _input_variables(variant):
     reel_out = Quantity("m/s", "rate of change of the unstretched length; positive pays out")
-    zero = (0.0, 0.0, 0.0)
     return [
-        *_vector("kite_position", INPUT, "m", "position of the kite attachment point", KITE_AT_START),
-        *_vector("kite_velocity", INPUT, "m/s", "velocity of the kite attachment point", zero),
-        *_vector("ground_position", INPUT, "m", "position of the ground end", zero),
-        *_vector("ground_velocity", INPUT, "m/s", "velocity of the ground end", zero),
+        *(_KITE_LOAD if variant in FREE else _KITE_MOTION),
+        *_vector("ground_position", INPUT, "m", "position of the ground end", _ZERO),
+        *_vector("ground_velocity", INPUT, "m/s", "velocity of the ground end", _ZERO),
         Variable("reel_out_speed", INPUT, "Real", reel_out, at.REEL_OUT_SPEED, 0.0),
-        *_vector("wind_velocity", INPUT, "m/s", "wind at wind_reference_height", zero),
+        *_vector("wind_velocity", INPUT, "m/s", "wind at wind_reference_height", _ZERO),
     ]
 
 
@@ -78,28 +87,36 @@ _SCALAR_OUTPUTS = {  # unit, meaning, minimum, maximum
 INTEGER_OUTPUTS = ("slack_segments", "solver_steps", "solver_rejections", "solver_iterations")
 
 
-def _output_variables(shape_points):
+def _output_variables(variant, shape_points):
     outputs = [
         *_vector("ground_force", OUTPUT, "N", "force of the tether on the ground station"),
         *_vector("kite_force", OUTPUT, "N", "force of the tether on the kite"),
     ]
     for name, quantity in _SCALAR_OUTPUTS.items():
         kind = "Integer" if name in INTEGER_OUTPUTS else "Real"
-        outputs.append(Variable(name, OUTPUT, kind, quantity, getattr(at, name.upper())))
+        outputs.append(Variable(name, OUTPUT, kind, quantity, at.INPUTS + getattr(at, name.upper())))
+    if variant in FREE:
+        outputs += [replace(each, causality=OUTPUT, start=None) for each in _KITE_MOTION]
     for k in range(1, shape_points + 1):
         for i, axis in enumerate("xyz", start=1):
             meaning = f"point {k} of {shape_points} on the tether at equal unstretched length, {axis}"
-            place = at.SHAPE + 3 * (k - 1) + i - 1
+            place = at.INPUTS + at.SHAPE + 3 * (k - 1) + i - 1
             outputs.append(Variable(f"shape[{k},{i}]", OUTPUT, "Real", Quantity("m", meaning), place))
     return outputs
 
 
-def parameter_names():
-    """Names of all parameters, in the order of their numbers."""
-    return [name for record in RECORDS for name, _ in quantities(record)]
+# of all tethers together, by their places
+INPUT_NAMES = {each.place: each.name for each in (*_KITE_MOTION, *_input_variables("dynamic_free"))}
 
 
-INPUT_NAMES = {variable.place: variable.name for variable in _input_variables()}
+def names_of(table, causality):
+    """Names of the inputs, outputs or parameters in a table of `variables`, in their order."""
+    return [variable.name for variable in table if variable.causality == causality]
+
+
+def records_of(variant):
+    """Records whose quantities are the parameters of a variant."""
+    return (*RECORDS, FreeKite) if variant in FREE else RECORDS
 
 
 _IGNORED_WITHOUT_WAVES = {
@@ -114,6 +131,7 @@ _IGNORED_WITHOUT_NODES = {
 }
 IGNORED = {  # parameters that a variant ignores, and why
     "dynamic": {},
+    "dynamic_free": {},
     "quasi_steady": _IGNORED_WITHOUT_WAVES,
     "catenary": _IGNORED_WITHOUT_NODES,
     "straight": _IGNORED_WITHOUT_NODES,
@@ -122,7 +140,7 @@ IGNORED = {  # parameters that a variant ignores, and why
 
 def _parameter_variables(variant, starts):
     variables = []
-    for record in RECORDS:
+    for record in records_of(variant):
         defaults = {item.name: item.default for item in fields(record)}
         for name, declared in quantities(record):
             kind = "Enumeration" if declared.choices else "Integer" if isinstance(defaults[name], int) else "Real"
@@ -130,6 +148,12 @@ def _parameter_variables(variant, starts):
             if name in IGNORED[variant]:
                 declared = replace(declared, meaning=f"{declared.meaning} (ignored: {IGNORED[variant][name]})")
             variables.append(Variable(name, PARAMETER, kind, declared, len(variables), start))
+    if variant in FREE:
+        for each in _KITE_MOTION:
+            meaning = each.quantity.meaning.replace(", ", " at the start, ")
+            declared = Quantity(each.quantity.unit, meaning, -at.LARGEST_INPUT, at.LARGEST_INPUT)
+            name = f"initial_{each.name}"
+            variables.append(Variable(name, PARAMETER, "Real", declared, len(variables), starts.get(name, each.start)))
     return variables
 
 
@@ -151,6 +175,7 @@ _AND_WEIGHT = (
 )
 NOTES = {  # meanings of outputs where they differ from the dynamic tether's
     "dynamic": {},
+    "dynamic_free": {},
     "quasi_steady": _NO_DAMPING,
     "catenary": _ONE_LINE,
     "straight": {
@@ -168,19 +193,19 @@ NOTES = {  # meanings of outputs where they differ from the dynamic tether's
 def variables(variant, shape_points, starts=(), left_out=()):
     """The table of all variables, a tuple: inputs, outputs, parameters.
 
-    variant : "dynamic", "quasi_steady", "catenary" or "straight".  shape_points : number of points of the output `shape`.
+    variant : one of `variants.EVERY_VARIANT`.  shape_points : number of points of the output `shape`.
     starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
     FMU for one scene goes without; such inputs stay 0.
     """
     first = dict(starts)
-    inputs = [replace(variable, start=first.get(variable.name, variable.start)) for variable in _input_variables()]
+    inputs = [replace(variable, start=first.get(variable.name, variable.start)) for variable in _input_variables(variant)]
     outputs = [
         replace(
             variable,
             quantity=replace(variable.quantity, meaning=NOTES[variant].get(variable.name, variable.quantity.meaning)),
             depends_on=depends_on(variant, variable.name, shape_points, (*IGNORED[variant], *left_out)),
         )
-        for variable in _output_variables(shape_points)
+        for variable in _output_variables(variant, shape_points)
     ]
     table = (*inputs, *outputs, *_parameter_variables(variant, first))
     return tuple(variable for variable in table if variable.name not in left_out)
@@ -192,15 +217,15 @@ def table_of(variant, options):
     return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
 
 
-def records(table, numbers):
-    """Records (Tether, Environment, Solver) from the values of all parameters; ValueError names what is out of range.
+def records(variant, table, numbers):
+    """Records of `records_of` from the values of all parameters; ValueError names what is out of range.
 
-    table : of `variables`.  numbers : in the order of `parameter_names`.
+    table : of `variables`.  numbers : in the order of its parameters.
     """
-    values = dict(zip(parameter_names(), numbers, strict=True))
+    values = dict(zip(names_of(table, PARAMETER), numbers, strict=True))
     for variable in table:
         if variable.causality == PARAMETER:
             if variable.kind != "Real" and values[variable.name].is_integer():
                 values[variable.name] = int(values[variable.name])
             checked(variable.name, values[variable.name], variable.quantity)
-    return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in RECORDS)
+    return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in records_of(variant))

@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 
-VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")  # from coarse to fine
+VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")  # with driven ends, from coarse to fine; each has a library
+FREE = ("dynamic_free",)  # with a free kite end; the library is that of the driven variant
+EVERY_VARIANT = (*VARIANTS, *FREE)
 WITHOUT_NODES = ("straight", "catenary")
 WITHOUT_DAMPING = ("straight", "catenary", "quasi_steady")
 
@@ -12,13 +14,18 @@ def class_name(variant):
     return "Tether" + "".join(word.capitalize() for word in variant.split("_"))
 
 
-def variant_of(text):
-    """The variant that a text names, such as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none."""
+def library_of(variant):
+    """The variant whose compiled library serves a variant: its own, or that of the driven one."""
+    return variant.removesuffix("_free")
+
+
+def variant_of(text, variants=EVERY_VARIANT):
+    """Which of some variants a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none."""
     letters = "".join(character for character in text.lower() if character not in "_- ").removeprefix("tether")
-    for variant in VARIANTS:
+    for variant in variants:
         if letters == variant.replace("_", ""):
             return variant
-    allowed = ", ".join(f"{variant} ({class_name(variant)})" for variant in VARIANTS)
+    allowed = ", ".join(f"{variant} ({class_name(variant)})" for variant in variants)
     raise ValueError(f"no tether is called {text}; choose from {allowed}")
 
 

@@ -67,8 +67,10 @@ def put_ends(n, state, ground, kite):
 
 @kernel
 def place_at_start(n, parameters, inputs, state):
-    """Put both ends of a new state (modified, all 0) where the inputs say."""
+    """Put both ends of a new state (modified, all 0) where the inputs say; a free kite end has its velocity from them."""
     ground, kite = velocities(parameters, inputs, state)
+    if parameters[at.KITE_IS_FREE] != 0.0:
+        kite = vector_at(inputs, at.KITE_VELOCITY)
     ground_position, kite_position = vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.KITE_POSITION)
     put_ends(n, state, (ground_position, ground), (kite_position, kite))
 

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
-from tetherfmu.export.archive import SLAVES, build
-from tetherfmu.runtime.variables import INPUT_NAMES
-from tetherfmu.runtime.variants import class_name
+from tetherfmu.export.archive import build
+from tetherfmu.runtime.variables import INPUT, variables
+from tetherfmu.runtime.variants import VARIANTS, class_name
 from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .executors import executor_of
@@ -29,8 +29,8 @@ class Hosted(NamedTuple):
 
 
 def fmus_in(folder):
-    """Paths of all FMUs by name; those that are missing are built for this platform."""
-    paths = {name: Path(folder) / f"{name}.fmu" for name in SLAVES}
+    """Paths of the FMUs with driven ends by name; those that are missing are built for this platform."""
+    paths = {name: Path(folder) / f"{name}.fmu" for name in map(class_name, VARIANTS)}
     for name, path in paths.items():
         if not path.exists():
             build(name, folder)
@@ -40,8 +40,9 @@ def fmus_in(folder):
 
 
 def by_name(inputs):
-    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU."""
-    return pd.DataFrame(inputs[:, list(INPUT_NAMES)], columns=INPUT_NAMES.values())
+    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU with driven ends."""
+    places = {variable.name: variable.place for variable in variables(VARIANTS[0], 0) if variable.causality == INPUT}
+    return pd.DataFrame(inputs[:, list(places.values())], columns=list(places))
 
 
 def fly(path, parameters, inputs, step):

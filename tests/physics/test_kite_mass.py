@@ -1,0 +1,94 @@
+"""A free kite end: the released end of tutorial scene 08, and a mass on a vertical tether, which is a spring.
+
+Scene 08: 70 m and 10 segments between (0, 0, 0) and (-40, 0, -47) m, at rest in a wind of 2 m/s; then the lower end is free
+and the tether reels out at 0.3 m/s. It uses the stretch-rate damper and a slack stiffness of 0.01/1.01 of the taut one.
+"""
+
+import numpy as np
+import pytest
+
+from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
+from tetherfmu import TetherDynamicFree
+
+
+@pytest.mark.parametrize(("tolerance", "allowed"), SCENE_08_ERRORS)
+def test_released_end(tolerance, allowed):
+    """All nodes and the outputs kite_position and kite_velocity; the start is found, not given."""
+    columns = read("tether_08.csv")
+    expected = nodes(columns, 10)
+    velocity = np.stack([columns[f"v_last_{axis}"] for axis in "xyz"], axis=-1)
+    tether = TetherDynamicFree(**SCENE_08, kite_mass=0.0, relative_tolerance=tolerance)
+    outputs = [tether.initialize(expected[0, -1], wind_velocity=(2.0, 0.0, 0.0))]
+    positions = [tether.positions]
+    for _ in expected[1:]:
+        outputs.append(tether.step(0.02, reel_out_speed=0.3))
+        positions.append(tether.positions)
+    np.testing.assert_allclose(positions, expected, rtol=0.0, atol=allowed)
+    np.testing.assert_array_equal([each.kite_position for each in outputs], np.array(positions)[:, -1])
+    # the chain whips at rates up to some 10 1/s: observed up to 16 1/s times the error of the positions
+    moving = np.array([each.kite_velocity for each in outputs])[1:]
+    np.testing.assert_allclose(moving, velocity[1:], rtol=0.0, atol=30.0 * allowed)
+
+
+LENGTH, STIFFNESS, GRAVITY, LINE = 100.0, 50_000.0, 9.81, 0.02  # m, N, m/s2, kg/m
+HANGING = {
+    "initial_length": LENGTH,
+    "segments": 1,
+    "axial_stiffness": STIFFNESS,
+    "axial_damping": 0.0,
+    "density": LINE / (np.pi * 0.002**2),
+    "relative_tolerance": 1e-8,
+}
+
+
+@pytest.mark.parametrize("mass", [0.0, 10.0, 100.0])
+@pytest.mark.parametrize("load", [0.0, 50.0])
+def test_a_mass_hangs_and_swings_as_on_a_spring(mass, load):
+    """z = -L - s + a cos(w t),  s = (M g - F)/k,  w^2 = k/M,  M = m + mu L/2,  k = EA/L; the load F points upwards.
+
+    Linear from first to last, so the error is that of the solver: 1e-8 of 100 m in each of some hundred steps at most.
+    """
+    load = 0.01 * load if mass == 0.0 else load
+    inertia, stiffness = mass + 0.5 * LINE * LENGTH, STIFFNESS / LENGTH
+    stretch, rate = (inertia * GRAVITY - load) / stiffness, np.sqrt(stiffness / inertia)
+    amplitude, step = 0.5 * stretch, 0.01 / rate
+    tether = TetherDynamicFree(**HANGING, kite_mass=mass)
+    tether.initialize((0.0, 0.0, -LENGTH - stretch + amplitude))
+    for k in range(1, 2001):  # some three periods
+        outputs = tether.step(step, kite_load=(0.0, 0.0, load))
+        phase = rate * k * step
+        assert outputs.kite_position[2] == pytest.approx(-LENGTH - stretch + amplitude * np.cos(phase), abs=1e-5 * stretch)
+        assert outputs.kite_velocity[2] == pytest.approx(-amplitude * rate * np.sin(phase), abs=1e-5 * stretch * rate)
+
+
+@pytest.mark.parametrize("segments", [1, 10])
+def test_a_mass_at_rest_pulls_with_its_weight(segments):
+    """The tether carries the kite: kite_force = m g - load; ground_force = -(m + mu L) g + load, upwards."""
+    mass, load = 10.0, np.array([0.0, 0.0, 30.0])
+    tether = TetherDynamicFree(**{**HANGING, "segments": segments, "axial_damping": 473.0}, kite_mass=mass)
+    tether.initialize((0.0, 0.0, -LENGTH - 0.1))
+    for _ in range(3000):
+        outputs = tether.step(0.1, kite_load=load)
+    weight = np.array([0.0, 0.0, GRAVITY])
+    np.testing.assert_allclose(outputs.kite_force, mass * weight - load, atol=1e-6)
+    np.testing.assert_allclose(outputs.ground_force, load - (mass + LINE * LENGTH) * weight, atol=1e-6)
+    np.testing.assert_allclose(outputs.kite_velocity, 0.0, atol=1e-6)
+
+
+def flown(step, input_continuation):
+    """Position [m] after 4 s of a kite of 10 kg with a lift along the tether and a drag c |w| w of w, air minus kite."""
+    tether = TetherDynamicFree(initial_length=500.0, input_continuation=input_continuation, relative_tolerance=1e-7)
+    outputs = tether.initialize((300.0, 0.0, 400.0), wind_velocity=(8.0, 0.0, 0.0))
+    for _ in range(round(4.0 / step)):
+        wind = np.array([8.0, 0.0, 0.0]) - outputs.kite_velocity
+        lift = (180.0, 40.0 + 5.0 * outputs.kite_velocity[0], 350.0)
+        outputs = tether.step(step, kite_load=lift + 2.0 * np.linalg.norm(wind) * wind)
+    return outputs.kite_position
+
+
+@pytest.mark.parametrize(("input_continuation", "order"), [("linear", 2), ("held", 1)])
+def test_order_of_a_load_that_depends_on_the_motion(input_continuation, order):
+    """Steps of 40, 20, 10 ms, far longer than a kite moved by kite_force allows (1.5 ms): differences fall as 2^order."""
+    positions = [flown(step, input_continuation) for step in (0.04, 0.02, 0.01)]
+    coarse, fine = (np.linalg.norm(positions[k] - positions[k + 1]) for k in (0, 1))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.2)

@@ -1,0 +1,130 @@
+"""TetherDynamicFree in FMPy: the released end of scene 08, the start of the motion, what wrong loads do."""
+
+import math
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from isolation import in_own_process
+from runtime.host import Host
+from runtime.test_rollback import blob_of, count_of, restore
+from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
+from tetherfmu.runtime.saved_state import from_bytes, to_bytes
+
+FMU = "TetherDynamicFree.fmu"
+
+
+@pytest.mark.parametrize(("tolerance", "allowed"), SCENE_08_ERRORS)
+@in_own_process
+def test_released_end(fmu_folder, tolerance, allowed):
+    """As `physics/test_kite_mass.py`; each node is a point of the shape, the last one is the kite."""
+    expected = nodes(read("tether_08.csv"), 10)
+    scene = {**SCENE_08, "initial_kite_position": expected[0, -1].tolist(), "wind_velocity": (2.0, 0.0, 0.0)}
+    host = Host(fmu_folder / FMU).start(tolerance, kite_mass=0.0, **scene)
+    points = [host.reference[f"shape[{k},{i}]"] for k in range(1, 22, 2) for i in (1, 2, 3)]
+    shapes, kites = [host.fmu.getReal(points)], [host.get("kite_position")]
+    for _ in expected[1:]:
+        host.step(0.02, reel_out_speed=0.3)
+        shapes.append(host.fmu.getReal(points))
+        kites.append(host.get("kite_position"))
+    np.testing.assert_allclose(np.reshape(shapes, expected.shape), expected, rtol=0.0, atol=allowed)
+    np.testing.assert_allclose(kites, expected[:, -1], rtol=0.0, atol=allowed)
+
+
+@in_own_process
+def test_the_motion_starts_where_the_parameters_say(fmu_folder):
+    """Also when the velocities of the ends are derived: that of a free kite is no input."""
+    for derived in (1, 2):
+        host = Host(fmu_folder / FMU)
+        host.fmu.setupExperiment(startTime=0.0)
+        host.fmu.enterInitializationMode()
+        assert host.get("kite_position") == [300.0, 0.0, 400.0]
+        position, velocity = [310.0, -20.0, 380.0], [1.0, 2.0, -3.0]
+        host.set(initial_kite_position=position, initial_kite_velocity=velocity, end_velocities=derived)
+        assert host.get("kite_position") == position
+        host.fmu.exitInitializationMode()
+        assert (host.get("kite_position"), host.get("kite_velocity")) == (position, velocity)
+        host.step(1e-4)
+        np.testing.assert_allclose(host.get("kite_position"), np.add(position, 1e-4 * np.array(velocity)), atol=1e-6)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -2e9])
+@in_own_process
+def test_a_load_that_is_no_number_is_refused(fmu_folder, value):
+    host, twin = Host(fmu_folder / FMU).start(), Host(fmu_folder / FMU).start()
+    for each in (host, twin):
+        each.step(0.02, kite_load=(33.0, 0.0, 167.0))
+    before = blob_of(host)
+    with pytest.raises(FMICallException):
+        host.step(0.02, **{"kite_load[2]": value})
+    assert f"the input kite_load[2] is {value}; it must be a finite number" in host.messages[-1]
+    host.set(**{"kite_load[2]": 0.0})
+    assert blob_of(host) == before
+    host.step(0.02)
+    twin.step(0.02)
+    assert (host.all_outputs(), host.get("kite_velocity")) == (twin.all_outputs(), twin.get("kite_velocity"))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
+        ("kite_mass", -1.0, "at least 0 kg"),
+        ("kite_mass", math.nan, "at most 1e+09 kg"),
+        ("initial_kite_position[3]", math.inf, "at most 1e+09 m"),
+        ("initial_kite_velocity[1]", -1e10, "at least -1e+09 m/s"),
+    ],
+)
+@in_own_process
+def test_parameters_out_of_range(fmu_folder, name, value, allowed):
+    host = Host(fmu_folder / FMU)
+    with pytest.raises(FMICallException):
+        host.start(**{name: value})
+    (said,) = [message for message in host.messages if f"{name} is {value}; it must be" in message]
+    assert allowed in said
+
+
+@in_own_process
+def test_the_motion_cannot_be_set(fmu_folder):
+    host = Host(fmu_folder / FMU).start()
+    host.set(**{"kite_position[1]": 0.0})
+    assert host.get("kite_position") == [300.0, 0.0, 400.0]
+    with pytest.raises(FMICallException):
+        host.step(0.02)
+    host.step(0.02)
+
+
+@pytest.mark.parametrize("value", [math.nan, 1e300])
+@in_own_process
+def test_a_forged_motion_is_computed_anew(fmu_folder, value):
+    """Of a state before the start nothing is read; afterwards the motion follows from the state of the tether."""
+
+    def forged(host):
+        saved = from_bytes(blob_of(host), "dynamic_free", count_of(host))
+        saved.values[host.reference["kite_position[1]"]] = saved.values[host.reference["kite_velocity[2]"]] = value
+        return to_bytes(saved)
+
+    host, twin = Host(fmu_folder / FMU), Host(fmu_folder / FMU)
+    restore(host, forged(host))
+    assert all(map(math.isfinite, host.all_outputs()))
+    for each in (host, twin):
+        each.start()
+        each.step(0.02)
+    restore(host, forged(host))
+    assert host.all_outputs() == twin.all_outputs()
+    for each in (host, twin):
+        each.step(0.02, kite_load=(33.0, 0.0, 167.0))
+    assert host.all_outputs() == twin.all_outputs()
+
+
+@in_own_process
+def test_a_start_without_equilibrium_keeps_the_motion_that_was(fmu_folder):
+    """Read in initialization mode: what cannot be calculated leaves the outputs of before."""
+    host = Host(fmu_folder / FMU)
+    host.fmu.setupExperiment(startTime=0.0)
+    host.fmu.enterInitializationMode()
+    before = host.all_outputs()
+    host.set(initial_kite_position=(1e9, 0.0, 0.0), axial_stiffness=1e-3, air_density_scale_height=1e-3)
+    host.set(**{"initial_kite_position[3]": -1e9})
+    assert host.all_outputs() == before
+    assert host.messages
