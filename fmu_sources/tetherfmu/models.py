@@ -84,20 +84,8 @@ class TetherDynamicFree(TetherModel):
             Communication step [s].
         kite_load : (3,) array
             External force on the kite [N]: aerodynamics, control; not its weight. 0 from the start on until it is given.
-        ground_position, ..., wind_velocity
-            As for `initialize`.
 
-        Returns
-        -------
-        Outputs
-            Those at the end of the step.
-
-        Raises
-        ------
-        StepRefused
-            If the step cannot be done; the tether keeps the state and the inputs of before.
-        ValueError
-            If an argument has another shape; nothing is changed.
+        The other inputs, the result and the errors are those of `TetherModel.step`.
         """
         inputs = None, None, ground_position, ground_velocity, reel_out_speed, kite_load
         return self._step(step, inputs, wind_velocity)
