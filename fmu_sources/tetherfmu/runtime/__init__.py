@@ -1,6 +1,6 @@
 """All of this package that a finished FMU carries: declarations, flat arrays, one running tether, the FMI slave.
 
-The builder copies this folder as it is. Standard library only; `slave` alone knows PythonFMU. Imports nothing else of the
+The builder copies this folder as it is. Standard library only; `base_slave` alone knows PythonFMU. Imports nothing else of the
 package.
 """
 
