@@ -1,4 +1,4 @@
-"""The FMI shell that all slaves share: table of variables, phases of an instance, messages. The only module that knows PythonFMU.
+"""The FMI shell that all slaves share: table of variables, phases, messages. The only module that knows PythonFMU.
 
 What it must never do (docs/fmi.md): let an exception escape, except the guarded one that stops a wrong initialization; log
 while it is being made; pass a `%` to the log unescaped.

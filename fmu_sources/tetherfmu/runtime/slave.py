@@ -97,7 +97,8 @@ class TetherSlave(BaseSlave):
     def _records(self, values):
         """What `Instance.set_up` wants, from an array of all values; ValueError if one is out of range."""
         numbers = values[self._instance.parameters_at :]
-        tether, environment, solver, *kites = variables.records(self.variant, self.table, numbers)
+        classes = variables.records_of(self.variant)
+        tether, environment, solver, *kites = variables.records(classes, self.table, numbers)
         masses = [(tether.segments, kite.kite_mass) for kite in kites]
         return (effective(tether, self.variant),), environment, solver, masses, (False, bool(kites))
 
