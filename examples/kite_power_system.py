@@ -28,6 +28,8 @@ START = {  # of every FMU that has the name: the kite flies across the wind, on 
     "initial_heading": radians(-90.0),
     "initial_speed": 2.5,
 }
+START |= {name.removeprefix("initial_"): value for name, value in START.items() if name.startswith("initial_kite_")}
+START |= {"heading": START["initial_heading"], "tether_length": START["initial_length"]}  # for importers that connect late
 FIDELITIES = {  # what differs: name, and values for the tether
     "coarse": {"segments": 3, "relative_tolerance": 1e-3},
     "standard": {"segments": 10, "relative_tolerance": 1e-4},
