@@ -1,7 +1,7 @@
-"""Which FMUs make a kite power system, how are they wired, and how do they start? For `pumping_cycle.py` and for the SSP files.
+"""Which FMUs make a kite power system, how are they wired, how do they start? For `pumping_cycle.py` and the SSP files.
 
-Variables of the same name belong together: an input gets the output of that name. What no output gives is set once, in each FMU
-that has it.
+Variables of the same name belong together: an input gets the output of that name. What no output gives is set once, in each
+FMU that has it.
 """
 
 from math import cos, radians, sin

@@ -1,8 +1,8 @@
 """What the FMUs of the examples share: variables from declarations, inputs along a step, steps that are refused, states.
 
 A model declares inputs, outputs and records of parameters, and computes first and next outputs from plain numbers. Its
-inputs belong to the start of a communication step and its outputs to the end, as those of a tether. How the inputs go on within
-the step is said by `input_continuation`:
+inputs belong to the start of a communication step and its outputs to the end, as those of a tether. `input_continuation` is
+how the inputs go on within the step:
 
     linear        on from their last to their present value
     held          as they are
