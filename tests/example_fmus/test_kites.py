@@ -49,6 +49,15 @@ def test_turn_rate_law(steering):
     assert math.copysign(1.0, side) == -math.copysign(1.0, steering)
 
 
+def test_turn_rate_law_of_the_kite_with_mass():
+    """So heavy, without gravity, that it stays where it is."""
+    held = {"kite_mass": 1e9, "gravity": 0.0, "wind_velocity": (10.0, 0.0, 0.0)}
+    kite = Model("FlyingKite", initial_kite_position=(100.0, 0.0, 0.0), **held, **NO_WEIGHT)
+    for _ in range(20):
+        assert kite.step(0.05, steering=0.3)
+    assert kite.get("heading") == pytest.approx(0.0613 * 10.0 * 0.3, rel=1e-6)  # it moves by 1e-7 of 100 m
+
+
 def test_weight_turns_the_nose_down():
     """At elevation 0 the heading psi turns by c2/|v_a| sin(psi), which has the solution tan(psi/2) ~ exp(c2/|v_a| t)."""
     kite = Model("PointMassKite", kite_position=(100.0, 0.0, 0.0), wind_velocity=(10.0, 0.0, 0.0), initial_heading=0.2)

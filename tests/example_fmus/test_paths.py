@@ -42,6 +42,14 @@ def test_steers_to_the_side_of_the_eight():
         assert np.sign(Model("FlightController", heading=heading, **AHEAD).get("steering")) == sign
 
 
+def test_steers_against_its_weight():
+    """Without course control: c1 |v_a| u + c2/|v_a| sin(psi) cos(beta) = 0."""
+    steering = Model("FlightController", course_gain=0.0, heading=1.0, **AHEAD).get("steering")
+    turning = 0.0613 * 15.0 * steering + 1.226 / 15.0 * np.sin(1.0) * 170.0 / np.hypot(170.0, 100.0)
+    assert turning == pytest.approx(0.0, abs=1e-15)
+    assert steering < 0.0
+
+
 def test_traction_speed_is_the_root_of_the_tension():
     controller = Model("FlightController", **AHEAD)
     controller.step(0.02)

@@ -43,10 +43,7 @@ def test_is_valid(ssp_folder, name):
     if name == "kite_power_system":
         assert len(structures) == len(FIDELITIES)
         for fidelity, segments in FIDELITIES.items():
-            values = {
-                each.name: float(each.value) for each in read_ssv(str(path), f"resources/tether_{fidelity}.ssv").parameters
-            }
-            assert values["segments"] == segments
+            assert parameters_of(path, fidelity)["segments"] == segments
 
 
 def parameters_of(path, fidelity):

@@ -1,4 +1,4 @@
-"""Energy of a tether over a whole pumping cycle: what the kite gives is at the drum, in the air, in the dampers, or stored."""
+"""Energy of a tether over a whole pumping cycle: what the kite gives is at the drum, in air and dampers, or stored."""
 
 import pytest
 
