@@ -33,9 +33,8 @@ def plot_series(flight):
             axes.axvline(flight.time[row], color="black", linestyle="--", linewidth=0.8)
         axes.set(ylabel=label, xlim=(0.0, flight.time[-1]))
         axes.grid(alpha=0.4)
-    panels[2].axhline(mean, color="tab:green", linestyle=":", label=f"mean of the cycles: {mean:.2f} kW")
-    panels[2].legend(loc="lower left")
-    panels[0].set_title("Pumping cycles (shaded: depowered; dashed: a cycle begins)")
+    panels[2].axhline(mean, color="tab:green", linestyle=":")
+    panels[0].set_title(f"Pumping cycles of {mean:.2f} kW (dotted; shaded: depowered; dashed: a cycle begins)")
     panels[-1].set_xlabel("time [s]")
     return figure
 
