@@ -41,7 +41,7 @@ def label_lines(axis, ends):
             va="center",
             color=COLORS[name],
             annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": COLORS[name], "linewidth": 0.6},
+            arrowprops={"arrowstyle": "-", "color": COLORS[name], "linewidth": 0.6, "relpos": (0.0, 0.5)},
         )
 
 
@@ -54,11 +54,11 @@ def draw_errors(table):
         for way, curve in mine.groupby("way", sort=False):
             style = {"color": COLORS[way], "marker": MARKERS[way], "linestyle": "--" if way == "free end, held" else "-"}
             axis.loglog(1e3 * curve.step, 100.0 * curve.error, markersize=4, **style)
-        slope_marks(axis)
         axis.set(title=kite, xlabel="communication step [ms]", ylim=(1e-4, 200.0))
         axis.set_xticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
         axis.grid(color="0.9")
         axis.axhline(0.5, color="0.6", linewidth=0.8, linestyle=":")
+    slope_marks(axes[0])
     axes[0].set_ylabel("error of the tether force, rms [%]")
     axes[0].text(0.83, 0.45, "0.5 %", color="0.4", va="top", fontsize=9)
     axes[0].text(
@@ -74,7 +74,7 @@ def slope_marks(axis):
     """Short lines of the slopes 1 and 2, with their orders."""
     for start, order in ((4.0, 1), (0.02, 2)):
         steps = np.array([1.0, 2.0])
-        axis.loglog(steps, start * (steps / steps[0]) ** order, color="0.4", linewidth=1.0)
+        axis.plot(steps, start * (steps / steps[0]) ** order, color="0.4", linewidth=1.0)
         axis.text(steps[0], 1.5 * start * 2.0**order, f"order {order}", color="0.4", fontsize=9)
 
 
@@ -93,7 +93,6 @@ def draw_growth(table):
         ends[way] = x.iloc[-1], mine.theory.iloc[-1]
     axis.axhline(0.0, color="0.3", linewidth=0.8)
     axis.text(x.iloc[-1], 0.01, "grows", color="0.3", fontsize=9, ha="right")
-    axis.text(x.iloc[-1], -0.01, "decays", color="0.3", fontsize=9, ha="right", va="top")
     axis.set(xlabel="communication step h [ms]", ylabel="growth rate [1/s]", xlim=(0.0, None))
     half = 0.5e-3 * STIFFNESS
     axis.secondary_xaxis("top", functions=(lambda h: h * half, lambda d: d / half)).set_xlabel("k h/2 [N s/m]")

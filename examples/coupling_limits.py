@@ -2,24 +2,25 @@
 
     python examples/coupling_limits.py
 
-The tether gives a force and wants motion, the kite the other way round, and in a communication step one of them has to go
-first or both have to guess. Six ways of exchange (`ways_of_coupling.py`) are compared with the exact motion of kite and tether
-together (`monolithic.py`), over the communication step; the growth of a small deviation along a taut tether is compared with
-theory (`axial_chain.py`), which then says up to which step each way is stable, for light and heavy kites on short and long
-tethers. docs/coupling.md explains what comes out.
+The tether takes motion and gives a force, the kite takes a force and gives motion, and in a communication step one of them
+has to go first, or both have to guess. Six ways of exchange (`ways_of_coupling.py`) are compared with the exact motion of
+kite and tether together (`monolithic.py`), over the communication step; so are tethers that meet in a knot. The growth of a
+small deviation along a taut tether is compared with theory (`axial_chain.py`), which then says up to which step each way is
+stable, for light and heavy kites on short and long tethers. docs/coupling.md explains what comes out.
 """
 
 import sys
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 import pandas as pd
 from axial_chain import AxialChain
+from bridle import bridle
 from fly_your_kite import load as lift_and_drag
 from monolithic import Leg, Scene, exact
 from ways_of_coupling import DRIVEN, WAYS, Mass, fly, force_error, started, step_driven
 
+from tetherfmu import TetherDynamic
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
@@ -33,6 +34,7 @@ PRINTED = 0.02  # step of the table [s]
 LENGTHS, MASSES = (30.0, 100.0, 300.0, 500.0), (1.0, 3.0, 10.0, 30.0, 100.0)  # of the tether [m], of the kite [kg]
 GROWTH_STEPS = (0.001, 0.002, 0.004, 0.006, 0.008, 0.01, 0.012, 0.015)  # [s]
 SAFE = 0.2  # of sqrt(M/k): a step that all ways but the parallel one bear, M and k as the kite end has them
+KNOT, KNOT_STEPS = 5.0, (0.001, 0.002, 0.005, 0.01, 0.02)  # [kg], parts of the last one [s]
 LIFT, PLUCKED = 500.0, 0.01  # [N], [m]
 
 
@@ -50,21 +52,44 @@ def scenes(duration=DURATION):
     }
 
 
+def error_of(way, scene, step, forces, times):
+    """`force_error` of a way against the exact forces at times [s]; not a number where a tether refuses a step."""
+    try:
+        return force_error(fly(way, scene, step), forces, step, times)
+    except StepRefused:
+        return np.nan
+
+
 def errors(steps=STEPS, duration=DURATION):
-    """Table: kite, way, step [s], error of the tether force [-] (not a number where the tether refuses), seconds."""
+    """Table: kite, way, step [s], error of the tether force [-] (see `error_of`."""
     times, rows = np.arange(0.0, duration + 0.5 * steps[-1], steps[-1]), []
     for kite, scene in scenes(duration).items():
         now(f"solving kite and tether together: {kite}")
         forces, _ = exact(scene, times)
         for way in WAYS:
             for step in steps:
-                began = perf_counter()
-                try:
-                    error = force_error(fly(way, scene, step), forces, step, times)
-                except StepRefused:
-                    error = np.nan
-                rows.append((kite, way, step, error, (perf_counter() - began) / duration))
-    return pd.DataFrame(rows, columns=["kite", "way", "step", "error", "seconds_per_second"])
+                rows.append((kite, way, step, error_of(way, scene, step, forces, times)))
+    return pd.DataFrame(rows, columns=["kite", "way", "step", "error"])
+
+
+def in_series(duration):
+    """`Scene` of a knot of 5 kg between the ground station and a kite that stays: plucked 0.2 m along, 1 m across."""
+    tethers = Tether(segments=10, initial_length=250.0), Tether(segments=10, initial_length=254.0)
+    kite = 505.0 * UPWARDS
+    chain = TetherDynamic(tethers, point_masses={10: KNOT})
+    chain.initialize(kite, wind_velocity=WIND)
+    start = chain.positions[10] + 0.2 * UPWARDS + np.array([0.0, 1.0, 0.0])
+    return Scene((Leg(tethers[0]), Leg(tethers[1], tuple(kite))), KNOT, start, lambda _x, _v: np.zeros(3), WIND, duration)
+
+
+def knots(steps=KNOT_STEPS, duration=1.6):
+    """Table: scene, way, step [s], error of the forces on the knot [-]."""
+    times, rows = np.arange(0.0, duration + 0.5 * steps[-1], steps[-1]), []
+    for name, scene in (("two in series", in_series(duration)), ("bridle of three", bridle(duration))):
+        now(f"solving all legs together: {name}")
+        forces, _ = exact(scene, times, 1e-8)
+        rows += [(name, way, step, error_of(way, scene, step, forces, times)) for way in WAYS for step in steps]
+    return pd.DataFrame(rows, columns=["scene", "way", "step", "error"])
 
 
 def measured_growth(way, tether, kite_mass, step, duration=6.0):
@@ -125,11 +150,25 @@ def limits(lengths=LENGTHS, masses=MASSES):
 
 
 def percent_table(table):
-    """Markdown: at the step `PRINTED`, error [%] of each way for each kite, and its cost relative to the cheapest."""
+    """Markdown: at the step `PRINTED`, error [%] of each way for each kite."""
     mine = table[np.isclose(table.step, PRINTED)]
     wide = 100.0 * mine.pivot(index="way", columns="kite", values="error").loc[list(WAYS)]
-    calls = pd.Series({way: 2 if way == "two iterations" else 1 for way in WAYS}, name="tether steps")
-    return pd.concat([wide, calls], axis=1).to_markdown(floatfmt=".2g")
+    return wide.map(shown).to_markdown()
+
+
+def knot_table(table):
+    """Markdown: error [%] of each way, a column for each scene and step."""
+    mine = table[table.step > 0.001]
+    mine = mine.assign(
+        percent=100.0 * mine.error, case=[f"{a}, {1e3 * b:g} ms" for a, b in zip(mine.scene, mine.step, strict=True)]
+    )
+    wide = mine.pivot(index="way", columns="case", values="percent").loc[list(WAYS), list(mine.case.unique())]
+    return wide.map(shown).to_markdown()
+
+
+def shown(percent):
+    """An error [%] in two digits; beyond 100 it says nothing more."""
+    return f"{percent:.2g}" if percent < 100.0 else "unstable"
 
 
 def limit_table(table):
@@ -146,7 +185,8 @@ def write(tables, folder):
     (folder / "figures").mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
         table.to_csv(folder / f"coupling_{name}.csv", index=False, float_format="%.4g")
-        DRAWN[name](table).savefig(folder / "figures" / f"coupling_{name}.png", dpi=150, metadata={"Software": None})
+        if name in DRAWN:
+            DRAWN[name](table).savefig(folder / "figures" / f"coupling_{name}.png", dpi=150, metadata={"Software": None})
 
 
 @command
@@ -159,9 +199,11 @@ def main(arguments=None):
     tables = {
         "errors": errors((0.01, 0.02), 0.4) if given.quick else errors(),
         "growth": growths((0.01,)) if given.quick else growths(),
+        "knots": knots((0.002, 0.01), 0.1) if given.quick else knots(),
         "limits": limits((100.0,), (1.0, 10.0)) if given.quick else limits(),
     }
     print(f"Error of the tether force in steps of {1e3 * PRINTED:g} ms [%]", percent_table(tables["errors"]), sep="\n\n")
+    print("\nError of the forces on a knot [%]", knot_table(tables["knots"]), sep="\n\n")
     print("\nLargest stable communication step [ms]", limit_table(tables["limits"]), sep="\n\n")
     write(tables, given.out)
     print(f"\nTables and figures are in {given.out}")

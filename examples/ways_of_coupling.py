@@ -1,8 +1,8 @@
 """In which ways can a mass on tethers be flown in communication steps? Helper of the examples.
 
-A `Scene` of `monolithic.py` is flown with the tethers of the Python API, one model for each leg. Where the kite end is driven,
-the mass is moved here, by the forces that the tethers give; where it is free, the first leg carries the mass and gets the
-forces of the other legs, and the load, as its `kite_load`. In each communication step from t to t + h:
+A `Scene` of `monolithic.py` is flown with the tethers of the Python API, one model for each leg. Where the kite end is
+driven, the mass is moved here, by the forces that the tethers give; where it is free, the first leg carries the mass and
+gets the forces of the other legs, and the load, as its `kite_load`. In each communication step from t to t + h:
 
 parallel                   mass and tethers go at once: the mass holds the forces of t over the step
 sequential                 the tethers go first: the mass holds their forces of t + h
