@@ -92,16 +92,20 @@ def knots(steps=KNOT_STEPS, duration=1.6):
     return pd.DataFrame(rows, columns=["scene", "way", "step", "error"])
 
 
+def plucked(tether, kite_mass, duration):
+    """`Scene` of a kite above the ground station, weightless in still air, `PLUCKED` above where it would stay."""
+    rest = tether.initial_length * (1.0 + LIFT / tether.axial_stiffness)
+    up, void = np.array([0.0, 0.0, 1.0]), Environment(gravity=0.0, air_density=0.0)
+    return Scene((Leg(tether),), kite_mass, (rest + PLUCKED) * up, lambda _x, _v: LIFT * up, np.zeros(3), duration, void)
+
+
 def measured_growth(way, tether, kite_mass, step, duration=6.0):
     """Rate [1/s] at which an oscillation of a kite along its vertical tether, weightless in still air, grows.
 
     Once it is a single oscillation, x[k + 2] = a x[k + 1] + b x[k] with its |eigenvalue| sqrt(-b).
     """
-    stretch = LIFT / tether.axial_stiffness * tether.initial_length
-    rest = tether.initial_length + stretch
-    up = np.array([0.0, 0.0, 1.0])
-    start, void = (rest + PLUCKED) * up, Environment(gravity=0.0, air_density=0.0)
-    scene = Scene((Leg(tether),), kite_mass, start, lambda _x, _v: LIFT * up, np.zeros(3), duration, void)
+    scene = plucked(tether, kite_mass, duration)
+    rest = scene.position[2] - PLUCKED
     (tethers, outputs), mass, memory, heights = started(scene, relative_tolerance=1e-8), Mass(scene), [np.zeros(3), 0.0], []
     for _ in range(round(duration / step)):
         outputs = step_driven(way, scene, tethers, mass, outputs, memory, step)
