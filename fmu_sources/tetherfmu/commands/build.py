@@ -5,6 +5,7 @@ import argparse
 from tetherfmu.console.ending import FAILED, command
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
+from tetherfmu.export import example_fmus
 from tetherfmu.export.archive import SLAVES, build, contents
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
@@ -82,10 +83,13 @@ def parse(arguments, prog="tetherfmu build"):
         metavar="P,...",
         help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
     )
+    option("--examples", action="store_true", help="also the FMUs of the examples: kites, a winch, a flight controller")
     option("--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs")
     options = parser.parse_args(arguments)
-    if options.scene is not None and (options.names or options.segments or options.diameter):
-        parser.error("--scene chooses the FMU and its start values: it goes without NAME, --segments and --diameter")
+    if options.scene is not None and (options.names or options.segments or options.diameter or options.examples):
+        parser.error(
+            "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter and --examples"
+        )
     return options
 
 
@@ -104,7 +108,8 @@ def build_for_scene(options):
 
 def show(path):
     """Print a line on a finished FMU."""
-    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(contents(path))}")
+    platforms = ", ".join(contents(path)) or "every platform of PythonFMU"
+    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {platforms}")
 
 
 @command
@@ -118,4 +123,6 @@ def main(arguments=None, prog="tetherfmu build"):
     for name in names:
         starts = options.diameter or ()
         show(build(name, options.out, options.segments or 20, options.shape_points, options.platforms, starts=starts))
+    for name in example_fmus.SLAVES if options.examples else ():
+        show(example_fmus.build(name, options.out))
     return 0

@@ -3,12 +3,10 @@
 import sys
 from importlib import import_module
 
-from tetherfmu.libraries.sources import PACKAGE
-
-IN_CHECKOUT, IN_WHEEL = PACKAGE.parents[1] / "examples", PACKAGE / "examples"
+from tetherfmu.libraries.sources import EXAMPLES
 
 
 def main(arguments=None, prog="tetherfmu fly"):
     """Run the example with these options; returns its exit status."""
-    sys.path.insert(0, str(IN_WHEEL if IN_WHEEL.exists() else IN_CHECKOUT))
+    sys.path.insert(0, str(EXAMPLES))
     return import_module("circular_flight").main(arguments, prog)

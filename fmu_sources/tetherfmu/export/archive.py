@@ -61,13 +61,13 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     """
     folder, platforms = Path(folder), platforms or [this_platform()]
     folder.mkdir(parents=True, exist_ok=True)
-    _, variant = SLAVES[name]
+    script, variant = SLAVES[name]
     library = library_of(variant)
     compiled = ready.folders([library], platforms)[library]
     kernels = [compiled / file_name(library, platform) for platform in platforms]
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = _write_package(resources, name, kernels)
+        shipped = write_package(resources, name, SCRIPTS / script, kernels)
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
@@ -77,18 +77,13 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
         if scene:
             options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
-        files = _unpacked(_pack(resources, shipped, Path(temporary)))
+        files = pack(resources, shipped, Path(temporary))
     file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
     if not scene:
         (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
-    partial = folder / f"{file}.partial"
-    try:
-        _write(files, partial)
-        return partial.replace(folder / file)
-    finally:
-        partial.unlink(missing_ok=True)
+    return write_fmu(files, folder / file)
 
 
 def contents(path):
@@ -98,14 +93,19 @@ def contents(path):
     return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
 
 
-def _write_package(resources, name, kernels):
-    """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths."""
-    script, _ = SLAVES[name]
+def write_package(resources, name, script, kernels=(), modules=()):
+    """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths.
+
+    name : class of the slave.  script : its file.  kernels : compiled libraries, for the hash.  modules : files that the
+    script imports beside those of the folder `runtime`.
+    """
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
-    sources[script] = SCRIPTS.joinpath(script).read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
+    for path in (*modules, script):
+        text = path.read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
+        sources[path.name] = text.replace("from tetherfmu.runtime import", "from . import")
     content = json.dumps(sources, sort_keys=True).encode("utf-8") + b"".join(each.read_bytes() for each in kernels)
     digest = hashlib.sha256(content).hexdigest()[:12]
-    package, module = resources / f"tetherfmu_{digest}", Path(script).stem
+    package, module = resources / f"tetherfmu_{digest}", script.stem
     package.mkdir(parents=True)
     for file, text in sources.items():
         (package / file).write_text(text, encoding="utf-8", newline="\n")
@@ -115,13 +115,13 @@ def _write_package(resources, name, kernels):
     return launcher, package
 
 
-def _pack(resources, shipped, folder):
-    """Let PythonFMU make the archive; leaves no trace of the hashed modules in this process. Returns its path."""
+def pack(resources, shipped, folder):
+    """Let PythonFMU make the archive: dict of path to bytes; leaves no trace of the hashed modules in this process."""
     script, package = shipped
     path = list(sys.path)
-    beside = [package, resources / KERNELS_FOLDER, resources / OPTIONS_FILE]
+    beside = [each for each in resources.iterdir() if each != script]
     try:
-        return FmuBuilder.build_FMU(script, dest=folder, project_files=beside)
+        return _unpacked(FmuBuilder.build_FMU(script, dest=folder, project_files=beside))
     finally:
         sys.path[:] = path
         for module in [name for name in sys.modules if name.split(".")[0] in (script.stem, package.name)]:
@@ -135,8 +135,8 @@ def _unpacked(archive):
         return {name: opened.read(name) for name in names}
 
 
-def _write(files, target):
-    """Write an FMU with a guid from its content, fixed dates and sorted entries."""
+def write_fmu(files, target):
+    """Write an FMU whole or not at all, with a guid from its content; returns its path."""
     description = files.pop(DESCRIPTION).decode("utf-8")
     description = _replace_attribute(description, "generationDateAndTime", "2026-01-01T00:00:00Z")
     description = _replace_attribute(description, "guid", "")
@@ -144,12 +144,22 @@ def _write(files, target):
     for name in sorted(files):
         digest.update(name.encode("utf-8") + files[name])
     files[DESCRIPTION] = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}").encode("utf-8")
-    with zipfile.ZipFile(target, "w") as archive:
-        for name in sorted(files):
-            item = zipfile.ZipInfo(name, DATE)
-            item.compress_type = zipfile.ZIP_DEFLATED
-            item.external_attr = 0o644 << 16
-            archive.writestr(item, files[name])
+    return write_archive(files, target)
+
+
+def write_archive(files, target):
+    """Write an archive whole or not at all, with fixed dates and sorted entries; returns its path."""
+    partial = target.with_name(f"{target.name}.partial")
+    try:
+        with zipfile.ZipFile(partial, "w") as archive:
+            for name in sorted(files):
+                item = zipfile.ZipInfo(name, DATE)
+                item.compress_type = zipfile.ZIP_DEFLATED
+                item.external_attr = 0o644 << 16
+                archive.writestr(item, files[name])
+        return partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def _replace_attribute(description, name, value):

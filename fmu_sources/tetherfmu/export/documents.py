@@ -31,12 +31,7 @@ def documents(name, variant, description, options, platforms, scene_page=None):
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     texts = {
         "documentation/index.html": scene_page or page(name, variant, description, table, osp_file),
-        "documentation/externalDependencies.txt": filled("externalDependencies.txt", platforms=", ".join(platforms)),
-        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8")
-        if LICENCE.exists()
-        else licence_of("tetherfmu"),
-        "documentation/licenses/PythonFMU.txt": licence_of("pythonfmu"),
-        "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
+        **of_every_fmu(platforms),
         osp_file: osp.model_description(table),
     }
     if not scene_page:
@@ -52,6 +47,17 @@ def documents(name, variant, description, options, platforms, scene_page=None):
     }
 
 
+def of_every_fmu(platforms):
+    """Texts on what the host must have, and licences: dict of their path in the archive."""
+    ours = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
+    return {
+        "documentation/externalDependencies.txt": filled("externalDependencies.txt", platforms=", ".join(platforms)),
+        "documentation/licenses/license.txt": ours,
+        "documentation/licenses/PythonFMU.txt": licence_of("pythonfmu"),
+        "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
+    }
+
+
 def page(name, variant, description, table, osp_file):
     """Text of documentation/index.html: use, physics, and the tables of all variables."""
     return filled(
@@ -60,9 +66,9 @@ def page(name, variant, description, table, osp_file):
         version=__version__,
         description=escape(description),
         physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
-        inputs=_rows(table, INPUT, unit, start, meaning),
-        outputs=_rows(table, OUTPUT, unit, meaning),
-        parameters=_rows(table, PARAMETER, unit, start, allowed, meaning),
+        inputs=rows(table, INPUT, unit, start, meaning),
+        outputs=rows(table, OUTPUT, unit, meaning),
+        parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
         osp=osp_file,
     )
 
@@ -97,13 +103,13 @@ def meaning(each):
     return text if len(each) == 1 else re.sub(r"^point 1 of \d+", "points", text.removesuffix(", x"))
 
 
-def _rows(table, causality, *columns):
+def rows(table, causality, *columns):
     """Rows of an HTML table of the variables of a causality; columns : functions that give a text of a variable."""
-    rows = []
+    found = []
     for name, each in folded([variable for variable in table if variable.causality == causality]):
         cells = "".join(f"<td>{escape(text_of(each))}</td>" for text_of in columns)
-        rows.append(f"<tr><td><code>{name}</code></td>{cells}</tr>")
-    return "\n".join(rows)
+        found.append(f"<tr><td><code>{name}</code></td>{cells}</tr>")
+    return "\n".join(found)
 
 
 def licence_of(package):

@@ -6,6 +6,8 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
+IN_WHEEL = PACKAGE / "examples"
+EXAMPLES = IN_WHEEL if IN_WHEEL.exists() else PACKAGE.parents[1] / "examples"  # in a checkout they are beside the package
 RECIPE = ("ahead_of_time", "intermediate_code", "linking")  # modules beside this one, how a library is made
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
 

@@ -15,6 +15,15 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "N/m": ("TranslationalSpringConstant", {"kg": 1, "s": -2}, 1000.0),
     "N.s/m": ("TranslationalDampingConstant", {"kg": 1, "s": -1}, 1.0),
     "rad": ("Angle", {"rad": 1}, 1.0),
+    "rad/s": ("AngularVelocity", {"rad": 1, "s": -1}, 1.0),
+    "rad/m": ("Curvature", {"rad": 1, "m": -1}, 0.1),
+    "1/s": ("Rate", {"s": -1}, 1.0),
+    "m2": ("Area", {"m": 2}, 10.0),
+    "kg.m2": ("MomentOfInertia", {"kg": 1, "m": 2}, 1.0),
+    "N.m": ("Torque", {"kg": 1, "m": 2, "s": -2}, 100.0),
+    "N.s2/m2": ("TensionOverSquaredSpeed", {"kg": 1, "m": -1}, 100.0),
+    "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
+    "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
 INITIAL = {"output": "calculated", "parameter": "exact"}
 

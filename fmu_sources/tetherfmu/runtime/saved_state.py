@@ -31,10 +31,11 @@ def to_bytes(saved):
     return HEADER.pack(MAGIC, len(body), zlib.crc32(body)) + body
 
 
-def from_bytes(blob, variant, count):
+def from_bytes(blob, variant, count, state_size=at.state_size):
     """The record in bytes of `to_bytes`.
 
-    variant : of the FMU that reads.  count : number of its FMI values.  ValueError says what is wrong with the bytes.
+    variant : of the FMU that reads.  count : number of its FMI values.  state_size : function of the number of segments, the
+    length of the state array.  ValueError says what is wrong with the bytes.
     """
     smallest = HEADER.size + FACTS.size
     if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(MAGIC):
@@ -43,7 +44,7 @@ def from_bytes(blob, variant, count):
     if length != len(blob) - HEADER.size or zlib.crc32(blob[HEADER.size :]) != checksum:
         raise ValueError("is damaged")
     name, phase, segments, tolerance, time = FACTS.unpack_from(blob, HEADER.size)
-    numbers = count + (at.state_size(segments) if phase >= STEPPING else 0)
+    numbers = count + (state_size(segments) if phase >= STEPPING else 0)
     if name.rstrip(b"\0") != variant.encode() or phase > TERMINATED or len(blob) != smallest + 8 * numbers:
         raise ValueError("belongs to another tether FMU")
     doubles = array("d", blob[smallest:])

@@ -138,16 +138,25 @@ IGNORED = {  # parameters that a variant ignores, and why
 }
 
 
-def _parameter_variables(variant, starts):
+def parameters_of(record_classes, starts=None):
+    """Variables of the quantities of records, numbered from 0; starts : dict name to start value, where it is no default."""
     variables = []
-    for record in records_of(variant):
+    for record in record_classes:
         defaults = {item.name: item.default for item in fields(record)}
         for name, declared in quantities(record):
             kind = "Enumeration" if declared.choices else "Integer" if isinstance(defaults[name], int) else "Real"
-            start = starts.get(name, defaults[name])
-            if name in IGNORED[variant]:
-                declared = replace(declared, meaning=f"{declared.meaning} (ignored: {IGNORED[variant][name]})")
+            start = (starts or {}).get(name, defaults[name])
             variables.append(Variable(name, PARAMETER, kind, declared, len(variables), start))
+    return variables
+
+
+def _parameter_variables(variant, starts):
+    variables = []
+    for each in parameters_of(records_of(variant), starts):
+        if each.name in IGNORED[variant]:
+            meaning = f"{each.quantity.meaning} (ignored: {IGNORED[variant][each.name]})"
+            each = replace(each, quantity=replace(each.quantity, meaning=meaning))
+        variables.append(each)
     if variant in FREE:
         for each in _KITE_MOTION:
             meaning = each.quantity.meaning.replace(", ", " at the start, ")
@@ -217,10 +226,10 @@ def table_of(variant, options):
     return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
 
 
-def records(variant, table, numbers):
-    """Records of `records_of` from the values of all parameters; ValueError names what is out of range.
+def records(record_classes, table, numbers):
+    """Records from the values of all parameters; ValueError names what is out of range.
 
-    table : of `variables`.  numbers : in the order of its parameters.
+    record_classes : such as `records_of`.  table : of `variables`.  numbers : in the order of its parameters.
     """
     values = dict(zip(names_of(table, PARAMETER), numbers, strict=True))
     for variable in table:
@@ -228,4 +237,4 @@ def records(variant, table, numbers):
             if variable.kind != "Real" and values[variable.name].is_integer():
                 values[variable.name] = int(values[variable.name])
             checked(variable.name, values[variable.name], variable.quantity)
-    return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in records_of(variant))
+    return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in record_classes)

@@ -1,0 +1,142 @@
+"""PythonFMU slave: flight controller of a pumping kite: figures of eight while reeling out, a climb while reeling in.
+
+The kite is steered to a point that runs along a figure of eight, always the angle `look_ahead` in front of the kite; while
+reeling in, to a point high above. A course error e asks for the turn rate `course_gain` e; the turn rate law (see
+`aerodynamics`), solved for the steering, says what gives it.
+
+    traction     s = sqrt(T/K)
+    reeling in   s = -s0 max(0, 1 - T/T0)
+
+T tension at the ground. A kite whose pull is C (w - s)^2 in a wind w along the tether gives most power at s = w/3 (Loyd,
+J. Energy 4, 1980), which is K = 4 C. Reeling in begins at `longest_length` and ends at `shortest_length`; depower and speed
+change over together.
+
+Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is the speed of the control
+unit of KiteModels.jl, 0.075 of its range in a second, of which 0.257 are used. All else is chosen for that kite.
+"""
+
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi, radians, sin, sqrt
+
+from tetherfmu.runtime.quantities import check, quantity
+from tetherfmu.runtime.variables import INPUT, OUTPUT
+
+from .aerodynamics import angle_of, cross, dot, speed_of, unit
+from .kite_on_path import DEGREES, frame
+from .model_slave import ModelSlave, scalar, vector
+
+TRACTION, REEL_IN = 1, 2
+ENTRY = 0.5 * pi  # point of the figure of eight that is flown to after reeling in [rad]
+SLOWEST = 3.0  # apparent wind for which the steering is computed at least [m/s]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """How a pumping kite flies."""
+
+    shortest_length: float = quantity(200.0, "m", "tether_length at which reeling in ends", 1.0, 1e5)
+    longest_length: float = quantity(300.0, "m", "tether_length at which reeling in begins", 1.0, 1e5)
+    elevation: float = quantity(radians(30.0), "rad", "elevation of the figure of eight", 0.0, 1.5, display=DEGREES)
+    downwind: float = quantity(0.0, "rad", "azimuth to which the wind blows", -pi, pi, display=DEGREES)
+    half_width: float = quantity(radians(25.0), "rad", "half of the width of the eight", 0.0, 1.5, display=DEGREES)
+    half_height: float = quantity(radians(8.0), "rad", "half of the height of the eight", 0.0, 1.0, display=DEGREES)
+    look_ahead: float = quantity(radians(10.0), "rad", "angle from the kite to its target", 1e-3, 1.0, display=DEGREES)
+    course_gain: float = quantity(1.5, "1/s", "turn rate over course error", 0.0, 100.0)
+    turning: float = quantity(0.0613, "rad/m", "c1 of the turn rate law of the kite", 1e-6)
+    turning_by_weight: float = quantity(1.226, "m/s2", "c2 of the turn rate law of the kite", 0.0)
+    tension_over_squared_speed: float = quantity(
+        300.0, "N.s2/m2", "K: tension of the tether over the square of the reel-out speed, in traction", 1e-6, 1e9
+    )
+    reel_in_speed: float = quantity(8.0, "m/s", "speed of reeling in a tether without tension", 0.0, 100.0)
+    reel_in_tension: float = quantity(1800.0, "N", "tension at which reeling in comes to rest", 1.0, 1e9)
+    reel_in_elevation: float = quantity(
+        radians(85.0), "rad", "elevation of the target while reeling in", 0.0, 1.57, display=DEGREES
+    )
+    depower_rate: float = quantity(0.3, "1/s", "rate of depower", 1e-3, 1e3)
+
+    def __post_init__(self):
+        check(self)
+        if self.shortest_length >= self.longest_length:
+            raise ValueError(
+                f"shortest_length is {self.shortest_length!r}; it must be less than longest_length "
+                f"({self.longest_length!r} m)"
+            )
+
+
+def point_of_eight(flight, phi):
+    """Direction to the point phi [rad] of the figure of eight, flown downwards at its sides, and its rate over phi."""
+    azimuth = flight.downwind + flight.half_width * sin(phi)
+    direction, _, _ = frame(azimuth, flight.elevation + flight.half_height * sin(2.0 * phi))
+    across = flight.half_width * cos(phi) * cos(flight.elevation)
+    return direction, hypot(across, 2.0 * flight.half_height * cos(2.0 * phi))
+
+
+def angle_between(a, b):
+    """Angle between two unit vectors [rad]."""
+    return atan2(speed_of(cross(a, b)), dot(a, b))
+
+
+def steering_to(target, direction, heading, speed, flight):
+    """Steering that turns the kite towards a target; target, direction : unit vectors from the ground station."""
+    wanted = angle_of([t - dot(target, direction) * d for t, d in zip(target, direction, strict=True)], direction)
+    error = (wanted - heading + pi) % (2.0 * pi) - pi
+    speed = max(speed, SLOWEST)
+    by_weight = flight.turning_by_weight / speed * sin(heading) * hypot(direction[0], direction[1])
+    return (flight.course_gain * error - by_weight) / (flight.turning * speed)
+
+
+class FlightController(ModelSlave):
+    """Flies a kite in pumping cycles."""
+
+    description = (
+        "Flight controller of a pumping kite: figures of eight while reeling out, a depowered climb while reeling in. "
+        "In: position, heading and apparent wind speed of the kite, tension and length of the tether. "
+        "Out: steering, depower, reel-out speed."
+    )
+    inputs = (
+        vector(INPUT, "kite_position", "m", "position of the kite", (300.0, 0.0, 400.0)),
+        scalar(INPUT, "heading", "rad", "heading of the kite, from the zenith to the right", start=0.0),
+        scalar(INPUT, "apparent_wind_speed", "m/s", "wind that the kite feels", start=0.0),
+        scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0),
+        scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0),
+    )
+    outputs_declared = (
+        scalar(OUTPUT, "steering", "", "steering, limited to what the kite can do", -1.0, 1.0),
+        scalar(OUTPUT, "depower", "", "0: full lift, 1: depowered", 0.0, 1.0),
+        scalar(OUTPUT, "set_speed", "m/s", "reel-out speed that is wanted"),
+        scalar(OUTPUT, "phase", "", "1: traction, 2: reeling in", 1, 2, kind="Integer"),
+    )
+    records = (Flight,)
+    memory = 1  # point of the figure of eight [rad]
+
+    def first(self, inputs):
+        """Powered and in traction, flying to the side of the figure of eight."""
+        return self._controlled(inputs, 0.0, TRACTION, ENTRY)
+
+    def next(self, begin, end, step, outputs, memory):
+        """Steering, depower and speed for the end of the step."""
+        flight, phase, phi = self.parameters, self._phase(outputs[3], end[6]), memory[0]
+        change = flight.depower_rate * step
+        goal = 1.0 if phase == REEL_IN else 0.0
+        depower = min(max(goal, outputs[1] - change), outputs[1] + change)
+        return self._controlled(end, depower, phase, ENTRY if phase == REEL_IN else phi)
+
+    def _controlled(self, inputs, depower, phase, phi):
+        flight, direction = self.parameters, unit(inputs[:3])
+        heading, wind, tension, _ = inputs[3:]
+        target, rate = point_of_eight(flight, phi)
+        if phase == REEL_IN:
+            target = frame(flight.downwind, flight.reel_in_elevation)[0]
+        else:
+            phi += max(0.0, flight.look_ahead - angle_between(direction, target)) / max(rate, flight.half_height)
+            target, _ = point_of_eight(flight, phi)
+        steering = steering_to(target, direction, heading, wind, flight)
+        out = sqrt(max(tension, 0.0) / flight.tension_over_squared_speed)
+        back = flight.reel_in_speed * max(0.0, 1.0 - tension / flight.reel_in_tension)
+        set_speed = (1.0 - depower) * out - depower * back
+        return (min(max(steering, -1.0), 1.0), depower, set_speed, phase), (phi % (2.0 * pi),)
+
+    def _phase(self, phase, length):
+        if length >= self.parameters.longest_length:
+            return REEL_IN
+        return TRACTION if length <= self.parameters.shortest_length else phase

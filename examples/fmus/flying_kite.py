@@ -1,0 +1,76 @@
+"""PythonFMU slave: the soft kite with a mass of its own, moved by the force of a tether with a driven kite end."""
+
+from math import ceil
+
+from tetherfmu.runtime.parameters import Environment, FreeKite
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+
+from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, speed_of, turn_rate, turned, unit
+from .model_slave import ModelSlave, names, vector
+from .point_mass_kite import CONTROL, flight_outputs
+
+LONGEST = 0.01  # internal step [s]
+POSITION = vector(PARAMETER, "initial_kite_position", "m", "position of the kite at the start", (300.0, 0.0, 400.0))
+VELOCITY = vector(PARAMETER, "initial_kite_velocity", "m/s", "velocity of the kite at the start", (0.0, 0.0, 0.0))
+
+
+def moved(position, velocity, acceleration, after, step):
+    """Position and velocity after a step of Heun's method, from the accelerations before and after it."""
+    ahead = [x + step * (v + 0.5 * step * a) for x, v, a in zip(position, velocity, acceleration, strict=True)]
+    faster = [v + 0.5 * step * (a + b) for v, a, b in zip(velocity, acceleration, after, strict=True)]
+    return ahead, faster
+
+
+class FlyingKite(ModelSlave):
+    """A soft kite with mass."""
+
+    description = (
+        "A soft kite with mass, a point with a heading that steering turns. "
+        "In: force of the tether on the kite, wind, steering, depower. "
+        "Out: position and velocity of the kite, which lead a tether with a driven kite end."
+    )
+    inputs = (vector(INPUT, "kite_force", "N", "force of the tether on the kite", (0.0, 0.0, 0.0)), *CONTROL)
+    outputs_declared = (
+        *(
+            vector(OUTPUT, f"kite_{name}", unit, f"{name} of the kite", depends_on=names(parameter))
+            for name, unit, parameter in (("position", "m", POSITION), ("velocity", "m/s", VELOCITY))
+        ),
+        *flight_outputs(*names(POSITION, VELOCITY)),
+    )
+    records = (FreeKite, Wing, Environment)
+    vectors = (POSITION, VELOCITY)
+    memory = 3  # heading
+
+    def first(self, inputs):
+        """The motion at the start is given."""
+        start = [getattr(self.parameters, name) for name in names(*self.vectors)]
+        return self._outputs(start[:3], start[3:], first_heading(start[:3], self.parameters.initial_heading), inputs)
+
+    def next(self, begin, end, step, outputs, memory):
+        """Heun's method in steps of at most 10 ms; force, wind and steering go linearly from begin to end."""
+        position, velocity, heading = outputs[:3], outputs[3:6], memory
+        count = ceil(step / LONGEST - 1e-6)
+        h, slope = step / count, [(b - a) / count for a, b in zip(begin, end, strict=True)]
+        before = begin
+        for k in range(count):
+            after = [a + (k + 1) * s for a, s in zip(begin, slope, strict=True)]
+            acceleration, rate = self._rates(position, velocity, heading, before)
+            euler = [v + h * a for v, a in zip(velocity, acceleration, strict=True)]
+            ahead, _ = moved(position, velocity, acceleration, acceleration, h)
+            there, rate_there = self._rates(ahead, euler, turned(heading, unit(ahead), h * rate), after)
+            position, velocity = moved(position, velocity, acceleration, there, h)
+            heading = turned(heading, unit(position), 0.5 * h * (rate + rate_there))
+            before = after
+        return self._outputs(position, velocity, heading, end)
+
+    def _rates(self, position, velocity, heading, inputs):
+        """Acceleration [m/s2] and turn rate [rad/s]."""
+        known, steering = self.parameters, inputs[6]
+        felt = apparent_wind(position, velocity, inputs[3:6], known)
+        force = load(position, heading, felt, steering, inputs[7], known)
+        x, y, z = ((f + g) / known.kite_mass for f, g in zip(force, inputs[:3], strict=True))
+        return (x, y, z - known.gravity), turn_rate(unit(position), heading, felt, steering, known)
+
+    def _outputs(self, position, velocity, heading, inputs):
+        speed = speed_of(apparent_wind(position, velocity, inputs[3:6], self.parameters))
+        return (*position, *velocity, angle_of(heading, unit(position)), speed), heading

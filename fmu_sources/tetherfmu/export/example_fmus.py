@@ -1,0 +1,70 @@
+"""Build the FMUs of the examples: kites, a winch, a flight controller, a prescribed flight; as tether FMUs are built."""
+
+import tempfile
+from html import escape
+from importlib import import_module
+from pathlib import Path
+from sys import path as search_path
+from xml.etree import ElementTree
+
+from tetherfmu.libraries.sources import EXAMPLES
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+
+from .archive import DESCRIPTION, pack, write_fmu, write_package
+from .documents import ASSETS, allowed, filled, meaning, of_every_fmu, rows, start, unit
+
+FOLDER = EXAMPLES / "fmus"
+SLAVES = {  # name: script
+    "PointMassKite": "point_mass_kite.py",
+    "FlyingKite": "flying_kite.py",
+    "Winch": "winch.py",
+    "FlightController": "flight_controller.py",
+    "KiteOnPath": "kite_on_path.py",
+}
+PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
+
+
+def slave(name):
+    """Class of the slave of an FMU of the examples."""
+    if str(EXAMPLES) not in search_path:
+        search_path.append(str(EXAMPLES))
+    return getattr(import_module(f"fmus.{Path(SLAVES[name]).stem}"), name)
+
+
+def table_of(name):
+    """Variables of an FMU of the examples."""
+    return slave(name)(instance_name=name, resources="").table
+
+
+def build(name, folder):
+    """Build an FMU of the examples and return its path; name : one of `SLAVES`.  folder : made if missing."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    script = FOLDER / SLAVES[name]
+    modules = sorted(each for each in FOLDER.glob("*.py") if each not in (script, FOLDER / "__init__.py"))
+    with tempfile.TemporaryDirectory() as temporary:
+        resources = Path(temporary) / "resources"
+        files = pack(resources, write_package(resources, name, script, modules=modules), Path(temporary))
+    description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
+    texts = {"documentation/index.html": _page(name, script, description), **of_every_fmu(PLATFORMS)}
+    files["model.png"] = (ASSETS / "model.png").read_bytes()
+    files.update({path: text.encode("utf-8") for path, text in texts.items()})
+    return write_fmu(files, folder / f"{name}.fmu")
+
+
+def _page(name, script, description):
+    """Text of documentation/index.html: the equations as the sources have them, and the tables of all variables."""
+    table = table_of(name)
+    texts = [import_module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
+    shown = texts if name.endswith("Kite") else texts[:2]
+    return filled(
+        "example.html",
+        name=name,
+        version=__version__,
+        description=escape(description),
+        physics="\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown)),
+        inputs=rows(table, INPUT, unit, start, meaning),
+        outputs=rows(table, OUTPUT, unit, meaning),
+        parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
+    )

@@ -1,0 +1,255 @@
+"""The FMI shell that all slaves share: table of variables, phases, messages. The only module that knows PythonFMU.
+
+What it must never do (docs/fmi.md): let an exception escape, except the guarded one that stops a wrong initialization; log
+while it is being made; pass a `%` to the log unescaped.
+"""
+
+import sys
+from contextlib import suppress
+from math import isfinite, nan
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.default_experiment import DefaultExperiment
+from pythonfmu.enums import Fmi2Status
+
+from . import __version__
+from .model_description import complete
+from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
+from .workarounds import free_interpreter_once, hold, leave_search_path
+
+WARNING, DISCARD, ERROR = Fmi2Status.warning, Fmi2Status.discard, Fmi2Status.error
+_PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
+
+
+class BaseSlave(Fmi2Slave):
+    """A PythonFMU slave with a table of variables and one array of all their values.
+
+    A subclass calls `declare` when it is made, and has `start`, `advance` and `warnings`, `state_to_bytes` and
+    `state_from_bytes`.
+    """
+
+    author = "TetherFMU developers"
+    license = "MIT"
+    version = __version__
+    subject = "the model"  # of sentences
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        if "visible" in kwargs:  # made by PythonFMU's library, not by its builder
+            leave_search_path(self.resources)
+            free_interpreter_once(self.resources)
+        self.phase = BEFORE
+        self.time = nan
+        self._warned_of_time = False
+        self._refusal = None
+
+    def declare(self, table, values, references, step):
+        """Take a table of `variables.Variable`, the array of values, their places in it, and the usual step [s].
+
+        The value reference of a variable is the place of its value; its start value is put there.
+        """
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=step, tolerance=1e-4)
+        self.table, self.values, self.references = table, values, references
+        self._by_reference = dict(zip(references, table, strict=True))
+        for reference, variable in self._by_reference.items():
+            if variable.start is not None:
+                values[reference] = variable.start
+        self._reals = self._all(lambda variable: variable.kind == "Real")
+        self._integers = frozenset(references) - self._reals
+        self._inputs = self._all(lambda variable: variable.causality == "input")
+        self.outputs = self._all(lambda variable: variable.causality == "output")
+
+    def _all(self, chosen):
+        return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))
+
+    # --- what a subclass has
+
+    def start(self):
+        """Check the parameters and compute the first outputs. Returns what is wrong, or None."""
+        raise NotImplementedError
+
+    def advance(self, step):
+        """One communication step [s]. Returns what is wrong, with nothing changed, or None."""
+        raise NotImplementedError
+
+    def warnings(self):
+        """Sentences on what is implausible, each once since the start."""
+        return ()
+
+    def state_to_bytes(self):
+        """The whole state, bit for bit."""
+        raise NotImplementedError
+
+    def state_from_bytes(self, blob):
+        """Go back to a state; ValueError, with nothing changed, if the bytes are none."""
+        raise NotImplementedError
+
+    # --- model description
+
+    def to_xml(self, model_options=None):
+        """Model description of PythonFMU, completed with units, limits, enumerations and dependencies."""
+        options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
+        root = super().to_xml(options)
+        root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
+        complete(root, self.table, self.references)
+        return root
+
+    # --- life cycle
+
+    def setup_experiment(self, start_time, stop_time, tolerance):
+        """Nothing of it is needed."""
+
+    def enter_initialization_mode(self):
+        """From here on outputs are calculated on demand."""
+        self._change_phase(BEFORE, INITIALIZING, "initialization mode cannot be entered")
+
+    def exit_initialization_mode(self):
+        """Check the parameters and compute the first outputs; the only place where an exception leaves the slave."""
+        if self.phase != INITIALIZING:
+            self.refuse(f"initialization mode cannot be left {_PHASES[self.phase]}")
+            return
+        problem = self._refusal or self.start()
+        if problem:
+            self.say(problem, ERROR)
+            hold(self, type(self), self.log_queue)
+            raise ValueError(problem.replace("%", "%%"))
+        self.phase = STEPPING
+        self._warn()
+
+    def do_step(self, current_time, step_size):
+        """One communication step. False (fmi2Discard), a message and the state of before if it cannot be done."""
+        problem = self._refusal or self._problem_of_time(current_time, step_size) or self.advance(step_size)
+        if problem:
+            self._refusal = None
+            self.say(problem, DISCARD)
+            return False
+        self.time = current_time + step_size
+        self._warn()
+        return True
+
+    def terminate(self):
+        """No step can follow, but values can still be read; an instance holds memory only."""
+        self._change_phase(STEPPING, TERMINATED, f"{self.subject} cannot be terminated")
+
+    def _change_phase(self, before, after, refusal):
+        if self.phase == before:
+            self.phase = after
+        else:
+            self.refuse(f"{refusal} {_PHASES[self.phase]}")
+
+    def _problem_of_time(self, time, step):
+        """Why no step can be done now, or None; a communication point where no step ended is reported once."""
+        if self.phase != STEPPING:
+            return f"a step cannot be done {_PHASES[self.phase]}"
+        if time == self.time:
+            return None
+        if not isfinite(time):
+            return f"the communication point is {time}; it must be a finite number"
+        if abs(time - self.time) > 1e-3 * abs(step) + 1e-9 * abs(time) and not self._warned_of_time:
+            self._warned_of_time = True
+            from_there = f"the last step ended at {self.time} s; {self.subject} goes on from there"
+            self.say(f"the communication point is {time} s, {from_there}", WARNING)
+        return None
+
+    # --- values
+
+    def get_real(self, vrs):
+        """Values of Real variables."""
+        return self._get(vrs, self._reals)
+
+    def set_real(self, vrs, values):
+        """Store values of Real variables; they are checked when they are used."""
+        if self._inputs.issuperset(vrs):
+            store = self.values
+            for reference, value in zip(vrs, values, strict=True):
+                store[reference] = value
+        else:
+            self._set_parameters(vrs, values, self._reals)
+
+    def get_integer(self, vrs):
+        """Values of Integer and Enumeration variables."""
+        return [int(value) for value in self._get(vrs, self._integers)]
+
+    def set_integer(self, vrs, values):
+        """Store values of Integer and Enumeration parameters; they are checked when initialization ends."""
+        self._set_parameters(vrs, values, self._integers)
+
+    def get_boolean(self, vrs):
+        """There are no Boolean variables."""
+        return [bool(value) for value in self._get(vrs, frozenset())]
+
+    def get_string(self, vrs):
+        """There are no String variables."""
+        return [str(value) for value in self._get(vrs, frozenset())]
+
+    def set_boolean(self, vrs, values):
+        """There are no Boolean variables, and no String variables."""
+        self._set_parameters(vrs, values, frozenset())
+
+    set_string = set_boolean
+
+    def _get(self, vrs, allowed):
+        if not allowed.issuperset(vrs):
+            unknown = [reference for reference in vrs if reference not in allowed]
+            self.refuse(f"value references {unknown} cannot be read: they are no variables of this type")
+            return [0.0 if reference in unknown else self.values[reference] for reference in vrs]
+        if self.phase == INITIALIZING and not self.outputs.isdisjoint(vrs):
+            problem = self.start()
+            if problem:
+                self.say(problem, WARNING)
+        store = self.values
+        return [store[reference] for reference in vrs]
+
+    def _set_parameters(self, vrs, values, allowed):
+        for reference, value in zip(vrs, values, strict=True):
+            if reference not in allowed or reference in self.outputs:
+                self.refuse(
+                    f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
+                )
+            elif reference not in self._inputs and self.phase >= STEPPING:
+                name = self._by_reference[reference].name
+                self.refuse(f"{name} cannot be set to {value!r} now; it is fixed when the initialization ends")
+            else:
+                self.values[reference] = value
+
+    # --- state
+
+    def _get_fmu_state(self):
+        """The whole state as bytes."""
+        return self.state_to_bytes()
+
+    def _set_fmu_state(self, blob):
+        """Go back to a state, bit for bit. A foreign or damaged one is refused at the next step."""
+        try:
+            self.state_from_bytes(blob)
+        except ValueError as problem:
+            self.refuse(f"the FMU state that was set {problem}; the state of before is kept")
+            return
+        self._refusal = None
+
+    @staticmethod
+    def _fmu_state_to_bytes(state):
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state):
+        return bytes(state)
+
+    # --- messages
+
+    def refuse(self, message):
+        """Remember why the next step cannot be done, and say it now."""
+        self._refusal = message
+        self.say(message, ERROR)
+
+    def _warn(self):
+        for sentence in self.warnings():
+            self.say(sentence, WARNING)
+
+    def say(self, message, level):
+        """Log a message; also on stderr, because PythonFMU drops every message unless the importer turns logging on."""
+        text = f"{self.instance_name}: {message}"
+        self.log(text.replace("%", "%%"), level)
+        if sys.stderr is not None:
+            with suppress(OSError, ValueError):  # a host may have closed it
+                print(text, file=sys.stderr)
