@@ -67,9 +67,9 @@ class AxialChain:
         if h not in self.passages:  # the same for all ways
             self.passages[h] = through_a_step(self.a, self.b, h)
         p, q = self.passages[h]
-        size = len(p) + 5
+        size = len(p) + 6
         columns = np.eye(size)
-        z, end, kite, last = columns[: size - 5], columns[-5:-3], columns[-3:-1], columns[-1]
+        z, end, kite, last, force_before = columns[: size - 6], columns[-6:-4], columns[-4:-2], columns[-2], columns[-1]
 
         def led_to(target):
             """z and end of the tether after the step, at whose end its kite end has this position and velocity."""
@@ -82,13 +82,13 @@ class AxialChain:
         acceleration = (kite[1] - last) / h
         predicted = kite[0] + h * kite[1] + 0.5 * h * h * acceleration, kite[1] + h * acceleration
         z_new, end_new = led_to(predicted)
-        new = WAYS[way](self, kite, before, self.force(z_new, end_new), h)
+        new = self.moved(kite, *FORCES[way](force_before, before, self.force(z_new, end_new)), h)
         given = kite[1]
         if way == "two iterations":
             given = 0.5 * (new[1] + last)  # the velocity that leads the end there, see `inputs_towards`
             z_new, end_new = led_to(new)
             new = self.moved(kite, before, self.force(z_new, end_new), h)
-        return np.vstack([z_new, *end_new, *new, given])
+        return np.vstack([z_new, *end_new, *new, given, before])
 
     def factor(self, way, h):
         """Largest |eigenvalue| of the map of a step [-]: by how much a deviation grows in it."""
@@ -104,9 +104,10 @@ class AxialChain:
         return np.inf
 
 
-WAYS = {  # kite after the step, from the force before and after it [N]
-    "parallel": lambda chain, kite, before, after, h: chain.moved(kite, before, before, h),
-    "sequential": lambda chain, kite, before, after, h: chain.moved(kite, after, after, h),
-    "sequential, linear": lambda chain, kite, before, after, h: chain.moved(kite, before, after, h),
-    "two iterations": lambda chain, kite, before, after, h: chain.moved(kite, before, after, h),
+FORCES = {  # at the start and at the end of a step of the kite, from those of the tether one step before, before, after it
+    "parallel": lambda _, before, after: (before, before),
+    "parallel, linear": lambda last, before, after: (before, 2.0 * before - last),
+    "sequential": lambda _, before, after: (after, after),
+    "sequential, linear": lambda _, before, after: (before, after),
+    "two iterations": lambda _, before, after: (before, after),
 }

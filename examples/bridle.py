@@ -71,7 +71,7 @@ def fly(scene, free_fmu, driven_fmu, step):
             for fmu in others:
                 fmu.set(kite_position=x, kite_velocity=v)
             for fmu in fmus:  # 3. All go to the end of the step.
-                fmu.fmu.doStep(k * step, step)
+                fmu.step(k * step, step)
             forces.append([fmu.get("kite_force") for fmu in fmus])
             positions.append(first.get("kite_position"))
             stop_if_pressed()

@@ -6,10 +6,12 @@ from ways_of_coupling import DRIVEN, WAYS
 
 from tetherfmu.runtime.parameters import Tether
 
-COLORS = dict(zip(WAYS, ("#D55E00", "#E69F00", "#CC79A7", "#009E73", "#56B4E9", "#0072B2"), strict=True))  # Okabe and Ito
+COLORS = dict(
+    zip(WAYS, ("#D55E00", "#000000", "#E69F00", "#CC79A7", "#009E73", "#56B4E9", "#0072B2"), strict=True)
+)  # Okabe and Ito
 STIFFNESS = Tether().axial_stiffness / Tether().initial_length  # of the tether of the growth figure [N/m]
 GAP = 0.075  # between labels, of the height of an axis
-MARKERS = dict(zip(WAYS, "svD^oo", strict=True))
+MARKERS = dict(zip(WAYS, "spvD^oo", strict=True))
 
 
 def spread(heights, gap):
@@ -110,7 +112,9 @@ def draw_limits(table):
         ends = {}
         for way, curve in mine.groupby("way", sort=False):
             axis.loglog(curve.kite_mass, 1e3 * curve.largest_step, "-", color=COLORS[way], marker=MARKERS[way], markersize=4)
-            axis.loglog(curve.kite_mass, 1e3 * curve.safe_step, ":", color=COLORS[way] if way == "parallel" else "0.4")
+            axis.loglog(
+                curve.kite_mass, 1e3 * curve.safe_step, ":", color=COLORS[way] if way.startswith("parallel") else "0.4"
+            )
             ends[way] = curve.kite_mass.iloc[-1], 1e3 * curve.largest_step.iloc[-1]
         axis.set(title=f"{length:g} m", xlabel="kite [kg]", ylim=(1.0, 500.0))
         axis.set_xticks([1, 10, 100], ["1", "10", "100"])
@@ -118,7 +122,8 @@ def draw_limits(table):
         axis.grid(color="0.9")
     axes[0].set_ylabel("largest stable communication step [ms]")
     axes[-1].text(1.3, 1.15, "2 c/k", color=COLORS[WAYS[0]], fontsize=9)
-    axes[-1].text(14.0, 12.0, r"0.2 $\sqrt{M/k}$", color="0.4", fontsize=9)
+    axes[-1].text(14.0, 6.0, r"0.1 $\sqrt{M/k}$", color=COLORS[WAYS[1]], fontsize=9)
+    axes[-1].text(1.2, 75.0, r"0.2 $\sqrt{M/k}$", color="0.4", fontsize=9)
     label_lines(axes[-1], ends)
     return figure
 

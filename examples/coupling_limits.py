@@ -18,7 +18,7 @@ from axial_chain import AxialChain
 from bridle import bridle
 from fly_your_kite import load as lift_and_drag
 from monolithic import Leg, Scene, exact
-from ways_of_coupling import DRIVEN, WAYS, Mass, fly, force_error, started, step_driven
+from ways_of_coupling import DRIVEN, WAYS, Mass, fly, force_error, memory_at_start, started, step_driven
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.ending import command
@@ -33,7 +33,7 @@ STEPS = (0.001, 0.002, 0.004, 0.008, 0.01, 0.016, 0.02, 0.04, 0.08)  # parts of 
 PRINTED = 0.02  # step of the table [s]
 LENGTHS, MASSES = (30.0, 100.0, 300.0, 500.0), (1.0, 3.0, 10.0, 30.0, 100.0)  # of the tether [m], of the kite [kg]
 GROWTH_STEPS = (0.001, 0.002, 0.004, 0.006, 0.008, 0.01, 0.012, 0.015)  # [s]
-SAFE = 0.2  # of sqrt(M/k): a step that all ways but the parallel one bear, M and k as the kite end has them
+SAFE = {"parallel, linear": 0.1, "sequential": 0.2, "sequential, linear": 0.2, "two iterations": 0.2}  # of sqrt(M/k)
 KNOT, KNOT_STEPS = 5.0, (0.001, 0.002, 0.005, 0.01, 0.02)  # [kg], parts of the last one [s]
 LIFT, PLUCKED = 500.0, 0.01  # [N], [m]
 
@@ -106,7 +106,8 @@ def measured_growth(way, tether, kite_mass, step, duration=6.0):
     """
     scene = plucked(tether, kite_mass, duration)
     rest = scene.position[2] - PLUCKED
-    (tethers, outputs), mass, memory, heights = started(scene, relative_tolerance=1e-8), Mass(scene), [np.zeros(3), 0.0], []
+    (tethers, outputs), mass, heights = started(scene, relative_tolerance=1e-8), Mass(scene), []
+    memory = memory_at_start(outputs)
     for _ in range(round(duration / step)):
         outputs = step_driven(way, scene, tethers, mass, outputs, memory, step)
         heights.append(mass.position[2] - rest)
@@ -148,7 +149,7 @@ def limits(lengths=LENGTHS, masses=MASSES):
             chain = AxialChain(Tether(initial_length=length), mass)
             simple = AxialChain(Tether(initial_length=length, segments=1), mass)
             for way in DRIVEN:
-                safe = 2.0 * simple.c / simple.k if way == "parallel" else SAFE * np.sqrt(chain.mass / simple.k)
+                safe = SAFE[way] * np.sqrt(chain.mass / simple.k) if way in SAFE else 2.0 * simple.c / simple.k
                 rows.append((length, mass, way, chain.largest_step(way), safe))
     return pd.DataFrame(rows, columns=["length", "kite_mass", "way", "largest_step", "safe_step"])
 
@@ -157,7 +158,7 @@ def percent_table(table):
     """Markdown: at the step `PRINTED`, error [%] of each way for each kite."""
     mine = table[np.isclose(table.step, PRINTED)]
     wide = 100.0 * mine.pivot(index="way", columns="kite", values="error").loc[list(WAYS)]
-    return wide.map(shown).to_markdown()
+    return wide.map(shown).to_markdown(disable_numparse=True)
 
 
 def knot_table(table):
@@ -167,7 +168,7 @@ def knot_table(table):
         percent=100.0 * mine.error, case=[f"{a}, {1e3 * b:g} ms" for a, b in zip(mine.scene, mine.step, strict=True)]
     )
     wide = mine.pivot(index="way", columns="case", values="percent").loc[list(WAYS), list(mine.case.unique())]
-    return wide.map(shown).to_markdown()
+    return wide.map(shown).to_markdown(disable_numparse=True)
 
 
 def shown(percent):

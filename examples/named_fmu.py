@@ -31,6 +31,17 @@ class NamedFmu:
         values = np.array(self.fmu.getReal(self.references(name)))
         return values if len(values) > 1 else values[0]
 
+    def step(self, time, step):
+        """A communication step [s]."""
+        self.fmu.doStep(time, step)
+
+    @contextmanager
+    def saved(self):
+        """A function that takes the FMU back to where it is now, as often as you like within the block."""
+        state = self.fmu.getFMUState()
+        yield lambda: self.fmu.setFMUState(state)
+        self.fmu.freeFMUState(state)
+
     def start(self, inputs, **parameters):
         """Initialize with these parameters, and these inputs at the start."""
         self.fmu.setupExperiment(startTime=0.0)

@@ -5,6 +5,7 @@ driven, the mass is moved here, by the forces that the tethers give; where it is
 gets the forces of the other legs, and the load, as its `kite_load`. In each communication step from t to t + h:
 
 parallel                   mass and tethers go at once: the mass holds the forces of t over the step
+parallel, linear           the same; the forces on the mass go on linearly from their last two values
 sequential                 the tethers go first: the mass holds their forces of t + h
 sequential, linear         the tethers go first: the forces on the mass go linearly from those of t to those of t + h
 two iterations             the same; then the tethers go back to t and once more to t + h, with their end led to where the
@@ -40,13 +41,11 @@ class Mass:
         """Mass that the forces of the tethers move [kg]: with half a segment of each."""
         return self.scene.mass + sum(each.kite_end_mass for each in outputs)
 
-    def after(self, h, before, later):
-        """Position [m] and velocity [m/s] after a step; outputs of the legs `before` and `later`, force linear between.
+    def after(self, h, first, last, mass):
+        """Position [m] and velocity [m/s] after a step in which the force of the tethers goes from `first` to `last` [N].
 
-        One step of the classical Runge-Kutta method.
+        One step of the classical Runge-Kutta method; mass : `inertia` [kg].
         """
-        mass = self.inertia(later)
-        first, last = (sum(each.kite_force for each in outputs) for outputs in (before, later))
 
         def slope(part, x, v):
             force = self.scene.load(x, v) + (1.0 - part) * first + part * last
@@ -80,6 +79,16 @@ def started(scene, **solver):
     ]
 
 
+def total(outputs):
+    """Sum of the forces of tethers on the mass [N]."""
+    return np.sum([each.kite_force for each in outputs], axis=0)
+
+
+def memory_at_start(outputs):
+    """What `step_driven` remembers, before the first step."""
+    return [np.zeros(3), 0.0, total(outputs)]
+
+
 def advanced(scene, tethers, h, motion):
     """Outputs of tethers with driven ends after a step [s], the mass at a position and velocity at its start."""
     return [
@@ -90,26 +99,32 @@ def advanced(scene, tethers, h, motion):
 def step_driven(way, scene, tethers, mass, outputs, memory, h):
     """One communication step [s] with driven ends; outputs at its end. `mass` and `memory` are modified.
 
-    memory : velocity [m/s] and step [s] that the tethers got last.
+    memory : velocity [m/s] and step [s] that the tethers got last, force [N] at the start of that step.
     """
     given, states = (mass.position, mass.velocity), [tether.get_state() for tether in tethers]
-    later = advanced(scene, tethers, h, given)
-    held = {"parallel": outputs, "sequential": later}.get(way)
-    motion = mass.after(h, held or outputs, held or later)
+    later, inertia = advanced(scene, tethers, h, given), mass.inertia(outputs)
+    before, after = total(outputs), total(later)
+    first, last = {
+        "parallel": (before, before),
+        "parallel, linear": (before, before + (before - memory[2])),
+        "sequential": (after, after),
+    }.get(way, (before, after))
+    motion = mass.after(h, first, last, inertia)
     if way == "two iterations":
         for tether, state in zip(tethers, states, strict=True):
             tether.set_state(state)
-        given = inputs_towards(*motion, *memory, h)
+        given = inputs_towards(*motion, *memory[:2], h)
         later = advanced(scene, tethers, h, given)
-        motion = mass.after(h, outputs, later)
+        motion = mass.after(h, before, total(later), inertia)
     mass.position, mass.velocity = motion
-    memory[:] = given[1], h
+    memory[:] = given[1], h, before
     return later
 
 
 def fly_driven(way, scene, h, **solver):
     """`Flown` of a scene with driven ends in communication steps h [s]."""
-    (tethers, outputs), mass, memory = started(scene, **solver), Mass(scene), [np.zeros(3), 0.0]
+    (tethers, outputs), mass = started(scene, **solver), Mass(scene)
+    memory = memory_at_start(outputs)
     forces, positions = [[each.kite_force for each in outputs]], [mass.position]
     for _ in range(round(scene.duration / h)):
         outputs = step_driven(way, scene, tethers, mass, outputs, memory, h)
@@ -134,7 +149,7 @@ def fly_free(continuation, scene, h, **solver):
     forces, positions = [[each.kite_force for each in (mine, *outputs)]], [scene.position]
     for _ in range(round(scene.duration / h)):
         motion = mine.kite_position, mine.kite_velocity
-        load = scene.load(*motion) + sum(each.kite_force for each in outputs) + carried * scene.environment.gravity * UP
+        load = scene.load(*motion) + total(outputs) + carried * scene.environment.gravity * UP
         mine = free.step(h, load, reel_out_speed=first.reel_out_speed)
         outputs = advanced(rest, tethers, h, motion)
         forces.append([each.kite_force for each in (mine, *outputs)])
@@ -142,7 +157,7 @@ def fly_free(continuation, scene, h, **solver):
     return Flown(np.array(forces), np.array(positions))
 
 
-DRIVEN = ("parallel", "sequential", "sequential, linear", "two iterations")
+DRIVEN = ("parallel", "parallel, linear", "sequential", "sequential, linear", "two iterations")
 FREE = {"free end, held": "held", "free end, linear": "linear"}
 WAYS = (*DRIVEN, *FREE)
 
