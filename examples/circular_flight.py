@@ -33,6 +33,7 @@ from fmpy.fmi2 import FMU2Slave
 from tetherfmu.console.ending import WrongUse, command, one_line
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
+from tetherfmu.export import example_fmus
 from tetherfmu.export.archive import build
 from tetherfmu.libraries.children import ctrl_c_waits
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
@@ -180,7 +181,8 @@ def find_fmu(name):
     """Path of an FMU in dist/, which is built if it is not there."""
     file = Path("dist") / f"{name}.fmu"
     if not file.exists():
-        print(f"{build(name, file.parent)} is built")
+        make = example_fmus.build if name in example_fmus.SLAVES else build
+        print(f"{make(name, file.parent)} is built")
     return file
 
 

@@ -16,10 +16,10 @@ def scene(shapes):
     return {"aspectmode": "data", **axes}
 
 
-def write_page(flights, file, count=100):
+def write_page(flights, file, count=100, title="Tether of a kite that flies a circle"):
     """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
 
-    flights : dict name -> `Flight` with the same times.
+    flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`.
     """
     first = next(iter(flights.values()))
     moments = np.linspace(0, len(first.time) - 1, count).astype(int)
@@ -27,7 +27,8 @@ def write_page(flights, file, count=100):
     for k in moments:
         tethers = [line(flight.shape[k], name, "lines+markers") for name, flight in flights.items()]
         frames.append(go.Frame(name=f"{first.time[k]:.1f}", data=tethers))
-    path = line(first.shape[moments, -1], "flight path", "lines")
+    shapes = np.array(first.shape)[moments]
+    path = line(shapes[:, -1], "flight path", "lines")
     show = {"frame": {"duration": 60, "redraw": True}, "transition": {"duration": 0}, "mode": "immediate"}
     steps = [{"label": frame.name, "method": "animate", "args": [[frame.name], show]} for frame in frames]
     buttons = [
@@ -36,9 +37,9 @@ def write_page(flights, file, count=100):
     ]
     page = go.Figure([*frames[0].data, path], frames=frames)
     page.update_layout(
-        title="Tether of a kite that flies a circle",
+        title=title,
         showlegend=True,
-        scene=scene(np.concatenate([flight.shape[moments].reshape(-1, 3) for flight in flights.values()])),
+        scene=scene(np.concatenate([np.array(flight.shape)[moments].reshape(-1, 3) for flight in flights.values()])),
         sliders=[{"steps": steps, "currentvalue": {"prefix": "time [s]: "}}],
         updatemenus=[{"type": "buttons", "buttons": buttons, "x": 0.0, "xanchor": "left"}],
     )

@@ -1,0 +1,46 @@
+"""Which FMUs make a kite power system, how are they wired, and how do they start? For `pumping_cycle.py` and for the SSP files.
+
+Variables of the same name belong together: an input gets the output of that name. What no output gives is set once, in each FMU
+that has it.
+"""
+
+from math import cos, radians, sin
+
+ELEVATION, DISTANCE, SPEED = radians(30.0), 200.0, 15.0  # of the kite at the start [rad], [m], [m/s]
+FMUS = {  # instance: FMU, in the order in which they depend on each other
+    "tether": "TetherDynamicFree",
+    "kite": "PointMassKite",
+    "controller": "FlightController",
+    "winch": "Winch",
+}
+AIR = {"wind_velocity[1]": 8.0, "wind_profile": 2, "wind_reference_height": 10.0, "wind_exponent": 0.15}
+START = {  # the kite flies across the wind, on a tether that pulls with some 2.3 kN
+    **AIR,
+    "kite_mass": 19.6,
+    "segments": 10,
+    "initial_shape": 2,
+    "initial_length": 0.99625 * DISTANCE,
+    "tether_length": 0.99625 * DISTANCE,
+    "initial_kite_position[1]": DISTANCE * cos(ELEVATION),
+    "initial_kite_position[3]": DISTANCE * sin(ELEVATION),
+    "initial_kite_velocity[2]": SPEED,
+    "initial_heading": radians(-90.0),
+    "initial_speed": 2.5,
+}
+CIRCLE = {"kite": "KiteOnPath", "tether": "TetherDynamic"}  # the circular flight as a system of two FMUs
+CIRCLE_START = {"initial_length": 525.0, "initial_shape": 2, "wind_velocity[1]": 8.0}
+
+
+def given_by(variables):
+    """Names of the outputs of an FMU that another one can get; variables : as FMPy describes them."""
+    return [v.name for v in variables if v.causality == "output" and v.type == "Real" and not v.name.startswith("shape[")]
+
+
+def wanted_by(variables, given):
+    """Names of the inputs of an FMU that are among the given names."""
+    return [v.name for v in variables if v.causality == "input" and v.name in given]
+
+
+def starts_for(variables, start):
+    """Values of those start values that an FMU has, as pairs (variable, value)."""
+    return [(v, start[v.name]) for v in variables if v.name in start and v.causality != "output"]

@@ -1,0 +1,56 @@
+"""How does a pumping kite fly, and what does it give? Figures for `pumping_cycle.py`."""
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+PANELS = (  # name of the values, factor, label, colour
+    ("ground_tension", 1e-3, "force [kN]", "tab:red"),
+    ("reel_out_speed", 1.0, "reel-out speed [m/s]", "tab:blue"),
+    ("power", 1e-3, "power [kW]", "tab:green"),
+    ("tether_length", 1.0, "length [m]", "black"),
+)
+
+
+def counted(flight):
+    """Rows of the whole cycles."""
+    return slice(flight.bounds[0], flight.bounds[-1] + 1)
+
+
+def plot_series(flight):
+    """Force, reel-out speed, power and length over time; reeling in is shaded, cycles are counted from the dashed line."""
+    figure, panels = plt.subplots(len(PANELS), 1, figsize=(9.0, 8.0), sharex=True, layout="constrained")
+    energy = flight.values["energy"][flight.bounds]
+    mean = 1e-3 * np.diff(energy[[0, -1]])[0] / (flight.time[flight.bounds[-1]] - flight.time[flight.bounds[0]])
+    for axes, (name, factor, label, color) in zip(panels, PANELS, strict=True):
+        axes.plot(flight.time, factor * flight.values[name], color=color, linewidth=1.0)
+        axes.fill_between(
+            flight.time, 0, 1, flight.values["depower"] > 0.0, transform=axes.get_xaxis_transform(), color="gray", alpha=0.15
+        )
+        for row in flight.bounds:
+            axes.axvline(flight.time[row], color="black", linestyle="--", linewidth=0.8)
+        axes.set(ylabel=label, xlim=(0.0, flight.time[-1]))
+        axes.grid(alpha=0.4)
+    panels[2].axhline(mean, color="tab:green", linestyle=":", label=f"mean of the cycles: {mean:.2f} kW")
+    panels[2].legend(loc="upper right")
+    panels[0].set_title("Pumping cycles (shaded: depowered; dashed: a cycle begins)")
+    panels[-1].set_xlabel("time [s]")
+    return figure
+
+
+def plot_path(flight):
+    """Path of the kite in space, coloured by the force at the ground."""
+    figure = plt.figure(figsize=(9.0, 6.5), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
+    rows = counted(flight)
+    path = np.transpose([flight.values[f"kite_position[{i}]"][rows] for i in (1, 2, 3)])
+    dots = axes.scatter(*path[::5].T, c=1e-3 * flight.values["ground_tension"][rows][::5], cmap="viridis", s=4)
+    axes.plot(*np.zeros((3, 1)), "s", color="black", label="ground station")
+    axes.set(title="Path of the kite, whole cycles", xlabel="x, downwind [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set_aspect("equal")
+    axes.view_init(elev=18.0, azim=-60.0)
+    axes.legend(loc="upper left")
+    figure.colorbar(dots, ax=axes, label="force at the ground [kN]", shrink=0.6, pad=0.1)
+    return figure
