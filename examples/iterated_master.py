@@ -28,7 +28,7 @@ from tetherfmu.console.progress import now
 START = 504.7 * np.array([0.6, 0.0, 0.8])  # of the kite [m]
 MASS, WIND, STEERING = 10.0, (8.0, 0.0, 0.0), 0.1  # kg, m/s, -
 GRAVITY, LARGEST_COUNT = 9.81, 30  # m/s2; of iterations in a step
-INTERPOLATED = 3  # the force on FlyingKite belongs to the end of the step
+INTERPOLATED = 3  # inputs of the kite belong to the end of the step
 CONTROL = {"wind_velocity": WIND, "steering": STEERING}
 
 
@@ -105,17 +105,16 @@ def fly_iterated(kite_fmu, tether_fmu, h, duration, tolerance, improve=aitken):
 
 
 def fly_free(kite_fmu, tether_fmu, h, duration):
-    """`Flown` by PointMassKite and TetherDynamicFree, both at once, in communication steps h [s]."""
+    """`Flown` by TetherDynamicFree and PointMassKite, one after the other, in communication steps h [s]."""
     with all_running([kite_fmu, tether_fmu]) as ((kite, tether), stop_if_pressed):
         tether.start({"wind_velocity": WIND}, kite_mass=MASS, initial_kite_position=START)
-        kite.start(CONTROL | {"kite_position": START})
+        kite.start(CONTROL | {"kite_position": START}, input_continuation=INTERPOLATED)
         forces, began = [tether.get("kite_force")], perf_counter()
         for k in range(round(duration / h)):
-            load, motion = kite.get("kite_load"), {name: tether.get(name) for name in ("kite_position", "kite_velocity")}
-            tether.set(kite_load=load)
-            kite.set(**motion)
+            tether.set(kite_load=kite.get("kite_load"))  # 1. The load at t goes on linearly.
             tether.step(k * h, h)
-            kite.step(k * h, h)
+            kite.set(kite_position=tether.get("kite_position"), kite_velocity=tether.get("kite_velocity"))
+            kite.step(k * h, h)  # 2. The kite follows.
             forces.append(tether.get("kite_force"))
             stop_if_pressed()
         return Flown(np.array(forces), 1.0, perf_counter() - began)
