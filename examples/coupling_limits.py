@@ -85,7 +85,7 @@ def in_series(duration):
 def knots(steps=KNOT_STEPS, duration=1.6):
     """Table: scene, way, step [s], error of the forces on the knot [-]."""
     times, rows = np.arange(0.0, duration + 0.5 * steps[-1], steps[-1]), []
-    for name, scene in (("two in series", in_series(duration)), ("bridle of three", bridle(duration))):
+    for name, scene in (("series", in_series(duration)), ("bridle", bridle(duration))):
         now(f"solving all legs together: {name}")
         forces, _ = exact(scene, times, 1e-8)
         rows += [(name, way, step, error_of(way, scene, step, forces, times)) for way in WAYS for step in steps]
@@ -183,13 +183,22 @@ def limit_table(table):
     return wide.to_markdown(index=False, floatfmt=("g", "g", *(len(DRIVEN) * [".3g"])))
 
 
+def rule_table(table):
+    """Markdown: the rule for the step of each way, and how many times as long the step may be, over all lengths and masses."""
+    rules = {way: f"{part:g} sqrt(M/k)" for way, part in SAFE.items()} | {"parallel": "2 c/k"}
+    ratio = (table.largest_step / table.safe_step).groupby(table.way).agg(["min", "max"]).loc[list(DRIVEN)]
+    rows = [(way, rules[way], f"{row['min']:.2g}", f"{row['max']:.2g}") for way, row in ratio.iterrows()]
+    head = ("way", "rule", "limit over rule, smallest", "largest")
+    return pd.DataFrame(rows, columns=head).to_markdown(index=False, disable_numparse=True)
+
+
 def write(tables, folder):
     """Write tables as CSV files coupling_NAME.csv and their figures, figures/coupling_NAME.png."""
     from coupling_figures import DRAWN
 
     (folder / "figures").mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
-        table.to_csv(folder / f"coupling_{name}.csv", index=False, float_format="%.4g")
+        table.to_csv(folder / f"coupling_{name}.csv", index=False, float_format="%.6g")
         if name in DRAWN:
             DRAWN[name](table).savefig(folder / "figures" / f"coupling_{name}.png", dpi=150, metadata={"Software": None})
 
@@ -210,6 +219,7 @@ def main(arguments=None):
     print(f"Error of the tether force in steps of {1e3 * PRINTED:g} ms [%]", percent_table(tables["errors"]), sep="\n\n")
     print("\nError of the forces on a knot [%]", knot_table(tables["knots"]), sep="\n\n")
     print("\nLargest stable communication step [ms]", limit_table(tables["limits"]), sep="\n\n")
+    print("\nRules", rule_table(tables["limits"]), sep="\n\n")
     write(tables, given.out)
     print(f"\nTables and figures are in {given.out}")
 

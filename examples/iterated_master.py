@@ -3,13 +3,13 @@
     python examples/iterated_master.py
 
 `FlyingKite` takes the force of the tether and gives its motion, `TetherDynamic` the other way round. The master saves the
-state of both at t. It guesses the force at t + h, lets the kite go there under it, leads the tether to where the kite has come,
-and compares the force that the tether then has with the guess. While they differ by more than a tolerance, both go back to t,
-with a better guess: that of Aitken's method, or simply the force of the tether (`--fixed-point`).
+state of both at t. It guesses the force at t + h, lets the kite go there under it, leads the tether to where the kite has
+come, and compares the force that the tether then has with the guess. While they differ by more than a tolerance, both go
+back to t, with a better guess: that of Aitken's method, or simply the force of the tether (`--fixed-point`).
 
 The other master in this file needs no way back: `PointMassKite` gives its load to `TetherDynamicFree`, which moves the kite.
-Both fly the same kite; the errors are those of the force on the kite, against a free end in steps of a tenth. docs/coupling.md
-compares all ways.
+Both fly the same kite; the errors are those of the force on the kite, against a free end in steps of a tenth. Times are
+medians of flights that take turns. docs/coupling.md compares all ways.
 """
 
 import sys
@@ -27,8 +27,9 @@ from tetherfmu.console.progress import now
 
 START = 504.7 * np.array([0.6, 0.0, 0.8])  # of the kite [m]
 MASS, WIND, STEERING = 10.0, (8.0, 0.0, 0.0), 0.1  # kg, m/s, -
-GRAVITY, LARGEST_COUNT = 9.81, 30  # m/s2; of iterations in a step
-INTERPOLATED = 3  # inputs of the kite belong to the end of the step
+GRAVITY, LARGEST_COUNT, ROUNDS = 9.81, 30, 5  # m/s2; iterations in a step; flights for a time
+LINEAR, INTERPOLATED = 1, 3  # inputs of the kite belong to the start, to the end of the step
+MOTION = ("kite_position", "kite_velocity")
 CONTROL = {"wind_velocity": WIND, "steering": STEERING}
 
 
@@ -104,16 +105,21 @@ def fly_iterated(kite_fmu, tether_fmu, h, duration, tolerance, improve=aitken):
         return Flown(np.array(forces), count / (len(forces) - 1), perf_counter() - began)
 
 
-def fly_free(kite_fmu, tether_fmu, h, duration):
-    """`Flown` by TetherDynamicFree and PointMassKite, one after the other, in communication steps h [s]."""
+def fly_free(kite_fmu, tether_fmu, h, duration, parallel=False):
+    """`Flown` by TetherDynamicFree and PointMassKite in communication steps h [s].
+
+    The kite goes after the tether, with the motion at the end of the step; `parallel`: both at once, so that the kite has to
+    continue the motion of the start of the step.
+    """
     with all_running([kite_fmu, tether_fmu]) as ((kite, tether), stop_if_pressed):
         tether.start({"wind_velocity": WIND}, kite_mass=MASS, initial_kite_position=START)
-        kite.start(CONTROL | {"kite_position": START}, input_continuation=INTERPOLATED)
+        kite.start(CONTROL | {"kite_position": START}, input_continuation=LINEAR if parallel else INTERPOLATED)
         forces, began = [tether.get("kite_force")], perf_counter()
         for k in range(round(duration / h)):
+            before = {name: tether.get(name) for name in MOTION}
             tether.set(kite_load=kite.get("kite_load"))  # 1. The load at t goes on linearly.
             tether.step(k * h, h)
-            kite.set(kite_position=tether.get("kite_position"), kite_velocity=tether.get("kite_velocity"))
+            kite.set(**(before if parallel else {name: tether.get(name) for name in MOTION}))
             kite.step(k * h, h)  # 2. The kite follows.
             forces.append(tether.get("kite_force"))
             stop_if_pressed()
@@ -141,13 +147,16 @@ def main(arguments=None):
     free = find_fmu("PointMassKite"), find_fmu("TetherDynamicFree")
     now("flying")
     improve = fixed_point if given.fixed_point else aitken
-    flights = {
-        "iterated": fly_iterated(*iterated, given.step, given.duration, given.tolerance, improve),
-        "free end": fly_free(*free, given.step, given.duration),
+    masters = {
+        "iterated": lambda: fly_iterated(*iterated, given.step, given.duration, given.tolerance, improve),
+        "free end": lambda: fly_free(*free, given.step, given.duration),
+        "free end, both at once": lambda: fly_free(*free, given.step, given.duration, parallel=True),
     }
+    rounds = [{name: fly() for name, fly in masters.items()} for _ in range(ROUNDS)]
+    seconds = {name: np.median([flights[name].seconds for flights in rounds]) for name in masters}
     fine = fly_free(*free, 0.1 * given.step, given.duration)
-    for name, flown in flights.items():
-        cost = flown.seconds / flights["free end"].seconds
+    for name, flown in rounds[0].items():
+        cost = seconds[name] / seconds["free end"]
         print(
             f"{name}: error {100.0 * error(flown, fine):.2g} %, {flown.tether_steps:.1f} tether steps for each, "
             f"{cost:.1f} times the time of the free end"
