@@ -95,11 +95,17 @@ class AxialChain:
         return np.abs(np.linalg.eigvals(self.step_map(way, h))).max()
 
     def largest_step(self, way):
-        """Largest communication step [s] up to which nothing grows."""
-        before = 0.0
+        """Largest communication step [s] up to which nothing grows, 0 if it is below 0.1 ms, infinite beyond 0.5 s."""
+
+        def growth(h):
+            return self.factor(way, h) - 1.0 - GROWS
+
+        before = 1e-4
+        if growth(before) > 0.0:
+            return 0.0
         for h in STEPS:
-            if self.factor(way, h) > 1.0 + GROWS:
-                return brentq(lambda each: self.factor(way, each) - 1.0 - GROWS, before or 1e-6, h, rtol=1e-3)
+            if growth(h) > 0.0:
+                return brentq(growth, before, h, rtol=1e-3)
             before = h
         return np.inf
 

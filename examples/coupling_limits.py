@@ -184,7 +184,7 @@ def limit_table(table):
 
 
 def rule_table(table):
-    """Markdown: the rule for the step of each way, and how many times as long the step may be, over all lengths and masses."""
+    """Markdown: the rule for the step of each way, and how many times as long a step may be: smallest, largest."""
     rules = {way: f"{part:g} sqrt(M/k)" for way, part in SAFE.items()} | {"parallel": "2 c/k"}
     ratio = (table.largest_step / table.safe_step).groupby(table.way).agg(["min", "max"]).loc[list(DRIVEN)]
     rows = [(way, rules[way], f"{row['min']:.2g}", f"{row['max']:.2g}") for way, row in ratio.iterrows()]

@@ -5,7 +5,7 @@
 `FlyingKite` takes the force of the tether and gives its motion, `TetherDynamic` the other way round. The master saves the
 state of both at t. It guesses the force at t + h, lets the kite go there under it, leads the tether to where the kite has
 come, and compares the force that the tether then has with the guess. While they differ by more than a tolerance, both go
-back to t, with a better guess: that of Aitken's method, or simply the force of the tether (`--fixed-point`).
+back to t, with a better guess: that of Aitken's method, or another (`--next-guess`).
 
 The other master in this file needs no way back: `PointMassKite` gives its load to `TetherDynamicFree`, which moves the kite.
 Both fly the same kite; the errors are those of the force on the kite, against a free end in steps of a tenth. Times are
@@ -44,10 +44,10 @@ class Flown(NamedTuple):
 def aitken(guess, residual, last):
     """A better guess [N], by the relaxation that would have made the last two residuals [N] vanish best.
 
-    last : dict with what was kept of the iteration before, empty in the first; modified.
+    last : dict with what is kept from one iteration of a step to the next; modified.
     """
     relaxation = 1.0
-    if last:
+    if "residual" in last:
         change = residual - last["residual"]
         relaxation = -last["relaxation"] * (last["residual"] @ change) / (change @ change)
     last.update(residual=residual, relaxation=relaxation)
@@ -59,13 +59,28 @@ def fixed_point(guess, residual, _last):
     return guess + residual
 
 
-def iterated_step(kite, tether, led, time, h, tolerance, improve):
+def newton(guess, residual, last):
+    """A guess [N] that foresees by how much the tether answers to it, along the tether, if it were a spring and a damper."""
+    along = guess / np.linalg.norm(guess)
+    return guess + residual - last["gain"] / (1.0 + last["gain"]) * (residual @ along) * along
+
+
+NEXT_GUESS = {"aitken": aitken, "fixed-point": fixed_point, "newton": newton}
+
+
+def gain(tether, kite_mass, h):
+    """Change of the force of the tether over that of the guess: k h^2/6 + c h/2 over the mass [-], for `newton`."""
+    return h * (tether.get("kite_stiffness") * h / 6.0 + 0.5 * tether.get("kite_damping")) / kite_mass
+
+
+def iterated_step(kite, tether, led, time, h, tolerance, improve, kite_mass):
     """One communication step [s], repeated until guess and force differ by less than the tolerance [N].
 
     led : velocity [m/s] and step [s] that the tether got last; modified.  Returns the force and the number of tether steps.
     """
     lifted = np.array([0.0, 0.0, tether.get("kite_end_mass") * GRAVITY])  # weight that the kite has in its mass already
-    position, velocity, last = kite.get("kite_position"), kite.get("kite_velocity"), {}
+    position, velocity = kite.get("kite_position"), kite.get("kite_velocity")
+    last = {"gain": gain(tether, kite_mass, h)}
     with kite.saved() as kite_goes_back, tether.saved() as tether_goes_back:
         tether.set(kite_position=position, kite_velocity=velocity)  # 1. A first guess: the kite goes on as it did.
         tether.step(time, h)
@@ -89,30 +104,30 @@ def iterated_step(kite, tether, led, time, h, tolerance, improve):
     )
 
 
-def fly_iterated(kite_fmu, tether_fmu, h, duration, tolerance, improve=aitken):
+def fly_iterated(kite_fmu, tether_fmu, h, duration, tolerance, improve=aitken, kite_mass=MASS):
     """`Flown` by FlyingKite and TetherDynamic in communication steps h [s]."""
     with all_running([kite_fmu, tether_fmu]) as ((kite, tether), stop_if_pressed):
         tether.start({"kite_position": START, "wind_velocity": WIND})
         carried, force = tether.get("kite_end_mass"), tether.get("kite_force")
-        parameters = {"kite_mass": MASS + carried, "initial_kite_position": START, "input_continuation": INTERPOLATED}
+        parameters = {"kite_mass": kite_mass + carried, "initial_kite_position": START, "input_continuation": INTERPOLATED}
         kite.start(CONTROL | {"kite_force": force + np.array([0.0, 0.0, carried * GRAVITY])}, **parameters)
         forces, led, count, began = [force], [np.zeros(3), 0.0], 0, perf_counter()
         for k in range(round(duration / h)):
-            force, steps = iterated_step(kite, tether, led, k * h, h, tolerance, improve)
+            force, steps = iterated_step(kite, tether, led, k * h, h, tolerance, improve, kite_mass)
             forces.append(force)
             count += steps
             stop_if_pressed()
         return Flown(np.array(forces), count / (len(forces) - 1), perf_counter() - began)
 
 
-def fly_free(kite_fmu, tether_fmu, h, duration, parallel=False):
+def fly_free(kite_fmu, tether_fmu, h, duration, parallel=False, kite_mass=MASS):
     """`Flown` by TetherDynamicFree and PointMassKite in communication steps h [s].
 
     The kite goes after the tether, with the motion at the end of the step; `parallel`: both at once, so that the kite has to
     continue the motion of the start of the step.
     """
     with all_running([kite_fmu, tether_fmu]) as ((kite, tether), stop_if_pressed):
-        tether.start({"wind_velocity": WIND}, kite_mass=MASS, initial_kite_position=START)
+        tether.start({"wind_velocity": WIND}, kite_mass=kite_mass, initial_kite_position=START)
         kite.start(CONTROL | {"kite_position": START}, input_continuation=LINEAR if parallel else INTERPOLATED)
         forces, began = [tether.get("kite_force")], perf_counter()
         for k in range(round(duration / h)):
@@ -132,6 +147,22 @@ def error(flown, fine):
     return np.sqrt(np.mean((flown.forces - expected) ** 2) / np.mean(expected**2))
 
 
+def tried(fly):
+    """A flight, or why it has come to an end."""
+    try:
+        return fly()
+    except RuntimeError as error:
+        return error
+
+
+def summary(flights, fine, duration):
+    """Error and cost of equal flights; or why they have come to an end."""
+    if isinstance(flights[0], RuntimeError):
+        return f"stopped: {flights[0]}"
+    percent, time = 100.0 * error(flights[0], fine), 1e3 * np.median([each.seconds for each in flights]) / duration
+    return f"error {percent:.2g} %, {flights[0].tether_steps:.1f} tether steps for each, {time:.0f} ms for a second"
+
+
 @command
 def main(arguments=None):
     """Print error and cost of both masters."""
@@ -141,26 +172,23 @@ def main(arguments=None):
     option("--step", type=allowed, default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
     option("--duration", type=number(0.1, 1e3, "s"), default=4.0, metavar="T", help="of the flight [s] (default: 4)")
     option("--tolerance", type=number(1e-9, 1e3, "N"), default=0.1, help="of the force on the kite [N] (default: 0.1)")
-    option("--fixed-point", action="store_true", help="without Aitken's method")
+    option("--next-guess", choices=NEXT_GUESS, default="aitken", help="of the force (default: aitken)")
+    option("--kite-mass", type=number(0.01, 1e6, "kg"), default=MASS, metavar="M", help=f"[kg] (default: {MASS:g})")
     given = parser.parse_args(arguments)
     iterated = find_fmu("FlyingKite"), find_fmu("TetherDynamic")
     free = find_fmu("PointMassKite"), find_fmu("TetherDynamicFree")
     now("flying")
-    improve = fixed_point if given.fixed_point else aitken
+    flight, known = (given.step, given.duration), {"kite_mass": given.kite_mass}
+    improve = NEXT_GUESS[given.next_guess]
     masters = {
-        "iterated": lambda: fly_iterated(*iterated, given.step, given.duration, given.tolerance, improve),
-        "free end": lambda: fly_free(*free, given.step, given.duration),
-        "free end, both at once": lambda: fly_free(*free, given.step, given.duration, parallel=True),
+        "iterated": lambda: fly_iterated(*iterated, *flight, given.tolerance, improve, **known),
+        "free end": lambda: fly_free(*free, *flight, **known),
+        "free end, both at once": lambda: fly_free(*free, *flight, parallel=True, **known),
     }
-    rounds = [{name: fly() for name, fly in masters.items()} for _ in range(ROUNDS)]
-    seconds = {name: np.median([flights[name].seconds for flights in rounds]) for name in masters}
-    fine = fly_free(*free, 0.1 * given.step, given.duration)
-    for name, flown in rounds[0].items():
-        cost = seconds[name] / seconds["free end"]
-        print(
-            f"{name}: error {100.0 * error(flown, fine):.2g} %, {flown.tether_steps:.1f} tether steps for each, "
-            f"{cost:.1f} times the time of the free end"
-        )
+    fine = fly_free(*free, 0.1 * given.step, given.duration, **known)
+    rounds = [{name: tried(fly) for name, fly in masters.items()} for _ in range(ROUNDS)]
+    for name in masters:
+        print(f"{name}: {summary([flights[name] for flights in rounds], fine, given.duration)}")
 
 
 if __name__ == "__main__":
