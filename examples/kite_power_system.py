@@ -1,7 +1,7 @@
-"""Which FMUs make a kite power system, how are they wired, and how do they start? For `pumping_cycle.py` and for the SSP files.
+"""Which FMUs make a kite power system, how are they wired, how do they start? For `pumping_cycle.py` and the SSP files.
 
-Variables of the same name belong together: an input gets the output of that name. What no output gives is set once, in each FMU
-that has it.
+Variables of the same name belong together: an input gets the output of that name. What no output gives is set once, in each
+FMU that has it.
 """
 
 from math import cos, radians, sin
@@ -13,22 +13,34 @@ FMUS = {  # instance: FMU, in the order in which they depend on each other
     "controller": "FlightController",
     "winch": "Winch",
 }
-AIR = {"wind_velocity[1]": 8.0, "wind_profile": 2, "wind_reference_height": 10.0, "wind_exponent": 0.15}
-START = {  # the kite flies across the wind, on a tether that pulls with some 2.3 kN
-    **AIR,
+START = {  # of every FMU that has the name: the kite flies across the wind, on a tether that pulls with some 2 kN
+    "wind_velocity[1]": 8.0,
+    "wind_profile": 2,
+    "wind_reference_height": 10.0,
+    "wind_exponent": 0.15,
     "kite_mass": 19.6,
     "segments": 10,
     "initial_shape": 2,
     "initial_length": 0.99625 * DISTANCE,
-    "tether_length": 0.99625 * DISTANCE,
     "initial_kite_position[1]": DISTANCE * cos(ELEVATION),
     "initial_kite_position[3]": DISTANCE * sin(ELEVATION),
     "initial_kite_velocity[2]": SPEED,
     "initial_heading": radians(-90.0),
     "initial_speed": 2.5,
 }
+START |= {name.removeprefix("initial_"): value for name, value in START.items() if name.startswith("initial_kite_")}
+START |= {"heading": START["initial_heading"], "tether_length": START["initial_length"]}  # for importers that connect late
+FIDELITIES = {  # what differs: name, and values for the tether
+    "coarse": {"segments": 3, "relative_tolerance": 1e-3},
+    "standard": {"segments": 10, "relative_tolerance": 1e-4},
+    "fine": {"segments": 30, "relative_tolerance": 1e-6},
+}
 CIRCLE = {"kite": "KiteOnPath", "tether": "TetherDynamic"}  # the circular flight as a system of two FMUs
-CIRCLE_START = {"initial_length": 525.0, "initial_shape": 2, "wind_velocity[1]": 8.0}
+CIRCLE_START = {
+    "initial_length": 525.0,
+    "initial_shape": 2,
+    "wind_velocity[1]": 8.0,
+}
 
 
 def given_by(variables):

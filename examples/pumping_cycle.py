@@ -2,12 +2,12 @@
 
     python examples/pumping_cycle.py --html
 
-A tether, a kite, a flight controller and a winch are four FMUs, wired by equal names (`kite_power_system.py`). The kite of 20 m2
-has its mass in `TetherDynamicFree`: the stiff bond between them is solved inside, so that 20 ms are short enough.
+A tether, a kite, a flight controller and a winch are four FMUs, wired by equal names (`kite_power_system.py`). The mass of
+the kite of 20 m2 is in `TetherDynamicFree`: the stiff bond between them is solved inside, so that 20 ms are short enough.
 
-Two ways of exchange, both explicit. `jacobi`: all FMUs step at once, with the outputs of the step before; each thinks its inputs on
-to the end of the step (`input_continuation` linear). `gauss_seidel`: one after the other, each with the newest outputs; those behind
-the tether get inputs that belong to the end of the step already (`input_continuation` interpolated).
+Two ways of exchange, both explicit. `jacobi`: all FMUs step from the same communication point; within the step each
+continues its inputs linearly. `gauss_seidel`: one after the other, each with the newest outputs; those behind the tether get
+inputs that belong to the end of the step already, and interpolate (`input_continuation`).
 """
 
 import sys
@@ -88,27 +88,31 @@ def system(start, master, fmus=FMUS):
     start : dict of start values, set in each FMU that has the name.  master : of `MASTERS`.
     """
     files = {instance: find_fmu(name) for instance, name in fmus.items()}
-    variables = {instance: description_of(file).modelVariables for instance, file in files.items()}
-    given = [name for each in variables.values() for name in given_by(each)]
+    descriptions = {instance: description_of(file) for instance, file in files.items()}
+    given = [name for each in descriptions.values() for name in given_by(each.modelVariables)]
     places = {name: place for place, name in enumerate(given)}
     with ExitStack() as stack:
+        opened = [stack.enter_context(running(file, descriptions[instance])) for instance, file in files.items()]
         parts, signals = [], [0.0] * len(given)
-        for instance, known in variables.items():
-            fmu, stop = stack.enter_context(running(files[instance], description_of(files[instance])))
-            stop_if_pressed = stop if not parts else stop_if_pressed  # the first one hears of Ctrl-C
-            reference = {v.name: v.valueReference for v in known}
-            gets, gives = wanted_by(known, places), given_by(known)
-            at = slice(places[gives[0]], places[gives[0]] + len(gives))
-            references = [[reference[name] for name in names] for names in (gets, gives)]
-            parts.append(Part(fmu, references[0], [places[name] for name in gets], references[1], at))
+        for (instance, description), (fmu, _) in zip(descriptions.items(), opened, strict=True):
             behind = master == "gauss_seidel" and instance != "tether"
-            begin(fmu, known, start | ({"input_continuation": INTERPOLATED} if behind else {}))
+            begin(fmu, description.modelVariables, start | ({"input_continuation": INTERPOLATED} if behind else {}))
+            parts.append(part_of(fmu, description.modelVariables, places))
         for part in (*parts, *parts):  # the second time with the first steering
             part.receive(signals)
             part.send(signals)
         for part in parts:
             part.fmu.exitInitializationMode()
-        yield parts, signals, places, stop_if_pressed
+        yield parts, signals, places, opened[0][1]  # of nested ones the first hears of Ctrl-C
+
+
+def part_of(fmu, variables, places):
+    """`Part` of an FMU; places : of all outputs, by their names."""
+    reference = {variable.name: variable.valueReference for variable in variables}
+    gets, gives = wanted_by(variables, places), given_by(variables)
+    at = slice(places[gives[0]], places[gives[0]] + len(gives))
+    references = [[reference[name] for name in names] for names in (gets, gives)]
+    return Part(fmu, references[0], [places[name] for name in gets], references[1], at)
 
 
 def begin(fmu, variables, start):
@@ -159,15 +163,14 @@ def check(time, row, bounds, step):
 
 def summary(flight):
     """A line on each cycle, and one on all: mean power at the drum, mean and peak force, times real time."""
-    lines, power, force = [], flight.values["energy"], flight.values["ground_tension"]
+    lines, energy, force = [], flight.values["energy"], flight.values["ground_tension"]
     pairs = [*zip(flight.bounds, flight.bounds[1:], strict=False), (flight.bounds[0], flight.bounds[-1])]
     for k, (a, b) in enumerate(pairs, start=1):
         name = f"cycle {k}" if k < len(pairs) else "all"
         duration = flight.time[b] - flight.time[a]
-        mean, forces = (power[b] - power[a]) / duration, force[a:b]
-        lines.append(
-            f"{name}: {duration:.2f} s, mean power {mean:.0f} W, mean force {forces.mean():.0f} N, peak force {forces.max():.0f} N"
-        )
+        mean, forces = (energy[b] - energy[a]) / duration, force[a:b]
+        force_text = f"mean force {forces.mean():.0f} N, peak force {forces.max():.0f} N"
+        lines.append(f"{name}: {duration:.2f} s, mean power {mean:.0f} W, {force_text}")
     return "\n".join([*lines, f"{flight.time[-1] / flight.wall_time:.0f} times real time"])
 
 

@@ -35,7 +35,7 @@ class Flight:
     """How a pumping kite flies."""
 
     shortest_length: float = quantity(200.0, "m", "tether_length at which reeling in ends", 1.0, 1e5)
-    longest_length: float = quantity(300.0, "m", "tether_length at which reeling in begins", 1.0, 1e5)
+    longest_length: float = quantity(350.0, "m", "tether_length at which reeling in begins", 1.0, 1e5)
     elevation: float = quantity(radians(30.0), "rad", "elevation of the figure of eight", 0.0, 1.5, display=DEGREES)
     downwind: float = quantity(0.0, "rad", "azimuth to which the wind blows", -pi, pi, display=DEGREES)
     half_width: float = quantity(radians(25.0), "rad", "half of the width of the eight", 0.0, 1.5, display=DEGREES)

@@ -14,11 +14,11 @@ POSITION = vector(PARAMETER, "initial_kite_position", "m", "position of the kite
 VELOCITY = vector(PARAMETER, "initial_kite_velocity", "m/s", "velocity of the kite at the start", (0.0, 0.0, 0.0))
 
 
-def moved(position, velocity, acceleration, after, step):
-    """Position and velocity after a step of Heun's method, from the accelerations before and after it."""
-    ahead = [x + step * (v + 0.5 * step * a) for x, v, a in zip(position, velocity, acceleration, strict=True)]
-    faster = [v + 0.5 * step * (a + b) for v, a, b in zip(velocity, acceleration, after, strict=True)]
-    return ahead, faster
+def moved(position, velocity, before, after, step):
+    """Position and velocity after a step in which the acceleration goes linearly from `before` to `after`."""
+    motion = zip(position, velocity, before, after, strict=True)
+    ahead = [x + step * (v + step * (2.0 * a + b) / 6.0) for x, v, a, b in motion]
+    return ahead, [v + 0.5 * step * (a + b) for v, a, b in zip(velocity, before, after, strict=True)]
 
 
 class FlyingKite(ModelSlave):
@@ -47,7 +47,7 @@ class FlyingKite(ModelSlave):
         return self._outputs(start[:3], start[3:], first_heading(start[:3], self.parameters.initial_heading), inputs)
 
     def next(self, begin, end, step, outputs, memory):
-        """Heun's method in steps of at most 10 ms; force, wind and steering go linearly from begin to end."""
+        """Predictor and corrector in steps of at most 10 ms; force, wind and steering go linearly from begin to end."""
         position, velocity, heading = outputs[:3], outputs[3:6], memory
         count = ceil(step / LONGEST - 1e-6)
         h, slope = step / count, [(b - a) / count for a, b in zip(begin, end, strict=True)]
@@ -55,9 +55,8 @@ class FlyingKite(ModelSlave):
         for k in range(count):
             after = [a + (k + 1) * s for a, s in zip(begin, slope, strict=True)]
             acceleration, rate = self._rates(position, velocity, heading, before)
-            euler = [v + h * a for v, a in zip(velocity, acceleration, strict=True)]
-            ahead, _ = moved(position, velocity, acceleration, acceleration, h)
-            there, rate_there = self._rates(ahead, euler, turned(heading, unit(ahead), h * rate), after)
+            ahead, faster = moved(position, velocity, acceleration, acceleration, h)
+            there, rate_there = self._rates(ahead, faster, turned(heading, unit(ahead), h * rate), after)
             position, velocity = moved(position, velocity, acceleration, there, h)
             heading = turned(heading, unit(position), 0.5 * h * (rate + rate_there))
             before = after

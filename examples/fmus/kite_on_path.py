@@ -3,9 +3,8 @@
     circle           p = R (cos(a) c + sin(a) (cos(phi) e1 + sin(phi) e2))
     figure of eight  p = R d(azimuth + a sin(phi), elevation + b sin(2 phi))
 
-R distance, c direction to the centre, e1 horizontal and e2 upward across it, d(azimuth, elevation) a direction, phi rate times
-time; a `half_width`, b `half_height`. The ground station is the centre of all.
-The start values are the circle of `examples/circular_flight.py`.
+R distance, c direction to the centre, e1 horizontal and e2 upward across it, d(azimuth, elevation) a direction;
+a `half_width`, b `half_height`, phi rate times time. The start values are the circle of `examples/circular_flight.py`.
 """
 
 from dataclasses import dataclass

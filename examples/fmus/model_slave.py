@@ -1,7 +1,7 @@
 """What the FMUs of the examples share: variables from declarations, inputs along a step, steps that are refused, states.
 
 A model declares inputs, outputs and records of parameters, and computes first and next outputs from plain numbers. Its
-inputs belong to the start of a communication step and its outputs to the end, as those of a tether. `input_continuation` says
+inputs belong to the start of a communication step and its outputs to the end, as those of a tether. `input_continuation` is
 how the inputs go on within the step:
 
     linear        on from their last to their present value
@@ -10,13 +10,14 @@ how the inputs go on within the step:
 """
 
 from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from types import SimpleNamespace
 
 from tetherfmu.runtime import layout, saved_state, status
 from tetherfmu.runtime.base_slave import BaseSlave
 from tetherfmu.runtime.quantities import Quantity, check, checked, quantity
+from tetherfmu.runtime.resources import options_in
 from tetherfmu.runtime.saved_state import STEPPING, SavedState
 from tetherfmu.runtime.variables import Variable, parameters_of
 
@@ -76,7 +77,8 @@ class ModelSlave(BaseSlave):
         self._classes = (*self.records, Coupling)
         known = [each for each in parameters_of(self._classes) if each.name not in self.left_out]
         known += [variable for each in self.vectors for variable in each]
-        table = [*given, *found, *known]
+        starts = dict(options_in(self.resources).get("starts", ()))
+        table = [replace(each, start=starts.get(each.name, each.start)) for each in (*given, *found, *known)]
         self._given, self._found, self._declared = len(given), len(given) + len(found), len(table)
         kept = self._given + 1 + self.memory  # inputs and length of the last step; what the model keeps
         self._limited = [(k, each) for k, each in enumerate(given) if each.quantity.range() != "a finite number"]

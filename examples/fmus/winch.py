@@ -2,13 +2,13 @@
 
     m ds/dt = T - F - c s - f s/sqrt(s^2 + s0^2),   m = I/r^2
 
-s reel-out speed, T tension of the tether, F = torque/r pull of the motor. In speed control F = T + G (s - s_set), where s_set
-goes to `set_speed` no faster than `largest_acceleration`; in force control F = `set_force`. Near the ends of the tether on the
-drum the motor brakes: s_set is no faster than what half of that acceleration stops in time.
+s reel-out speed, T tension of the tether, F = torque/r pull of the motor. In speed control F = T + G (s - s_set), where
+s_set goes to `set_speed` no faster than `largest_acceleration`; in force control F = `set_force`. Near the ends of the
+tether on the drum the motor brakes: s_set is no faster than what half of that acceleration stops in time.
 
-Sources: law from docs/winch.md of WinchModels.jl; drum, inertia (0.204 kg.m2 at a motor behind a gear of 6.2), friction, gain
-and acceleration from the settings of KiteModels.jl for the winch of Fechner et al. (Renewable Energy 83, 2015), torque from
-the 8000 N of its larger kite.
+Sources: law from docs/winch.md of WinchModels.jl; drum, inertia (0.204 kg.m2 at a motor behind a gear of 6.2), friction,
+gain and acceleration from the settings of KiteModels.jl for the winch of Fechner et al. (Renewable Energy 83, 2015), torque
+from the 8000 N of its larger kite.
 """
 
 from dataclasses import dataclass
@@ -20,6 +20,7 @@ from tetherfmu.runtime.variables import INPUT, OUTPUT
 from .model_slave import ModelSlave, scalar
 
 SPEED, FORCE = 1, 2
+STOPPING = 0.2  # the last centimetres of the tether are reeled in no less than this time [s]
 CRAWL = 0.05  # s0: below this speed Coulomb's friction fades [m/s]
 
 
@@ -93,7 +94,7 @@ class Winch(ModelSlave):
         final = speed * decay + (drive / total if total > 0.0 else 0.0) * (1.0 - decay)
         if total == 0.0:
             final = speed + drive * step / mass
-        self._refuse_at_the_ends(begin[1] + 0.5 * (speed + final) * step, begin[1], final)
+        self._refuse_at_the_ends(end[1], final)
         power = end[0] * final
         return (final, pull * drum.drum_radius, power, outputs[3] + 0.5 * (outputs[2] + power) * step), (target,)
 
@@ -103,19 +104,19 @@ class Winch(ModelSlave):
         change = drum.largest_acceleration * step
         target = min(max(wanted, before - change), before + change) if drum.control == SPEED else speed
         ahead = max(drum.maximum_length - length, 0.0), max(length - drum.minimum_length, 0.0)
-        out, back = (sqrt(drum.largest_acceleration * each) for each in ahead)
+        out, back = (min(sqrt(drum.largest_acceleration * each), each / STOPPING) for each in ahead)
         if target > out:
             self.tell(f"the winch brakes: tether_length comes to maximum_length ({drum.maximum_length:g} m)")
         if target < -back:
             self.tell(f"the winch brakes: tether_length comes to minimum_length ({drum.minimum_length:g} m)")
         return min(max(target, -back), out) if drum.control == SPEED or not -back <= speed <= out else wanted
 
-    def _refuse_at_the_ends(self, length, before, speed):
+    def _refuse_at_the_ends(self, length, speed):
         """ValueError if the winch is jammed: the tether would leave the drum, or be reeled in beyond its minimum."""
         drum = self.parameters
         if (length > drum.maximum_length and speed > 0.0) or (length < drum.minimum_length and speed < 0.0):
             raise ValueError(
-                f"the winch is jammed: tether_length is {before:g} m and reels at {speed:g} m/s; it must be at least "
+                f"the winch is jammed: tether_length is {length:g} m and goes on at {speed:g} m/s; it must be at least "
                 f"minimum_length ({drum.minimum_length:g} m) and at most maximum_length ({drum.maximum_length:g} m), and "
                 f"torque_limit ({drum.torque_limit:g} N.m) must be enough to stop it there"
             )

@@ -5,7 +5,7 @@ import argparse
 from tetherfmu.console.ending import FAILED, command
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export import example_fmus
+from tetherfmu.export import example_fmus, ssp
 from tetherfmu.export.archive import SLAVES, build, contents
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
@@ -83,7 +83,7 @@ def parse(arguments, prog="tetherfmu build"):
         metavar="P,...",
         help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
     )
-    option("--examples", action="store_true", help="also the FMUs of the examples: kites, a winch, a flight controller")
+    option("--examples", action="store_true", help="also the FMUs and systems (SSP) of the examples")
     option("--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs")
     options = parser.parse_args(arguments)
     if options.scene is not None and (options.names or options.segments or options.diameter or options.examples):
@@ -123,6 +123,9 @@ def main(arguments=None, prog="tetherfmu build"):
     for name in names:
         starts = options.diameter or ()
         show(build(name, options.out, options.segments or 20, options.shape_points, options.platforms, starts=starts))
-    for name in example_fmus.SLAVES if options.examples else ():
-        show(example_fmus.build(name, options.out))
+    if options.examples:
+        for name in example_fmus.SLAVES:
+            show(example_fmus.build(name, options.out))
+        for path in ssp.write_all(options.out, options.platforms):
+            print(f"{path}  {path.stat().st_size / 1024:.0f} kB  a system of FMUs")
     return 0

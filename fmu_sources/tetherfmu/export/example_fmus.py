@@ -1,5 +1,6 @@
 """Build the FMUs of the examples: kites, a winch, a flight controller, a prescribed flight; as tether FMUs are built."""
 
+import json
 import tempfile
 from html import escape
 from importlib import import_module
@@ -9,6 +10,7 @@ from xml.etree import ElementTree
 
 from tetherfmu.libraries.sources import EXAMPLES
 from tetherfmu.runtime import __version__
+from tetherfmu.runtime.resources import OPTIONS_FILE
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
 
 from .archive import DESCRIPTION, pack, write_fmu, write_package
@@ -37,15 +39,21 @@ def table_of(name):
     return slave(name)(instance_name=name, resources="").table
 
 
-def build(name, folder):
-    """Build an FMU of the examples and return its path; name : one of `SLAVES`.  folder : made if missing."""
+def build(name, folder, starts=()):
+    """Build an FMU of the examples and return its path.
+
+    name : one of `SLAVES`.  folder : made if missing.  starts : pairs (input or parameter, start value), where they are not
+    the defaults.
+    """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     script = FOLDER / SLAVES[name]
     modules = sorted(each for each in FOLDER.glob("*.py") if each not in (script, FOLDER / "__init__.py"))
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        files = pack(resources, write_package(resources, name, script, modules=modules), Path(temporary))
+        shipped = write_package(resources, name, script, modules=modules)
+        (resources / OPTIONS_FILE).write_text(json.dumps({"starts": [list(each) for each in starts]}))
+        files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     texts = {"documentation/index.html": _page(name, script, description), **of_every_fmu(PLATFORMS)}
     files["model.png"] = (ASSETS / "model.png").read_bytes()

@@ -1,0 +1,121 @@
+"""Systems of FMUs as SSP 1.0 files: the system structure, parameter sets, and FMUs that are built with their start values.
+
+The FMUs carry all start values themselves, because not every importer sets enumerations, or reads parameter sets. A
+parameter set holds what a fidelity changes. Each fidelity has a system structure of its own in the file, as SSP allows; the
+one that is called SystemStructure.ssd is what importers open.
+"""
+
+import sys
+import tempfile
+from importlib import import_module
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from fmpy import read_model_description
+
+from tetherfmu.libraries.sources import EXAMPLES
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.model_description import number
+
+from . import archive, example_fmus
+
+NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
+PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
+TOOL = f"TetherFMU {__version__}"
+FMU = "application/x-fmu-sharedlibrary"
+STEP, STOP = 0.02, 200.0  # of the default experiment [s]
+PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}. {about}</p>\n"
+
+
+def write_all(folder, platforms=None):
+    """Write the systems of the examples to a folder; returns their paths.  platforms : as for `archive.build`."""
+    if str(EXAMPLES) not in sys.path:
+        sys.path.append(str(EXAMPLES))
+    given = import_module("kite_power_system")
+    power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
+    return [
+        write("kite_power_system", given.FMUS, given.START, power, Path(folder), platforms),
+        write("circular_flight", given.CIRCLE, given.CIRCLE_START, {"standard": {}}, Path(folder), platforms),
+    ]
+
+
+def write(name, fmus, start, fidelities, folder, platforms=None):
+    """Write NAME.ssp; returns its path.
+
+    fmus : dict of instances to names of FMUs.  start : start values, of every FMU that has the name.  fidelities : dict of
+    names to dicts of instances to values of parameters; "standard" is the one that importers open.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        paths = {each: _built(fmu, start, name, Path(temporary) / each, platforms) for each, fmu in fmus.items()}
+        variables = {instance: read_model_description(str(path)).modelVariables for instance, path in paths.items()}
+        files = {_source(fmus[each]): path.read_bytes() for each, path in paths.items()}
+    for fidelity, values in fidelities.items():
+        ending = "" if fidelity == "standard" else f"_{fidelity}"
+        files[f"SystemStructure{ending}.ssd"] = _text(_structure(name, fidelity, fmus, variables, values))
+        files |= {_set(each, fidelity): _text(_parameters(fidelity, given)) for each, given in values.items()}
+    return archive.write_archive(files, folder / f"{name}.ssp")
+
+
+def _structure(name, fidelity, fmus, variables, values):
+    """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
+    wiring = import_module("kite_power_system")
+    spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
+    root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
+    system = SubElement(root, "ssd:System", name=name)
+    elements, connections = SubElement(system, "ssd:Elements"), SubElement(system, "ssd:Connections")
+    givers = {output: instance for instance, known in variables.items() for output in wiring.given_by(known)}
+    for instance, known in variables.items():
+        inputs = wiring.wanted_by(known, givers)
+        component = SubElement(elements, "ssd:Component", name=instance, type=FMU, source=_source(fmus[instance]))
+        _connectors(component, inputs, wiring.given_by(known))
+        if instance in values:
+            bindings = SubElement(component, "ssd:ParameterBindings")
+            SubElement(bindings, "ssd:ParameterBinding", source=_set(instance, fidelity))
+        for each in inputs:
+            ends = {"startElement": givers[each], "endElement": instance}
+            SubElement(connections, "ssd:Connection", ends, startConnector=each, endConnector=each)
+    SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number(STOP))
+    return root
+
+
+def _source(fmu):
+    """Place of an FMU in the archive."""
+    return f"resources/{fmu}.fmu"
+
+
+def _set(instance, fidelity):
+    """Place of a parameter set in the archive."""
+    return f"resources/{instance}_{fidelity}.ssv"
+
+
+def _built(fmu, start, system, folder, platforms):
+    """Path of an FMU with start values of a system."""
+    if fmu in example_fmus.SLAVES:
+        known = {variable.name for variable in example_fmus.table_of(fmu) if variable.causality != "output"}
+        return example_fmus.build(fmu, folder, [(name, value) for name, value in start.items() if name in known])
+    starts = [[name, value] for name, value in start.items()]
+    about = f"With the start values of the system {system}."
+    trim = archive.Trim(system, starts, [], about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
+    return archive.build(fmu, folder, platforms=platforms, scene=trim)
+
+
+def _connectors(component, inputs, outputs):
+    connectors = SubElement(component, "ssd:Connectors")
+    for kind, names in (("input", inputs), ("output", outputs)):
+        for name in names:
+            SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real")
+
+
+def _parameters(name, values):
+    space = {"xmlns:ssv": f"{NAMESPACE}ParameterValues"}
+    root = Element("ssv:ParameterSet", space, version="1.0", name=name, generationTool=TOOL)
+    parameters = SubElement(root, "ssv:Parameters")
+    for each, value in values.items():
+        parameter = SubElement(parameters, "ssv:Parameter", name=each)
+        SubElement(parameter, "ssv:Integer" if isinstance(value, int) else "ssv:Real", value=number(value))
+    return root
+
+
+def _text(root):
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"

@@ -1,0 +1,93 @@
+"""Pumping cycles of four FMUs: a coarse step and both masters give the power of a fine one; what is printed and drawn."""
+
+import re
+
+import numpy as np
+import pytest
+from test_at_rest import assert_is_drawn, run
+
+SHORT = "{**kite_power_system.START, 'longest_length': 225.0}"  # a cycle of half a minute
+REPORT = r"(cycle 1|all): (\d+\.\d\d) s, mean power (\d+) W, mean force (\d+) N, peak force (\d+) N\n"
+
+
+@pytest.fixture(scope="module")
+def folder(fmu_folder, example_folder, tmp_path_factory):
+    """Folder with the FMUs of both kinds."""
+    both = tmp_path_factory.mktemp("both")
+    for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
+        (both / each.name).symlink_to(each)
+    return both
+
+
+def flown(folder, code):
+    return run(folder, f"import kite_power_system, numpy, pumping_cycle\n{code}")
+
+
+def test_coarse_steps_give_the_power_of_fine_ones(folder):
+    """Mean power, mean force and duration of a whole cycle: 20 ms with both masters against 4 ms, within 2 %."""
+    code = f"""
+for step, master in ((0.02, "jacobi"), (0.02, "gauss_seidel"), (0.004, "jacobi")):
+    flight = pumping_cycle.fly(1, step, master, {SHORT})
+    a, b = flight.bounds
+    duration, energy = flight.time[b] - flight.time[a], flight.values["energy"]
+    print((energy[b] - energy[a]) / duration, flight.values["ground_tension"][a:b].mean(), duration)
+"""
+    jacobi, gauss_seidel, fine = np.array([line.split() for line in flown(folder, code).splitlines()], dtype=float)
+    assert fine[0] > 1000.0
+    np.testing.assert_allclose(jacobi, fine, rtol=0.02)
+    np.testing.assert_allclose(gauss_seidel, fine, rtol=0.02)
+
+
+def test_the_start_is_no_jolt(folder):
+    """In the first five seconds the tether pulls no more than in the cycles, and is never slack."""
+    code = """
+with pumping_cycle.system(kite_power_system.START, "jacobi") as (parts, signals, places, _):
+    for k in range(250):
+        pumping_cycle.jacobi(parts, signals, 0.02 * k, 0.02)
+        print(signals[places["ground_tension"]])
+"""
+    tension = np.array(flown(folder, code).split(), dtype=float)
+    assert 1000.0 < tension.min() < tension.max() < 3600.0
+    assert np.abs(np.diff(tension)).max() < 300.0  # of one step
+
+
+def test_prints_draws_and_animates(folder, tmp_path):
+    options = ["--cycles", "1", "--html", "--out", str(tmp_path)]
+    said = flown(folder, f"kite_power_system.START['longest_length'] = 225.0\npumping_cycle.main({options!r})")
+    found = re.fullmatch(2 * REPORT + r"\d+ times real time\n(?:.+\n){3}", said)
+    assert found, said
+    one, whole = found.groups()[1:5], found.groups()[6:]
+    assert one == whole
+    _, power, mean, peak = map(float, one)
+    assert 1000.0 < power < 5000.0
+    assert mean < peak < 4000.0
+    for name in ("pumping_path.png", "pumping_series.png"):
+        assert_is_drawn(tmp_path / name)
+    page = (tmp_path / "pumping_cycle.html").read_text(encoding="utf-8")
+    assert "Pumping kite" in page
+    assert "<script src=" not in page
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"wind_velocity[1]": float("nan")}, "wind_velocity[1] is nan; it must be a finite number"),
+        ({"torque_limit": 1.0, "maximum_length": 250.0}, "the winch is jammed: tether_length is"),
+        ({"wind_velocity[1]": 0.0}, "the kite came down after"),
+        ({"kite_mass": -1.0}, "kite_mass is -1.0; it must be at least 0 kg"),
+    ],
+    ids=["nan", "jammed", "no_wind", "mass"],
+)
+def test_what_cannot_fly_ends_in_words(folder, changes, words):
+    code = f"""
+import contextlib, sys
+from tetherfmu.console.ending import command
+nan = float("nan")
+changed = {{**kite_power_system.START, **{changes!r}}}
+with contextlib.redirect_stderr(sys.stdout):
+    print("status", command(lambda: pumping_cycle.fly(1, 0.02, "jacobi", changed) and None)())
+"""
+    said = flown(folder, code)
+    assert words in said
+    assert "status 1" in said
+    assert "Traceback" not in said
