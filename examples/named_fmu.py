@@ -1,0 +1,64 @@
+"""An FMU whose variables are read and set by name. Helper of the examples that couple several FMUs."""
+
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+from circular_flight import description_of, references_of, running
+
+
+class NamedFmu:
+    """An instance; a name is that of a variable, or of a vector with the elements [1], [2], [3]."""
+
+    def __init__(self, fmu_file, instance, description):
+        self.file, self.fmu = fmu_file, instance
+        self.known = {variable.name: variable.valueReference for variable in description.modelVariables}
+        self.found = {}
+
+    def references(self, name):
+        """Value references of a variable."""
+        if name not in self.found:
+            self.found[name] = references_of(self.file, self.known, [name])
+        return self.found[name]
+
+    def set(self, **values):
+        """Set variables; whole numbers are integers of FMI, all others real numbers."""
+        for name, value in values.items():
+            put = self.fmu.setInteger if isinstance(value, int) else self.fmu.setReal
+            put(self.references(name), np.ravel(value))
+
+    def get(self, name):
+        """Value of a variable of real numbers, a vector as an array (3,)."""
+        values = np.array(self.fmu.getReal(self.references(name)))
+        return values if len(values) > 1 else values[0]
+
+    def step(self, time, step):
+        """A communication step [s]."""
+        self.fmu.doStep(time, step)
+
+    @contextmanager
+    def saved(self):
+        """A function that takes the FMU back to where it is now, as often as you like within the block."""
+        state = self.fmu.getFMUState()
+        yield lambda: self.fmu.setFMUState(state)
+        self.fmu.freeFMUState(state)
+
+    def start(self, inputs, **parameters):
+        """Initialize with these parameters, and these inputs at the start."""
+        self.fmu.setupExperiment(startTime=0.0)
+        self.set(**parameters)
+        self.fmu.enterInitializationMode()
+        self.set(**inputs)
+        self.fmu.exitInitializationMode()
+
+
+@contextmanager
+def all_running(fmu_files):
+    """A list of `NamedFmu`, one of each file, and a function to call between steps, for Ctrl-C."""
+    with ExitStack() as stack:
+        fmus, stops = [], []
+        for each in fmu_files:
+            description = description_of(each)
+            instance, stop_if_pressed = stack.enter_context(running(each, description))
+            fmus.append(NamedFmu(each, instance, description))
+            stops.append(stop_if_pressed)
+        yield fmus, stops[0]  # the first hears Ctrl-C
