@@ -44,7 +44,6 @@ html_copy_source = False
 pygments_style, pygments_dark_style = "default", "monokai"
 
 
-
 def as_written(app, what, name, obj, options, lines):
     """Show docstrings of kernels as they are: equations as text, with their alignment."""
     if name.startswith("tetherfmu.kernels."):

@@ -31,7 +31,9 @@ class Links(SphinxPostTransform):
             if found:
                 target = f"{MODULES[found[1]]}.{found[2]}"
                 place = {"refdomain": "py", "reftype": "obj", "reftarget": target, "refexplicit": True, "refwarn": True}
-                name.replace_self(addnodes.pending_xref("", name.deepcopy(), refdoc=self.env.current_document.docname, **place))
+                name.replace_self(
+                    addnodes.pending_xref("", name.deepcopy(), refdoc=self.env.current_document.docname, **place)
+                )
 
 
 def setup(app):
