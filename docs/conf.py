@@ -11,7 +11,7 @@ sys.path[:0] = [str(DOCS), str(DOCS.parent / "fmu_sources")]
 
 from tetherfmu.runtime import __version__ as release  # noqa: E402
 
-project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"  # noqa: A001
+project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
 version = release
 extensions = [
     "myst_parser",

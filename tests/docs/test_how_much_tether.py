@@ -13,7 +13,7 @@ from tetherfmu.study.measuring.tables import templates_in
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "how_much_tether.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "thresholds", "work_precision"])
+@pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "thresholds"])
 def test_words_keys_and_thresholds_are_those_of_the_sources(part):
     """What is not measured for the page: its words, the keys of a scene file, and the thresholds that the advisor reads."""
     template = templates_in(TEMPLATE.parent).get_template(TEMPLATE.name)

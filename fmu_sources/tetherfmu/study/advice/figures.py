@@ -98,7 +98,6 @@ def limits(level=CHART_LEVEL):
 def questions():
     """The decision chart: (question, answer that leaves it, variant that it leaves to), and the variant at its end."""
     most = limits()
-    slow = most["wave", "catenary"]
     loads = min(most["weight", "straight"], most["drag", "straight"])
     return (
         ("Does a force that you compute\nmove a kite of finite mass?", "yes", "dynamic_free"),

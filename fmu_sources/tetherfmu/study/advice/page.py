@@ -96,7 +96,7 @@ def declared():
     return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 
 
-def how_much_tether(results, verdicts, work_precision):
+def how_much_tether(results, verdicts):
     """The page as Markdown.
 
     results : maps scenes to (reference, table of points, verdicts on the advice by level).  verdicts : on unseen scenes.
@@ -107,7 +107,7 @@ def how_much_tether(results, verdicts, work_precision):
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
     dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
-    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary, "work_precision": work_precision}
+    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary}
     return page(TEMPLATE, **declared(), **facts, results=results)
 
 
@@ -127,5 +127,5 @@ def make(scene_files, folder, store_folder, executor, progress):
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
     draw_chart(figures / "decision.png")
-    text = how_much_tether(results, others, (figures / "work_precision_flights.png").exists())
+    text = how_much_tether(results, others)
     (folder / "how_much_tether.md").write_text(text, encoding="utf-8")
