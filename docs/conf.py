@@ -23,7 +23,6 @@ extensions = [
     "links_to_functions",
 ]
 exclude_patterns = ["*.py", "site_files"]
-suppress_warnings = ["toc.empty_glob"]
 
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4

@@ -61,15 +61,19 @@ def table():
         errors = {name: values for name, *values in list(csv.reader(file))[1:]}
     lines = ["| file | for a scene that needs | time per step | " + " | ".join(SCENES.values()) + " |", "|---" * 6 + "|"]
     for name, purpose in NEEDED_FOR.items():
-        cost = f"{spent[name]:.0f} µs" if name in spent else "as above"
-        found = [f"{100.0 * float(error):.2g} %" for error in errors.get(name, ())] or ["as above"] * len(SCENES)
+        cost = f"{spent[name]:.0f} µs" if name in spent else "-"
+        found = [f"{100.0 * float(error):.2g} %" for error in errors.get(name, ())] or ["-"] * len(SCENES)
         lines.append(f"| `{name}.fmu` | {purpose} | {cost} | " + " | ".join(found) + " |")
-    return "\n".join(lines) + f"\n\nTimes: {circumstances()}."
+    scenes = ", ".join(f"`{name}`" for name in SCENES)
+    return "\n".join(lines) + (
+        f"\n\nTimes: {circumstances()}.\nErrors: {SEGMENTS} segments, scenes {scenes} of `examples/scenes`,\n"
+        "against a refined `TetherDynamic`; `python docs/make_fmu_table.py` measures them."
+    )
 
 
 def with_table(text):
     """The README with the present table."""
-    return re.sub(r"\| file \|.*?\n\nTimes: [^\n]*", lambda _: table(), text, flags=re.DOTALL)
+    return re.sub(r"\| file \|.*?\n\nTimes: .*?(?=\n\n)", lambda _: table(), text, flags=re.DOTALL)
 
 
 if __name__ == "__main__":
