@@ -101,7 +101,7 @@ def figures(results, both, folder):
         draw(results, figure, folder / path(name))
     for when, found in both.items():
         draw(found, COMPARED, folder / path(when), f"{when}: ")
-    titles = {f"{figure[0]}: heat maps": path(name) for name, figure in FIGURES.items()}
+    titles = {f"{figure[0]}: verdicts, and differences from the refinement": path(name) for name, figure in FIGURES.items()}
     return titles | {f"Heat maps, {when}": path(when) for when in both}
 
 
