@@ -32,7 +32,6 @@ import matplotlib  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.animation import FuncAnimation, HTMLWriter, PillowWriter  # noqa: E402
 
-
 STEP = 0.02  # communication step, and time between two rows of a motion [s]
 GRAVITY = 9.81  # m/s2
 WIDE, TALL = (8.0, 3.8), (8.0, 5.2)  # sizes of figures [inch]

@@ -1,7 +1,7 @@
 """What does a communication step of each tether cost?
 
-The circle of lesson 11, 20 segments, steps of 20 ms: in compiled code (`fly`, all inputs known), and step by step from Python (`step`,
-the price of feedback in Python).
+The circle of lesson 11, 20 segments, steps of 20 ms: in compiled code (`fly`, all inputs known), and step by step from
+Python (`step`, the price of feedback in Python).
 """
 
 import sys

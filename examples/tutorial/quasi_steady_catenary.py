@@ -1,7 +1,7 @@
 """How well does a chain of 22 segments hang like the exact elastic catenary?
 
-The kite stands still at (100, 100, 800) m on a tether 5 % longer than that. TetherCatenary is the closed form, TetherQuasiSteady the
-chain in equilibrium: the start of the quasi-steady set, which needs no simulation.
+The kite stands still at (100, 100, 800) m on a tether 5 % longer than that. TetherCatenary is the closed form,
+TetherQuasiSteady the chain in equilibrium: the start of the quasi-steady set, which needs no simulation.
 """
 
 import sys

@@ -1,7 +1,8 @@
 """Which shapes does a tether in equilibrium take along the circle of a kite, and how far from them is one with waves?
 
-TetherQuasiSteady over the circle of lesson 11: at each instant the shape in which weight, drag, tension and the inertia of turning with
-the kite balance. The flight is one call of compiled code, `fly`, with inputs that `inputs_along` makes from the path.
+TetherQuasiSteady over the circle of lesson 11: at each instant the shape in which weight, drag, tension and the inertia of
+turning with the kite balance. The flight is one call of compiled code, `fly`, with inputs that `inputs_along` makes from
+the path.
 """
 
 import sys

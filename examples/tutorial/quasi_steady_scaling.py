@@ -1,13 +1,13 @@
 """How does the cost grow with the number of segments, and what do they buy?
 
-Four seconds of the circle of lesson 11 with 5 to 160 segments in compiled code: the time of a communication step of 20 ms, and how
-far the force on the kite is from that with 300 segments, the most there may be.
+Four seconds of the circle of lesson 11 with 5 to 160 segments in compiled code: the time of a communication step of 20 ms,
+and how far the force on the kite is from that with 300 segments, the most there may be.
 """
 
 import sys
 
 import numpy as np
-from lessons import STEP, Lesson, command_line, curve, panels, timed
+from lessons import STEP, Lesson, command_line, curve, panels
 from quasi_steady_circle import KITE, LENGTH
 
 from tetherfmu import TetherDynamic, TetherQuasiSteady, inputs_along

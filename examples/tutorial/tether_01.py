@@ -1,12 +1,11 @@
 """How high does a mass fly that is thrown upwards at 50 m/s, and when is it at the top?
 
-z'' = -g, from z = 0. This is the whole machinery of the next four lessons: a function that gives the rates of change, the solver
-`solve_ivp` of SciPy, and an event (the speed is zero), which the solver locates to rounding between its steps.
+z'' = -g, from z = 0. This is the whole machinery of the next four lessons: a function that gives the rates of change, the
+solver `solve_ivp` of SciPy, and an event (the speed is zero), which the solver locates to rounding between its steps.
 """
 
 import sys
 
-import numpy as np
 from lessons import GRAVITY, Lesson, command_line, curve, panels, timed, times
 from scipy.integrate import solve_ivp
 

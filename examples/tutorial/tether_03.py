@@ -1,7 +1,8 @@
 """What changes when the spring cannot push, as a tether cannot?
 
-The mass of lesson 02 starts upwards at 4 m/s. Its spring pulls only where it is longer than L; the damper always acts. The force
-now has a kink, which the solver steps over without knowing. TetherDynamic gets the same tether, with no stiffness when slack.
+The mass of lesson 02 starts upwards at 4 m/s. Its spring pulls only where it is longer than L; the damper always acts. The
+force now has a kink, which the solver steps over without knowing. TetherDynamic gets the same tether, with no stiffness
+when slack.
 """
 
 import sys

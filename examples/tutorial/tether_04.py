@@ -1,8 +1,8 @@
 """How do two masses move on two springs in series?
 
-The step from one spring to a chain: positions and velocities are arrays, and each segment pulls at its two masses. Two segments of
-10 m, three masses of 1 kg of which the first is held; the last one starts upwards at 4 m/s, the middle one at 2 m/s. The damper sees
-the whole relative velocity of its two masses, also across the segment; this motion has none.
+The step from one spring to a chain: positions and velocities are arrays, and each segment pulls at its two masses. Two
+segments of 10 m, three masses of 1 kg of which the first is held; the last one starts upwards at 4 m/s, the middle one at 2
+m/s. The damper sees the whole relative velocity of its two masses, also across the segment; this motion has none.
 """
 
 import sys

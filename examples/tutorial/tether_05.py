@@ -1,8 +1,9 @@
 """How does a chain of five segments swing that is let go off the vertical?
 
-The hand-made model of a tether, complete: five springs of 5 m and 50 N/m that cannot push, with dampers of 0.5 N s/m along them; the
-0.5 kg of each segment is shared between its two masses. It starts straight, pi/10 off the vertical, and shrinks: its masses move
-towards its upper end, the last one at 2 m/s. TetherDynamic has the same equations: EA = k l, D = c l, mass per metre m/l.
+The hand-made model of a tether, complete: five springs of 5 m and 50 N/m that cannot push, with dampers of 0.5 N s/m along
+them; the 0.5 kg of each segment is shared between its two masses. It starts straight, pi/10 off the vertical, and shrinks:
+its masses move towards its upper end, the last one at 2 m/s. TetherDynamic has the same equations: EA = k l, D = c l, mass
+per metre m/l.
 """
 
 import sys

@@ -1,9 +1,9 @@
 """What do the settings change? One of them: the law of the damper while the tether is reeled out.
 
-All settings are records of constants, `Tether`, `Environment`, `Solver`, checked and with units; a scene in a TOML file has the same
-names (examples/scenes). Here one of them is replaced: `damping_law`. The damper of Tethers.jl sees dl/dt, the rate of the stretched
-length. Material that is paid out makes a segment longer without straining it, and that damper pulls: D v/L = 18.9 N at 50 m and
-2 m/s. The damper of a material sees the rate of the strain, (dl/dt - (l/l0) dl0/dt)/l0.
+All settings are records of constants, `Tether`, `Environment`, `Solver`, checked and with units; a scene in a TOML file has
+the same names (examples/scenes). Here one of them is replaced: `damping_law`. The damper of Tethers.jl sees dl/dt, the rate
+of the stretched length. Material that is paid out makes a segment longer without straining it, and that damper pulls: D v/L
+= 18.9 N at 50 m and 2 m/s. The damper of a material sees the rate of the strain, (dl/dt - (l/l0) dl0/dt)/l0.
 """
 
 import sys

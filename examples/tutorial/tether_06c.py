@@ -1,8 +1,9 @@
 """Does a chain get more exact if the solver stops wherever a segment becomes slack or taut?
 
-The chain of lesson 05, with an event for each segment, against the same chain without events, and TetherDynamic, which needs none:
-its steps keep each segment's law and are taken back if they go too far over a kink. At loose tolerances a solver with events misses
-some: a segment that is taut for a moment between two steps changes no sign. One such pair is worth more than all others.
+The chain of lesson 05, with an event for each segment, against the same chain without events, and TetherDynamic, which
+needs none: its steps keep each segment's law and are taken back if they go too far over a kink. At loose tolerances a
+solver with events misses some: a segment that is taut for a moment between two steps changes no sign. One such pair is
+worth more than all others.
 """
 
 import sys

@@ -1,7 +1,8 @@
 """How does the air stop the swing of a tether?
 
-Lesson 06 with drag and a wind of 2 m/s, for 30 s; the tether starts while it shrinks, its end at 2 m/s. Nothing is written for it:
-TetherDynamic takes the drag of each segment across its direction, in the wind that it feels, and `wind_velocity` is an input.
+Lesson 06 with drag and a wind of 2 m/s, for 30 s; the tether starts while it shrinks, its end at 2 m/s. Nothing is written
+for it: TetherDynamic takes the drag of each segment across its direction, in the wind that it feels, and `wind_velocity` is
+an input.
 """
 
 import sys

@@ -1,7 +1,8 @@
 """What are the parts of a tether called?
 
-A labelled diagram. Tethers.jl counts particles P1..Pn and segments S1..Sn-1 from the fixed end; here node 0 is at the ground, node n
-at the kite, and segment i joins nodes i and i + 1. Forces are those of the tether on what holds it: they point along the tether.
+A labelled diagram. Tethers.jl counts particles P1..Pn and segments S1..Sn-1 from the fixed end; here node 0 is at the
+ground, node n at the kite, and segment i joins nodes i and i + 1. Forces are those of the tether on what holds it: they
+point along the tether.
 """
 
 import sys

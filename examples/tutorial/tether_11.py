@@ -1,8 +1,8 @@
 """What does a kite on a circle feel from its tether? The first lesson with an FMU.
 
-The kite flies one turn on a cone, 500 m away, on 525 m of tether (examples/circular_flight.py). FMPy drives TetherDynamic.fmu, which
-is built if dist/ has none: positions and velocities of the kite go in every 20 ms, forces and shape come out. Every tool that
-imports FMUs gets these numbers.
+The kite flies one turn on a cone, 500 m away, on 525 m of tether (examples/circular_flight.py). FMPy drives
+TetherDynamic.fmu, which is built if dist/ has none: positions and velocities of the kite go in every 20 ms, forces and
+shape come out. Every tool that imports FMUs gets these numbers.
 """
 
 import sys
