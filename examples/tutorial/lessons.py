@@ -36,7 +36,7 @@ STEP = 0.02  # communication step, and time between two rows of a motion [s]
 GRAVITY = 9.81  # m/s2
 WIDE, TALL = (8.0, 3.8), (8.0, 5.2)  # sizes of figures [inch]
 DPI = 90
-FRAMES_PER_SECOND = 15
+FRAMES_PER_SECOND = 10
 plt.rcParams["axes.titlesize"] = "medium"
 
 
@@ -46,6 +46,7 @@ class Movie(NamedTuple):
     positions: np.ndarray  # of the nodes [m], (rows, nodes, 3), a row every STEP
     title: str
     in_space: bool = False  # otherwise from the side: x and z
+    speed: float = 1.0  # times real time
 
 
 class Lesson(NamedTuple):
@@ -66,12 +67,12 @@ def example(name):
 
 def timed(function, *arguments, **options):
     """What a function returns, and the shorter wall time [s] of two calls (the first one may have to load something)."""
-    times = []
+    seconds = []
     for _ in range(2):
         started = perf_counter()
         result = function(*arguments, **options)
-        times.append(perf_counter() - started)
-    return result, min(times)
+        seconds.append(perf_counter() - started)
+    return result, min(seconds)
 
 
 def times(rows):
@@ -93,25 +94,15 @@ def follow(tether, duration, **inputs):
 def curve(axes, x, y, text="", at=-1, side="right", shift=0.0, **style):
     """A curve with its name beside the point with the index `at`; shift : of the name upwards, in points."""
     (line,) = axes.plot(x, y, **style)
-    offsets = {"right": ((5, shift), "left"), "left": ((-5, shift), "right"), "above": ((0, 5 + shift), "center")}
-    offset, aligned = offsets[side]
-    axes.annotate(
-        text,
-        (x[at], y[at]),
-        xytext=offset,
-        textcoords="offset points",
-        ha=aligned,
-        va="bottom" if side == "above" else "center",
-        color=line.get_color(),
-    )
-    return line
+    offset, across, up = {"right": ((5, shift), "left", "center"), "above": ((0, 5 + shift), "center", "bottom")}[side]
+    where = {"xytext": offset, "textcoords": "offset points", "ha": across, "va": up}
+    axes.annotate(text, (x[at], y[at]), color=line.get_color(), **where)
 
 
 def panels(rows=1, columns=1, size=None, **options):
     """A figure and its axes, with a light grid and without boxes."""
-    figure, found = plt.subplots(
-        rows, columns, figsize=size or (WIDE if rows == 1 else TALL), layout="constrained", **options
-    )
+    size = size or (WIDE if rows == 1 else TALL)
+    figure, found = plt.subplots(rows, columns, figsize=size, layout="constrained", **options)
     for axes in np.ravel(found):
         axes.grid(alpha=0.3)
         axes.spines[["top", "right"]].set_visible(False)
@@ -119,12 +110,12 @@ def panels(rows=1, columns=1, size=None, **options):
 
 
 def animation(movie):
-    """Animation of a movie in real time, with the way of the last node."""
-    every = max(1, round(1.0 / (FRAMES_PER_SECOND * STEP)))
+    """Animation of a movie, with the way of the last node."""
+    every = round(movie.speed / (FRAMES_PER_SECOND * STEP))
     rows = np.arange(0, len(movie.positions), every)
     axis = (0, 1, 2) if movie.in_space else (0, 2)
     points = movie.positions[:, :, axis].transpose(0, 2, 1)  # (rows, coordinates, nodes)
-    figure = plt.figure(figsize=(5.0, 5.0), layout="constrained")
+    figure = plt.figure(figsize=(4.5, 4.5))  # a layout engine would double the time of a frame
     axes = figure.add_subplot(projection="3d" if movie.in_space else None)
     low, high = points.min(axis=(0, 2)), points.max(axis=(0, 2))
     margin = 0.05 * (high - low).max()
@@ -139,11 +130,14 @@ def animation(movie):
             line.set_data_3d(*data) if movie.in_space else line.set_data(*data)
         axes.set_title(f"{movie.title}, {row * STEP:4.1f} s")
 
-    return FuncAnimation(figure, draw, frames=rows, interval=1e3 * every * STEP, repeat=False)
+    return FuncAnimation(figure, draw, frames=rows, interval=1e3 * every * STEP / movie.speed, repeat=False)
 
 
 def save_movie(film, name, given):
     """Write an animation as GIF, or as a page that keeps its frames in a folder; returns the paths."""
+    if film is None:
+        print(f"{name} has no animation", file=sys.stderr)
+        return []
     now(f"drawing the frames of {name}")
     rate = round(1e3 / film.event_source.interval)
     writers = {}
@@ -170,7 +164,7 @@ def parse(arguments, prog, about):
     option = parser.add_argument
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
     option("--show", action="store_true", help="open figure and animation in windows")
-    option("--animate", action="store_true", help="write the animation as GIF (05, 06, 08, 11)")
+    option("--animate", action="store_true", help="write the animation as GIF (of 05, 06, 08 and 11)")
     option("--save-frames", action="store_true", help="write the animation as HTML page with its frames in a folder")
     return parser.parse_args(arguments)
 
@@ -185,13 +179,12 @@ def command_line(lesson):
         choose_backend(given.show)
         now(f"running {name}")
         found = lesson()
-        if found.movie is None and (given.animate or given.save_frames):
-            raise WrongUse(f"{name} has no animation; 05, 06, 08 and 11 have")
         given.out.mkdir(parents=True, exist_ok=True)
         written = [given.out / f"{name}.png"]
         found.figure.savefig(written[0], dpi=DPI)
-        film = animation(found.movie) if found.movie and (given.show or given.animate or given.save_frames) else None
-        if given.animate or given.save_frames:
+        save = given.animate or given.save_frames
+        film = animation(found.movie) if found.movie and (given.show or save) else None  # lives as long as its window
+        if save:
             written += save_movie(film, name, given)
         print(f"{name}: {found.answer}; {speed(found)} ({', '.join(map(str, written))})")
         if given.show:

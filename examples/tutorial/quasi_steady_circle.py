@@ -35,7 +35,7 @@ def lesson():
     axes = right.add_subplot()
     distance = np.linalg.norm(steady.positions - dynamic.positions, axis=2).max(axis=1)
     curve(axes, STEP * np.arange(1, STEPS + 1), distance, color=COLOUR["dynamic"])
-    axes.set(xlabel="time [s]", ylabel="[m]", title="Largest distance from TetherDynamic")
+    axes.set(xlabel="time [s]", ylabel="[m]", title="Distance from TetherDynamic")
     axes.grid(alpha=0.3)
     answer = f"the nodes are within {distance.max():.1f} m of those with waves"
     return Lesson(answer, figure, STEPS * STEP, steady.seconds)

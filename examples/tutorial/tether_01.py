@@ -39,9 +39,8 @@ def lesson():
     figure, (above, below) = panels(2, height_ratios=(3, 1), sharex=True)
     curve(above, time, height, "height of the mass", at=360, color=BLACK)
     above.plot(top, height.max(), "o", color=VERMILLION)
-    above.annotate(
-        f"speed 0, located at {top:.4f} s", (top, height.max()), (0, -24), textcoords="offset points", ha="center"
-    )
+    beside = {"xytext": (0, -24), "textcoords": "offset points", "ha": "center"}
+    above.annotate(f"speed 0, located at {top:.4f} s", (top, height.max()), **beside)
     above.set(ylabel="height [m]", title="A mass thrown upwards at 50 m/s")
     curve(below, time, 1e12 * (height - formula), color=REFERENCE)
     below.set(xlabel="time [s]", ylabel="solver minus\nformula [pm]")

@@ -16,7 +16,7 @@ from tetherfmu.console.colours import BLACK, COLOUR, ORANGE, PURPLE, SKY_BLUE
 
 LENGTH, ANGLE, REEL_OUT, DURATION, EXACT = 50.0, np.pi / 10.0, 2.0, 10.0, 1e-9  # m, rad, m/s, s, tolerance
 END = LENGTH * np.array([-np.sin(ANGLE), 0.0, -np.cos(ANGLE)])
-DYNEEMA = {  # besides the start values of `Tether`; Tethers.jl writes the slack stiffness as s/(1 + s) of the taut one, s = 0.01
+DYNEEMA = {  # besides the start values of `Tether`; slack stiffness of Tethers.jl: s/(1 + s) of the taut one, s = 0.01
     "segments": 5,
     "initial_length": LENGTH,
     "slack_stiffness_ratio": 0.01 / 1.01,

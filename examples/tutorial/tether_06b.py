@@ -35,7 +35,7 @@ def reel_out_hanging(tether):
 
 
 def reel_out_strained(tether):
-    """Tension [N], array (rows,), of a tether whose end leaves as fast as the strain of 1e-4 stays what it is; no gravity."""
+    """Tension [N], array (rows,), of a tether whose end leaves so that its strain stays 1e-4; no gravity."""
     model = TetherDynamic(tether, Environment(gravity=0.0, air_density=0.0), Solver(initial_shape="quasi_steady"))
     way, velocity = np.array([1.0 + STRAIN, 0.0, 0.0]), (SPEED * (1.0 + STRAIN), 0.0, 0.0)
     model.initialize(50.0 * way, velocity, reel_out_speed=SPEED)

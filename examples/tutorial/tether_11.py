@@ -49,7 +49,7 @@ def lesson():
     axes.set(xlabel="time [s]", ylabel="[N]", title="Force on the kite")
     axes.grid(alpha=0.3)
     answer = f"the tether pulls with {size.min():.0f} to {size.max():.0f} N at the kite"
-    return Lesson(answer, figure, found.time[-1], found.wall_time, Movie(found.shape, "One turn", in_space=True))
+    return Lesson(answer, figure, found.time[-1], found.wall_time, Movie(found.shape, "One turn", in_space=True, speed=20.0))
 
 
 main = command_line(lesson)
