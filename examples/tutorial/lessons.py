@@ -169,13 +169,17 @@ def parse(arguments, prog, about):
     return parser.parse_args(arguments)
 
 
-def command_line(lesson):
-    """Function of (arguments, prog) that runs a lesson, prints its answer and writes what it draws."""
-    name = Path(lesson.__code__.co_filename).stem
+def command_line(lesson, module=None):
+    """Function of (arguments, prog) that runs a lesson, prints its answer and writes what it draws.
+
+    module : of the lesson, None: where it is defined.
+    """
+    module = module or sys.modules[lesson.__module__]
+    name = Path(module.__file__).stem
 
     @command
     def main(arguments=None, prog=None):
-        given = parse(arguments, prog, sys.modules[lesson.__module__].__doc__)
+        given = parse(arguments, prog, module.__doc__)
         choose_backend(given.show)
         now(f"running {name}")
         found = lesson()

@@ -9,7 +9,7 @@ import sys
 from lessons import GRAVITY, Lesson, command_line, curve, panels, timed, times
 from scipy.integrate import solve_ivp
 
-from tetherfmu.console.colours import BLACK, REFERENCE, VERMILLION
+from tetherfmu.console.colours import REFERENCE, SKY_BLUE, VERMILLION
 
 SPEED, DURATION = 50.0, 10.0  # m/s, s
 
@@ -37,7 +37,7 @@ def lesson():
     time = times(501)
     formula = SPEED * time - 0.5 * GRAVITY * time**2
     figure, (above, below) = panels(2, height_ratios=(3, 1), sharex=True)
-    curve(above, time, height, "height of the mass", at=360, color=BLACK)
+    curve(above, time, height, "height of the mass", at=360, color=SKY_BLUE, linewidth=2.0)
     above.plot(top, height.max(), "o", color=VERMILLION)
     beside = {"xytext": (0, -24), "textcoords": "offset points", "ha": "center"}
     above.annotate(f"speed 0, located at {top:.4f} s", (top, height.max()), **beside)

@@ -13,7 +13,7 @@ from lessons import GRAVITY, Lesson, command_line, curve, follow, panels, timed,
 from scipy.integrate import solve_ivp
 
 from tetherfmu import TetherDynamic
-from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
+from tetherfmu.console.colours import COLOUR, REFERENCE, SKY_BLUE
 
 LENGTH, MASS, STIFFNESS, DAMPING, DURATION = 10.0, 1.0, 50.0, 0.5, 10.0  # m, kg, N/m, N s/m, s
 SPRING = {  # the same as a tether
@@ -61,9 +61,9 @@ def lesson():
     time, exact = times(501), formula(times(501))
     figure, (above, below) = panels(2, sharex=True)
     above.axhline(exact[-1], color=REFERENCE, linewidth=0.8)
-    curve(above, time, height, color=BLACK)
+    curve(above, time, height, color=SKY_BLUE)
     above.set(ylabel="height [m]", title="1 kg on a spring: the oscillation halves every 2.8 s")
-    curve(below, time, 1e6 * (height - exact), "solve_ivp", at=480, shift=12, color=BLACK)
+    curve(below, time, 1e6 * (height - exact), "solve_ivp", at=480, shift=12, color=SKY_BLUE)
     curve(below, time, 1e6 * (product() - exact), "TetherDynamic", at=480, shift=-12, color=COLOUR["dynamic"])
     below.set(xlabel="time [s]", ylabel="minus formula [µm]")
     return Lesson(

@@ -13,9 +13,9 @@ from lessons import Lesson, Movie, command_line, follow, panels, timed
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
 
-ENDS, WIND, REEL_OUT, DURATION = np.array([[0.0, 0.0, 0.0], [-40.0, 0.0, -47.0]]), (2.0, 0.0, 0.0), 0.3, 10.0  # m, m/s, s
+ENDS, WIND, REEL_OUT, DURATION = np.array([[0.0, 0.0, 0.0], [-40.0, 0.0, -47.0]]), (2.0, 0.0, 0.0), 0.3, 30.0  # m, m/s, s
 TETHER = {"segments": 10, "initial_length": 70.0, "slack_stiffness_ratio": 0.01 / 1.01, "free_ends": (False, True)}
-EVERY = 50  # rows between two shapes
+SHOWN, EVERY = 501, 50  # rows, and rows between two shapes
 
 
 def simulate(ends=ENDS, **options):
@@ -30,19 +30,19 @@ def lesson():
     """Shapes every second; and the start between five other points."""
     positions, seconds = timed(simulate)
     figure, (left, right) = panels(1, 2, size=(8.0, 4.6))
-    for row in range(0, len(positions), EVERY):
-        late = row / (len(positions) - 1)
+    for row in range(0, SHOWN, EVERY):
+        late = row / (SHOWN - 1)
         left.plot(*positions[row, :, [0, 2]], color=COLOUR["dynamic"], alpha=0.15 + 0.85 * late)
     left.plot(*positions[0, :, [0, 2]], "o-", markersize=3, color=BLACK)
     left.annotate("at rest", positions[0, 9, [0, 2]], (-6, 6), textcoords="offset points", color=BLACK, ha="center")
-    left.annotate("10 s", positions[-1, -1, [0, 2]], (6, 0), textcoords="offset points", color=COLOUR["dynamic"])
+    left.annotate("10 s", positions[SHOWN - 1, -1, [0, 2]], (6, 0), textcoords="offset points", color=COLOUR["dynamic"])
     for turn in np.radians((0.0, 30.0, 60.0, 90.0, 130.0)):
         kite = 61.0 * np.array([-np.sin(turn), 0.0, -np.cos(turn)])
         tether = TetherDynamic(**TETHER)
         tether.initialize(kite, wind_velocity=WIND)
         right.plot(*tether.positions[:, [0, 2]].T, "o-", markersize=3, color=BLACK)
         right.plot([0.0, kite[0]], [0.0, kite[2]], color=REFERENCE, linewidth=0.6)
-    left.set(xlabel="x [m]", ylabel="height [m]", title="Released: every second", aspect="equal")
+    left.set(xlabel="x [m]", ylabel="height [m]", title="Released: every second of ten", aspect="equal")
     right.set(xlabel="x [m]", title="At rest between other points", aspect="equal")
     answer = f"the released end sweeps {np.ptp(positions[:, -1, 0]):.0f} m sideways"
     return Lesson(answer, figure, DURATION, seconds, Movie(positions, "Released"))

@@ -83,6 +83,15 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --duration 0.001 --fmu no_shape.fmu", 2, ("0.001 s", "communication step of 0.02 s")),
     ("fly --start upside_down", 2, ("--start", "'upside_down'", "quasi_steady")),
     ("fly --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("tutorial 99", 2, ("tetherfmu tutorial", "'99'", "01, 02, 03, 03b")),
+    ("tutorial ''", 2, ("LESSON", "''", "or all")),
+    ("tutorial 01 --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("tutorial --out new", 2, ("which LESSON", "01, 02")),
+    ("tutorial --show", 2, ("which LESSON",)),
+    ("tutorial --copy text.txt", 2, ("--copy", "'text.txt'", "is a file")),
+    ("tutorial --copy mine", 2, ("mine/README.md", "--overwrite")),
+    ("tutorial 01 --copy new", 2, ("--copy", "LESSON")),
+    ("tutorial 01 --overwrite", 2, ("--overwrite", "--copy DIR")),
     ("check", 2, ("tetherfmu check", "FILE.fmu")),
     ("check none.fmu", 2, ("FILE.fmu", "no file none.fmu")),
     ("check folder", 2, ("FILE.fmu", "'folder'", "is a folder")),
@@ -125,6 +134,8 @@ def place(tmp_path_factory):
     (place / "text.txt").write_text("no archive\n")
     (place / "folder").mkdir()
     (place / "folder" / "file").touch()
+    (place / "mine").mkdir()
+    (place / "mine" / "README.md").touch()
     zipfile.ZipFile(place / "empty.fmu", "w").close()
     for name, (sound, wrong) in SCENES.items():
         assert sound in SOUND
@@ -173,6 +184,8 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, status,
     [
         ("fly --html", "plotly", "html"),
         ("catenary", "matplotlib", "examples"),
+        ("tutorial 01", "matplotlib", "examples"),
+        ("tutorial 01", "scipy", "examples"),
         ("stability --quick", "pebble", "study"),
         ("advise --fast key.toml", "pandas", "study"),
         ("tradeoff sound.toml --dask tcp://127.0.0.1:1", "distributed", "cluster"),

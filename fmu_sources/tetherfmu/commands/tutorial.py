@@ -19,10 +19,9 @@ NEEDED = (  # what to install for the copied files
 
 def lessons():
     """Dict name -> file of all lessons, in their order; the numbered ones are called by their number."""
-    files = (example_files.folder() / ROOM).glob("*_*.py")
-    return {
-        path.stem.removeprefix("tether_"): path for path in sorted(files, key=lambda path: (path.stem[0] != "t", path.stem))
-    }
+    place = example_files.folder() / ROOM
+    files = [*sorted(place.glob("tether_*.py")), *sorted(place.glob("quasi_steady_*.py"))]
+    return {path.stem.removeprefix("tether_"): path for path in files}
 
 
 def lesson(text):
@@ -64,9 +63,8 @@ def question(path):
 def copy(place, overwrite):
     """Copy all examples; WrongUse names a file that would be replaced against the user's will."""
     origin = example_files.folder()
-    files = [
-        path.relative_to(origin) for path in sorted(origin.rglob("*")) if path.is_file() and "__pycache__" not in path.parts
-    ]
+    found = (path.relative_to(origin) for path in sorted(origin.rglob("*")) if path.is_file())
+    files = [file for file in found if "__pycache__" not in file.parts]
     there = next((place / file for file in files if (place / file).exists()), None)
     if there and not overwrite:
         raise WrongUse(f"{there} is there already; --overwrite replaces it and all others")
