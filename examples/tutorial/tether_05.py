@@ -21,6 +21,16 @@ UP = np.array([np.sin(ANGLE), 0.0, np.cos(ANGLE)])
 ORDER = np.arange(SEGMENTS + 1.0)[:, None]
 START = np.array([-LENGTH * ORDER * UP, SPEED / SEGMENTS * ORDER * UP])  # positions and velocities
 MASSES = MASS * np.array([[0.5], *[[1.0]] * (SEGMENTS - 1), [0.5]])
+SAME = {  # equations of TetherDynamic
+    "segments": SEGMENTS,
+    "initial_length": SEGMENTS * LENGTH,
+    "axial_stiffness": STIFFNESS * LENGTH,
+    "axial_damping": DAMPING * LENGTH,
+    "slack_stiffness_ratio": 0.0,
+    "diameter": 0.01,
+    "density": MASS / LENGTH / (0.25 * np.pi * 0.01**2),
+    "drag_coefficient": 0.0,
+}
 
 
 def rates(time, state):
@@ -47,19 +57,7 @@ def simulate(tolerance=TOLERANCE):
 
 def tether(tolerance=TOLERANCE):
     """TetherDynamic with the same equations, at its start."""
-    diameter = 0.01
-    found = TetherDynamic(
-        segments=SEGMENTS,
-        initial_length=SEGMENTS * LENGTH,
-        axial_stiffness=STIFFNESS * LENGTH,
-        axial_damping=DAMPING * LENGTH,
-        slack_stiffness_ratio=0.0,
-        diameter=diameter,
-        density=MASS / LENGTH / (0.25 * np.pi * diameter**2),
-        drag_coefficient=0.0,
-        relative_tolerance=tolerance,
-        free_ends=(False, True),
-    )
+    found = TetherDynamic(**SAME, relative_tolerance=tolerance, free_ends=(False, True))
     found.initialize(positions=START[0], velocities=START[1])
     return found
 
