@@ -8,7 +8,7 @@ from PIL import Image
 from tetherfmu.__main__ import main as tetherfmu
 
 FIGURES = Path(__file__).resolve().parent / "figures" / "tutorial"
-COLOURS = 48  # of a picture: lines on white, with their soft edges
+COLOURS = 256  # of a picture
 
 
 def main():

@@ -31,6 +31,7 @@ if status := find_libraries():
 import matplotlib  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.animation import FuncAnimation, HTMLWriter, PillowWriter  # noqa: E402
+from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
 
 STEP = 0.02  # communication step, and time between two rows of a motion [s]
 GRAVITY = 9.81  # m/s2
@@ -65,10 +66,10 @@ def example(name):
     return import_module(name)
 
 
-def timed(function, *arguments, **options):
-    """What a function returns, and the shorter wall time [s] of two calls (the first one may have to load something)."""
+def timed(function, *arguments, repeats=2, **options):
+    """What a function returns, and its shortest wall time [s] of some calls (the first one may have to load something)."""
     seconds = []
-    for _ in range(2):
+    for _ in range(repeats):
         started = perf_counter()
         result = function(*arguments, **options)
         seconds.append(perf_counter() - started)
@@ -104,9 +105,22 @@ def panels(rows=1, columns=1, size=None, **options):
     size = size or (WIDE if rows == 1 else TALL)
     figure, found = plt.subplots(rows, columns, figsize=size, layout="constrained", **options)
     for axes in np.ravel(found):
-        axes.grid(alpha=0.3)
-        axes.spines[["top", "right"]].set_visible(False)
+        tidy(axes)
     return figure, found
+
+
+def tidy(axes):
+    """A light grid and no box."""
+    axes.grid(alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def error_over_time(axes):
+    """Logarithmic axes for errors [m] over wall times [ms]."""
+    axes.set(xscale="log", yscale="log", xlabel="wall time [ms]", ylabel="largest error [m]")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
 
 
 def animation(movie):

@@ -8,7 +8,7 @@ the path.
 import sys
 
 import numpy as np
-from lessons import STEP, TALL, Lesson, command_line, curve, example, plt
+from lessons import STEP, TALL, Lesson, command_line, curve, example, plt, tidy
 from tether_11 import draw_shapes
 
 from tetherfmu import MovingEnd, TetherDynamic, TetherQuasiSteady, inputs_along
@@ -36,7 +36,7 @@ def lesson():
     distance = np.linalg.norm(steady.positions - dynamic.positions, axis=2).max(axis=1)
     curve(axes, STEP * np.arange(1, STEPS + 1), distance, color=COLOUR["dynamic"])
     axes.set(xlabel="time [s]", ylabel="[m]", title="Distance from TetherDynamic")
-    axes.grid(alpha=0.3)
+    tidy(axes)
     answer = f"the nodes are within {distance.max():.1f} m of those with waves"
     return Lesson(answer, figure, STEPS * STEP, steady.seconds)
 

@@ -13,7 +13,7 @@ from quasi_steady_circle import KITE, LENGTH
 from tetherfmu import TetherDynamic, TetherQuasiSteady, inputs_along
 from tetherfmu.console.colours import COLOUR, REFERENCE
 
-SEGMENTS, FINEST, STEPS = np.array([5, 10, 20, 40, 80, 160]), 300, 200
+SEGMENTS, FINEST, STEPS, REPEATS = np.array([5, 10, 20, 40, 80, 160]), 300, 200, 4
 MODELS = {"quasi_steady": TetherQuasiSteady, "dynamic": TetherDynamic}
 INPUTS = inputs_along(STEPS, STEP, kite=KITE)
 
@@ -31,9 +31,9 @@ def lesson():
     figure, (left, right) = panels(1, 2)
     for name, model in MODELS.items():
         finest, _ = run(model, FINEST)
-        runs = [run(model, segments) for segments in SEGMENTS]
-        seconds = [min(seconds, run(model, segments)[1]) for (_, seconds), segments in zip(runs, SEGMENTS, strict=True)]
-        errors = [np.linalg.norm(force - finest, axis=1).max() for force, _ in runs]
+        runs = [[run(model, segments) for _ in range(REPEATS)] for segments in SEGMENTS]
+        seconds = [min(seconds for _, seconds in each) for each in runs]
+        errors = [np.linalg.norm(each[0][0] - finest, axis=1).max() for each in runs]
         style = {"marker": "o", "markersize": 4, "color": COLOUR[name]}
         curve(left, SEGMENTS, 1e6 * np.array(seconds) / STEPS, name, shift=4 if name == "dynamic" else -4, **style)
         curve(right, SEGMENTS, errors, name, shift=6 if name == "dynamic" else 0, **style)

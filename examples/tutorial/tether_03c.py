@@ -8,7 +8,7 @@ ms.
 import sys
 
 import numpy as np
-from lessons import Lesson, command_line, curve, panels, timed
+from lessons import Lesson, command_line, curve, error_over_time, panels, timed
 from tether_02 import DURATION
 from tether_03 import product
 from tether_03 import simulate as without_events
@@ -32,7 +32,7 @@ def measure():
     exact, _ = with_events(EXACT)
     found = {}
     for name, (solver, _) in SOLVERS.items():
-        runs = (timed(solver, tolerance) for tolerance in TOLERANCES)
+        runs = (timed(solver, tolerance, repeats=4) for tolerance in TOLERANCES)
         found[name] = np.array([(seconds, np.abs(height - exact).max()) for height, seconds in runs])
     return found
 
@@ -46,9 +46,7 @@ def lesson():
         seconds, error = values[PRINTED]
         published = PUBLISHED.get(name.removeprefix("solve_ivp "))
         print(f"{name}: {1e3 * seconds:.2f} ms, error {error:.1e} m{f' (published: {published})' if published else ''}")
-    axes.set(xscale="log", yscale="log", xlabel="wall time [ms]", ylabel="largest error [m]")
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("{x:g}")
+    error_over_time(axes)
     axes.set_title("Ten seconds of a mass on a spring that cannot push")
     plain, located = (runs[f"solve_ivp {each} events"][PRINTED] for each in ("without", "with"))
     answer = (

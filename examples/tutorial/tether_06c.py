@@ -7,10 +7,9 @@ worth more than all others.
 """
 
 import sys
-from time import perf_counter
 
 import numpy as np
-from lessons import GRAVITY, Lesson, command_line, curve, follow, panels, times
+from lessons import GRAVITY, Lesson, command_line, curve, error_over_time, follow, panels, timed, times
 from scipy.integrate import solve_ivp
 from tether_05 import DAMPING, DURATION, LENGTH, MASSES, SEGMENTS, START, STIFFNESS, tether
 from tether_05 import simulate as without_events
@@ -74,17 +73,12 @@ def lesson():
         "TetherDynamic": (lambda tolerance: follow(tether(tolerance), DURATION), COLOUR["dynamic"]),
     }
     exact, all_events = with_events(EXACT)
-    tether(EXACT)  # loads the kernels
     figure, axes = panels()
     for name, (solver, colour) in solvers.items():
-        runs = []
-        for tolerance in TOLERANCES:
-            started = perf_counter()
-            positions = solver(tolerance)
-            runs.append((perf_counter() - started, np.abs(positions - exact).max()))
-        seconds, errors = np.transpose(runs)
+        runs = [timed(solver, tolerance) for tolerance in TOLERANCES]
+        seconds, errors = np.transpose([(each, np.abs(positions - exact).max()) for positions, each in runs])
         curve(axes, 1e3 * seconds, errors, name, marker="o", markersize=4, color=colour)
-    axes.set(xscale="log", yscale="log", xlabel="wall time [ms]", ylabel="largest error [m]")
+    error_over_time(axes)
     axes.set_title(f"Five segments, ten seconds, tolerances 1e-4 to 1e-8, {all_events} events")
     missed = all_events - with_events(1e-6)[1]
     return Lesson(f"at 1e-6 the solver misses {missed} of {all_events} events", figure, DURATION, seconds[2])

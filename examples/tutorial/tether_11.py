@@ -9,7 +9,7 @@ import sys
 from functools import cache
 
 import numpy as np
-from lessons import TALL, Lesson, Movie, command_line, curve, example, plt
+from lessons import TALL, Lesson, Movie, command_line, curve, example, plt, tidy
 
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE, SKY_BLUE
 
@@ -47,7 +47,7 @@ def lesson():
     size = np.linalg.norm(found.kite_force, axis=1)
     curve(axes, found.time, size, "size", color=COLOUR["dynamic"])
     axes.set(xlabel="time [s]", ylabel="[N]", title="Force on the kite")
-    axes.grid(alpha=0.3)
+    tidy(axes)
     answer = f"the tether pulls with {size.min():.0f} to {size.max():.0f} N at the kite"
     return Lesson(answer, figure, found.time[-1], found.wall_time, Movie(found.shape, "One turn", in_space=True, speed=20.0))
 
