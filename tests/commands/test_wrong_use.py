@@ -64,7 +64,7 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --fmu folder", 2, ("--fmu", "'folder'", "is a folder")),
     ("fly --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("fly --fmu ''", 2, ("--fmu", "''")),
-    ("fly --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
+    ("fly --html --duration 0.1 --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
     ("fly --fmu other.fmu", 2, ("other.fmu", "no variable kite_position", "tetherfmu build")),
     ("fly --fmu fmi3.fmu", 2, ("fmi3.fmu", "no FMU")),
     ("fly --fmu exchange.fmu", 2, ("exchange.fmu", "co-simulation by FMI 2.0")),
@@ -123,7 +123,11 @@ WRONG = [  # what is typed, status, what must be said
     ("catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("catenary 7", 2, ("unrecognized arguments: 7",)),
     ("forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
+    ("catenary --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("forces_over_wind_and_slack --wind 3", 2, ("unrecognized arguments: --wind 3",)),
+    ("forces_over_wind_and_slack --fmu text.txt", 2, ("text.txt", "no FMU")),
+    ("fly_your_kite --fmu no_shape.fmu", 2, ("no_shape.fmu", "no free kite end", "TetherDynamicFree")),
+    ("fly_your_kite --fmu ''", 2, ("--fmu", "''")),
 ]
 
 
@@ -156,7 +160,7 @@ def place(tmp_path_factory):
 def run(name, *arguments):
     """Exit status of a command, or of an example by its name."""
     try:
-        if name.startswith(("catenary", "forces")):
+        if name.startswith(("catenary", "forces", "fly_your_kite")):
             return importlib.import_module(name).main(list(arguments))
         return tetherfmu([name, *arguments])
     except SystemExit as end:

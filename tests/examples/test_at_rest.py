@@ -22,7 +22,8 @@ def run(fmu_folder, code, room="."):
 
     room : of those examples, whose modules can be imported, too.
     """
-    code = f"import circular_flight\ncircular_flight.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'\n{code}"
+    find = f"fmu_tools.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'"
+    code = f"import fmu_tools\n{find}\nimport circular_flight\n{code}"
     path = os.pathsep.join([str(EXAMPLES), str(EXAMPLES / room), *sys.path])
     done = subprocess.run(
         [sys.executable, "-c", code],
