@@ -29,12 +29,11 @@ TETHERS = {
 
 def compare(own=None):
     """Dict name -> `Rest` of each tether; own : the file of an FMU, with its own number of segments, beside the catenary."""
-    cases = {name: (find_fmu(file), {"segments": segments}) for name, (file, segments) in TETHERS.items()}
-    if own:
-        cases = {"catenary": cases["catenary"], own.stem: (own, {})}
+    files = {name: (find_fmu(file), {"segments": n}) for name, (file, n) in TETHERS.items() if not own or name == "catenary"}
+    files |= {own.stem: (own, {})} if own else {}
     return {
         name: hold(file, [{**options, "initial_length": LENGTH}], KITE, shape=True)[0]
-        for name, (file, options) in cases.items()
+        for name, (file, options) in files.items()
     }
 
 
