@@ -15,9 +15,9 @@ TEXT = """# Interface
 
 <!-- Written by docs/make_interface.py from the sources: edit those, and run it again. -->
 
-The plug of {fmus}.
+Inputs, outputs and parameters of {fmus}.
 Names, units, causality and signs are the same in each, so that one replaces another without rewiring; only
-`TetherDynamicFree.fmu` differs at the kite end ("A free kite end").
+`TetherDynamicFree.fmu` differs at [the kite end](#a-free-kite-end).
 FMI 2.0 co-simulation, SI units, structured names.
 
 Frame: right-handed, z up, origin where you want it; gravity acts along -z, heights count from z = 0.
@@ -33,23 +33,24 @@ In a communication step from t to t + h:
 2. do the step,
 3. read the outputs: they belong to t + h.
 
-Within the step the tether leads its ends on a smooth curve to the predicted position p + v h + a h^2/2, with a from the last
-two velocities (theory, "Driven ends"). Position and velocity of an end must fit together; the tether follows the position
-and trusts the velocity. It says so in one warning if they contradict each other, as when `kite_velocity` is left at 0. The
-reel-out speed goes on within the step as from its last to its present value (theory, "Inputs within a step"); where it
-jumps, as the set points of a winch do, set `input_continuation` to 2 (held). The wind is held. The outputs at t = 0 are
-there when the initialization ends; in initialization mode they are calculated whenever they are read.
+Within the step the tether leads its ends on a smooth curve to the predicted position $p + v h + a h^2/2$, with $a$ from
+the last two velocities ([Driven ends](theory.md#driven-ends)). Position and velocity of an end must fit together; the
+tether follows the position and trusts the velocity. It gives one warning if they contradict each other, as when
+`kite_velocity` is left at 0. The reel-out speed continues within the step as from its last to its present value
+([Inputs within a step](theory.md#inputs-within-a-step)); where it jumps, as the set points of a winch do, set
+`input_continuation` to 2 (held). The wind is held. The outputs at t = 0 are there when the initialization ends; in
+initialization mode they are calculated whenever they are read.
 
 A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
 at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm: 1.6 % instead of 0.3 %); in the first step
 the ends rest.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
-leave segments shorter than 1 cm, or the solver fails. The state is then that of before, and the next good step works. A
-parameter out of range is refused when the initialization ends, with the allowed range.
+leave segments shorter than 1 cm, or the solver fails. The state is then that of before the step, and the next good step
+works. A parameter out of range is refused when the initialization ends, with the allowed range.
 
 One warning each is logged, and the numbers stay what they are, when a segment is stretched by more than 5 %, an end is
-accelerated beyond 1000 g or faster than sound, or positions contradict velocities (theory, "Plausibility").
+accelerated beyond 1000 g or faster than sound, or positions contradict velocities ([Plausibility](theory.md#plausibility)).
 
 ## Coupling by force
 
@@ -71,21 +72,21 @@ prescribed has no such limit, and `TetherDynamicFree.fmu` has none: it moves the
 {outputs}
 
 K is a build option, `--shape-points`, {points} by default; 0 leaves the shape out. End forces contain the weight of the half
-segment that is lumped at the end, not its inertia (theory, "End forces").
+segment that is lumped at the end, not its inertia ([End forces](theory.md#end-forces)).
 
-Where a tether gives an output another meaning:
+In some tethers an output has another meaning:
 
 {notes}
 
 ## A free kite end
 
 In `TetherDynamicFree.fmu` the kite end is a point mass that moves under the force of the tether, its weight and a load. The
-importer computes the load from `kite_position` and `kite_velocity`, which are outputs there: those of the end of the step
+importer computes the load from `kite_position` and `kite_velocity`, which are outputs there: those at the end of the step
 before. These variables differ; all others are as above and below, and value references are the same in all tethers:
 
 {free}
 
-The load goes on within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment
+The load continues within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment
 only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step
 on. `end_velocities` concerns the ground end only.
 

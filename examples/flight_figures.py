@@ -1,89 +1,160 @@
 """How does a tether look, and how hard does it pull, along a flight? Figures for the examples.
 
-Each function takes a dict name -> `Flight` (see `circular_flight.py`); a tether has the same line style in all figures.
+Each function takes a dict name -> `Flight` (see `circular_flight.py`). A tether has the same colour in all figures; with
+several tethers, forces are also shown as differences from the first one.
 """
 
 import matplotlib
 import numpy as np
 
-from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE, SKY_BLUE, VERMILLION
-from tetherfmu.runtime.variants import variant_of
-
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-COMPONENTS = {"x": SKY_BLUE, "y": REFERENCE, "z": BLACK, "magnitude": VERMILLION}
+from tetherfmu.console.colours import BLACK, BLUE, COLOUR, GREEN, ORANGE, PURPLE, SKY_BLUE, VERMILLION
+from tetherfmu.runtime.variants import class_name
+
+COLOURS = {class_name(variant): colour for variant, colour in COLOUR.items()}
+OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE)  # of flights that are not named after an FMU
+COMPONENTS = {"x": SKY_BLUE, "y": ORANGE, "z": GREEN, "magnitude": BLACK}
+ENDS = {"kite_force": "kite", "ground_force": "ground station"}
 
 
-def styled(flights):
-    """Triples (name, flight, line style)."""
-    return zip(flights, flights.values(), ("-", "--", "-.", ":"), strict=False)
+def coloured(flights):
+    """Triples (name, flight, colour)."""
+    for number, (name, flight) in enumerate(flights.items()):
+        yield name, flight, COLOURS.get(name, OTHERS[number % len(OTHERS)])
 
 
-def colour_of(name):
-    """Colour of a tether by the name of its FMU."""
-    try:
-        return COLOUR[variant_of(name)]
-    except ValueError:  # one that is called otherwise
-        return COLOUR["dynamic"]
+def label_ends(axes, labels):
+    """Names of curves at their right ends, moved apart; labels : (height of the end in data, text, colour)."""
+    low, high = axes.get_ylim()
+    places = np.array(sorted((height - low) / (high - low) for height, *_ in labels))
+    for k in range(1, len(places)):
+        places[k] = max(places[k], places[k - 1] + 0.075)
+    places -= max(0.0, places[-1] - 1.0)
+    for place, (_, text, colour) in zip(places, sorted(labels, key=lambda label: label[0]), strict=True):
+        axes.text(1.01, place, text, color=colour, transform=axes.transAxes, va="center", fontsize=9)
 
 
 def plot_first_shape(flights):
     """Side view of the tether at the start, in the vertical plane through ground station and kite."""
     figure, axes = plt.subplots(figsize=(9.0, 4.3), layout="constrained")
-    for name, flight, style in styled(flights):
+    for name, flight, colour in coloured(flights):
         shape = flight.shape[0] - flight.shape[0, 0]
         distance = shape[:, :2] @ shape[-1, :2] / np.linalg.norm(shape[-1, :2])
-        axes.plot(distance, shape[:, 2], style, marker="o", markersize=4, color=colour_of(name), label=name)
+        axes.plot(distance, shape[:, 2], color=colour, marker="o", markersize=3, linewidth=1.3, label=name)
     ends = distance[[0, -1]], shape[[0, -1], 2]
-    axes.plot(*ends, color=REFERENCE, linewidth=0.8, label="chord")
-    axes.plot(ends[0][0], ends[1][0], "s", color="black", markersize=9, label="ground station")
-    axes.plot(ends[0][1], ends[1][1], "D", color=BLACK, markersize=9, label="kite")
-    axes.set(title="First shape of the tether, side view", xlabel="horizontal distance [m]", ylabel="height [m]")
+    axes.plot(*ends, color="gray", linewidth=0.8, label="chord")
+    axes.plot(ends[0][0], ends[1][0], "s", color=BLACK, markersize=9)
+    axes.plot(ends[0][1], ends[1][1], "D", color=BLACK, markersize=9)
+    axes.annotate("ground station", (ends[0][0], ends[1][0]), (10, -14), textcoords="offset points")
+    axes.annotate("kite", (ends[0][1], ends[1][1]), (-10, 2), textcoords="offset points", ha="right")
+    axes.set(title="Shape of the tether at the start, side view", xlabel="horizontal distance [m]", ylabel="height [m]")
     axes.set_aspect("equal")
-    axes.grid(alpha=0.4)
-    axes.legend()
+    axes.margins(0.08)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper left")
     return figure
+
+
+def draw_components(axes, time, force):
+    """Components and magnitude of a force over time."""
+    columns = [*force.T, np.linalg.norm(force, axis=1)]
+    for column, colour in zip(columns, COMPONENTS.values(), strict=True):
+        axes.plot(time, column, color=colour, linewidth=1.4)
+    labels = zip(columns, COMPONENTS.items(), strict=True)
+    label_ends(axes, [(column[-1], name, colour) for column, (name, colour) in labels])
+
+
+def draw_magnitudes(axes, flights, field):
+    """Magnitude of a force of several flights over time."""
+    ends = []
+    for name, flight, colour in coloured(flights):
+        magnitude = np.linalg.norm(getattr(flight, field), axis=1)
+        axes.plot(flight.time, magnitude, color=colour, linewidth=1.3)
+        ends.append((magnitude[-1], name, colour))
+    label_ends(axes, ends)
+
+
+def draw_differences(axes, flights, field):
+    """Size of the difference of a force from that of the first flight, over time."""
+    first, *others = coloured(flights)
+    largest = 0.0
+    for _, flight, colour in others:
+        rows = min(len(flight.time), len(first[1].time))
+        difference = np.linalg.norm(getattr(flight, field)[:rows] - getattr(first[1], field)[:rows], axis=1)
+        axes.semilogy(flight.time[:rows], difference, color=colour, linewidth=1.3)
+        largest = max(largest, difference.max())
+    if largest > 0.0:
+        axes.set_ylim(1e-3 * largest, 2.0 * largest)
+
+
+def known_ends(flights):
+    """Dict field -> name of the ends whose force all flights have."""
+    return {field: end for field, end in ENDS.items() if all(getattr(each, field) is not None for each in flights.values())}
 
 
 def plot_forces(flights):
-    """Components of the forces on the kite and on the ground station over the flight."""
+    """Forces on the kite and on the ground station over the flight.
+
+    One flight: their components. Several: their magnitudes, and at the right how far each is from the first flight.
+    """
+    ends = known_ends(flights)
+    columns = 1 if len(flights) == 1 else 2
+    figure, panels = plt.subplots(
+        len(ends),
+        columns,
+        figsize=(4.0 + 4.5 * columns, 1.0 + 3.0 * len(ends)),
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+    )
+    for line, (field, end) in zip(panels, ends.items(), strict=True):
+        if columns == 1:
+            for flight in flights.values():
+                draw_components(line[0], flight.time, getattr(flight, field))
+        else:
+            draw_magnitudes(line[0], flights, field)
+            draw_differences(line[1], flights, field)
+            line[1].set(title=f"Difference from {next(iter(flights))}, {end}", ylabel="size of the difference [N]")
+        line[0].set(title=f"Force of the tether on the {end}", ylabel="force [N]")
     first = next(iter(flights.values()))
-    ends = {"kite_force": "kite", "ground_force": "ground station"}
-    ends = {field: end for field, end in ends.items() if getattr(first, field) is not None}
-    size = {"figsize": (9.0, 1.0 + 3.0 * len(ends))}
-    figure, panels = plt.subplots(len(ends), 1, sharex=True, squeeze=False, layout="constrained", **size)
-    panels = panels[:, 0]
-    for axes, (field, title) in zip(panels, ends.items(), strict=True):
-        for name, flight, style in styled(flights):
-            force = getattr(flight, field)
-            columns = [*force.T, np.linalg.norm(force, axis=1)]
-            for column, (component, color) in zip(columns, COMPONENTS.items(), strict=True):
-                axes.plot(flight.time, column, style, color=color, label=component if style == "-" else None)
-            axes.plot([], [], style, color="gray", label=name)
-        axes.set(title=f"Force of the tether on the {title}", ylabel="force [N]", xlim=flight.time[[0, -1]])
-        axes.grid(alpha=0.4)
-    panels[0].legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    panels[-1].set_xlabel("time [s]")
+    for axes in panels.flat:
+        axes.set_xlim(first.time[[0, -1]])
+        axes.grid(alpha=0.3)
+    for axes in panels[-1]:
+        axes.set_xlabel("time [s]")
     return figure
 
 
-def plot_shapes(flights, count=20):
-    """`count` shapes of the tether in space with the flight path; coloured by time, or by tether if there are several."""
-    figure = plt.figure(figsize=(9.0, 6.0), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
-    colors = plt.cm.ScalarMappable(plt.Normalize(0.0, max(flight.time[-1] for flight in flights.values())))
-    for name, flight, style in styled(flights):
+def draw_shapes(axes, flights, count, colours):
+    """`count` shapes of each tether in space, with the path of the kite; colours : of times, for a single flight."""
+    for name, flight, own in coloured(flights):
         for k in np.linspace(0, len(flight.time) - 1, count, endpoint=False).astype(int):
-            color = colors.to_rgba(flight.time[k]) if len(flights) == 1 else colour_of(name)
-            axes.plot(*flight.shape[k].T, style, color=color, linewidth=1.2, label=name if k == 0 else None)
-    axes.plot(*flight.shape[:, -1].T, color=REFERENCE, linewidth=2.0, label="flight path")
-    axes.plot(*flight.shape[0, :1].T, "s", color="black", label="ground station")
-    axes.set(title="Tether along the flight", xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+            colour = colours.to_rgba(flight.time[k]) if len(flights) == 1 else own
+            axes.plot(*flight.shape[k].T, color=colour, linewidth=1.2, label=name if k == 0 and len(flights) > 1 else None)
+    axes.plot(*flight.shape[:, -1].T, color=BLACK, linewidth=1.8, label="path of the kite")
+    axes.plot(*flight.shape[0, :1].T, "s", color=BLACK, label="ground station")
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_box_aspect([np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())], zoom=1.15)
     axes.locator_params(axis="x", nbins=4)
     axes.view_init(elev=20.0, azim=-40.0)
+
+
+def times_of(flights):
+    """Colours of the times of some flights."""
+    latest = max(flight.time[-1] for flight in flights.values())
+    return plt.cm.ScalarMappable(plt.Normalize(0.0, latest), cmap="viridis")
+
+
+def plot_shapes(flights, count=20):
+    """`count` shapes of the tether in space; coloured by time, or, a third as many, by tether if there are several."""
+    figure = plt.figure(figsize=(9.0, 6.0), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
+    colours = times_of(flights)
+    draw_shapes(axes, flights, count if len(flights) == 1 else max(1, count // 3), colours)
+    axes.set_title("Tether along the flight")
     axes.legend(loc="upper left")
     if len(flights) == 1:
-        figure.colorbar(colors, ax=axes, label="time [s]", shrink=0.6, pad=0.08)
+        figure.colorbar(colours, ax=axes, label="time [s]", shrink=0.6, pad=0.08)
     return figure

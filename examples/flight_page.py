@@ -3,43 +3,90 @@
 import numpy as np
 import plotly.graph_objects as go
 
+from tetherfmu.console.colours import BLACK, BLUE, COLOUR, GREEN, GREY, ORANGE, PURPLE, VERMILLION
+from tetherfmu.runtime.variants import class_name
 
-def line(points, name, mode):
+COLOURS = {class_name(variant): colour for variant, colour in COLOUR.items()}
+OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE)  # of flights that are not named after an FMU
+ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
+EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
+HEAD = 0.18  # of an arrow, part of its length
+
+
+def line(points, name, mode, colour, **options):
     """A curve in space; points : array (n, 3) [m]."""
-    return go.Scatter3d(dict(zip("xyz", points.T, strict=True)), name=name, mode=mode, line_width=4, marker_size=2)
+    looks = {"line": {"width": 4, "color": colour}, "marker": {"size": 2, "color": colour}, **options}
+    return go.Scatter3d(dict(zip("xyz", np.transpose(points), strict=True)), name=name, mode=mode, **looks)
 
 
-def scene(shapes):
-    """Axes that hold all shapes, to scale; shapes : array (n, 3) of all points [m]."""
-    low, high = shapes.min(axis=0) - 10.0, shapes.max(axis=0) + 10.0
+def arrow(start, force, scale, colour):
+    """Shaft and head of the arrow of a force [N] on a point [m]; scale [m/N]."""
+    end = start + scale * force
+    head = HEAD * scale * force
+    place = dict(zip("xyz", end[:, None], strict=True)) | dict(zip("uvw", head[:, None], strict=True))
+    looks = {"colorscale": [[0, colour], [1, colour]], "showscale": False, "anchor": "tip", "hoverinfo": "skip"}
+    text = f"{np.linalg.norm(force):.1f} N"
+    shaft = line([start, end - head], text, "lines", colour, showlegend=False, hovertemplate=text)
+    return shaft, go.Cone(**place, sizemode="absolute", sizeref=np.linalg.norm(head), **looks)
+
+
+def scene(points):
+    """Axes that hold all points, to scale; points : array (n, 3) [m]."""
+    low, high = points.min(axis=0) - 10.0, points.max(axis=0) + 10.0
     axes = {f"{axis}axis": {"title": f"{axis} [m]", "range": [low[i], high[i]]} for i, axis in enumerate("xyz")}
-    return {"aspectmode": "data", **axes}
+    return {"aspectmode": "data", "camera": {"eye": EYE, "center": {"x": 0.0, "y": 0.0, "z": -0.15}}, **axes}
 
 
-def write_page(flights, file, count=100):
-    """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
+def moment(flights, k, scale):
+    """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows."""
+    drawn = []
+    for number, (name, flight) in enumerate(flights.items()):
+        colour, shape = COLOURS.get(name, OTHERS[number % len(OTHERS)]), np.asarray(flight.shape[k])
+        drawn.append(line(shape, name, "lines+markers", colour))
+        for field, end in (("kite_force", -1), ("ground_force", 0)):
+            if getattr(flight, field, None) is not None:
+                drawn += arrow(shape[end], np.asarray(getattr(flight, field)[k]), scale, colour)
+    ends = {"marker": {"size": 6, "color": BLACK, "symbol": ["square", "diamond"]}}
+    named = {"text": ["ground station", "kite"], "textposition": "top center", "showlegend": False}
+    return [*drawn, line(shape[[0, -1]], "ends", "markers+text", BLACK, **ends, **named)]
 
-    flights : dict name -> `Flight` with the same times.
-    """
-    first = next(iter(flights.values()))
-    moments = np.linspace(0, len(first.time) - 1, count).astype(int)
-    frames = []
-    for k in moments:
-        tethers = [line(flight.shape[k], name, "lines+markers") for name, flight in flights.items()]
-        frames.append(go.Frame(name=f"{first.time[k]:.1f}", data=tethers))
-    path = line(first.shape[moments, -1], "flight path", "lines")
+
+def scale_of(flights, points):
+    """Length of the arrow of a newton [m/N]."""
+    fields = ("kite_force", "ground_force")
+    forces = [getattr(flight, field, None) for flight in flights.values() for field in fields]
+    largest = max((np.linalg.norm(force, axis=-1).max() for force in forces if force is not None), default=0.0)
+    return ARROW * np.linalg.norm(np.ptp(points, axis=0)) / largest if largest > 0.0 else 0.0
+
+
+def controls(frames):
+    """Slider and buttons, below the scene."""
     show = {"frame": {"duration": 60, "redraw": True}, "transition": {"duration": 0}, "mode": "immediate"}
     steps = [{"label": frame.name, "method": "animate", "args": [[frame.name], show]} for frame in frames]
     buttons = [
         {"label": "Play", "method": "animate", "args": [None, {**show, "fromcurrent": True}]},
         {"label": "Pause", "method": "animate", "args": [[None], show]},
     ]
+    slider = {"steps": steps, "currentvalue": {"prefix": "time [s]: "}, "x": 0.14, "len": 0.84, "y": 0.0, "pad": {"t": 10}}
+    place = {"x": 0.12, "xanchor": "right", "y": 0.0, "yanchor": "top", "pad": {"t": 30}, "direction": "left"}
+    return {"sliders": [slider], "updatemenus": [{"type": "buttons", "buttons": buttons, **place}]}
+
+
+def write_page(flights, file, count=100, title="Tether of a kite that flies a circle"):
+    """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
+
+    flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`; `kite_force` and `ground_force`
+    are drawn as arrows where they are known.
+    """
+    first = next(iter(flights.values()))
+    moments = np.linspace(0, len(first.time) - 1, count).astype(int)
+    points = np.concatenate([np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values()])
+    scale = scale_of(flights, points)
+    frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale)) for k in moments]
+    path = line(np.asarray(first.shape)[moments, -1], "path of the kite", "lines", GREY)
     page = go.Figure([*frames[0].data, path], frames=frames)
-    page.update_layout(
-        title="Tether of a kite that flies a circle",
-        showlegend=True,
-        scene=scene(np.concatenate([flight.shape[moments].reshape(-1, 3) for flight in flights.values()])),
-        sliders=[{"steps": steps, "currentvalue": {"prefix": "time [s]: "}}],
-        updatemenus=[{"type": "buttons", "buttons": buttons, "x": 0.0, "xanchor": "left"}],
-    )
-    page.write_html(file, include_plotlyjs=True)
+    margin = {"l": 20, "r": 20, "t": 60, "b": 110}
+    legend = {"x": 0.01, "y": 0.99, "bgcolor": "rgba(255, 255, 255, 0.7)"}
+    heading = f"{title}; arrows: force of the tether on the kite and on the ground station" if scale else title
+    page.update_layout(title=heading, scene=scene(points), margin=margin, legend=legend, showlegend=True, **controls(frames))
+    page.write_html(file, include_plotlyjs=True, auto_play=False, default_height="97vh")

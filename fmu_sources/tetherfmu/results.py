@@ -75,7 +75,7 @@ class Flown(NamedTuple):
     outputs : (rows, outputs_size) array
         All outputs, as `layout.py` has them; forces and shapes are properties.
     peak : (rows,) array
-        Largest |kite_force| since the row before [N].
+        Largest ``norm(kite_force)`` since the row before [N].
     positions : (rows, segments + 1, 3) array
         Of the nodes [m].
     seconds : float

@@ -264,9 +264,9 @@ class TetherModel:
         every : int
             A row is kept after every so many steps; 0 for none.
         peaks : bool
-            Whether outputs are computed after each step, to find the largest |kite_force| since the row before. Without it
-            they are computed where a row is kept only: `peak` is that of the row, and a step whose outputs would not be
-            finite numbers is refused there only.
+            Whether outputs are computed after each step, to find the largest ``norm(kite_force)`` since the row before.
+            Without it they are computed where a row is kept only: `peak` is that of the row, and a step whose outputs would
+            not be finite numbers is refused there only.
 
         Returns
         -------

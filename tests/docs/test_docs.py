@@ -11,28 +11,39 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import tetherfmu
 from scenes import fly_circle
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
-THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+sys.path.append(str(ROOT / "docs"))
+
+import make_fmu_table  # noqa: E402
+from links_to_functions import MODULES, NAME, PAGES  # noqa: E402
+
+
+def page(name):
+    """Text of a page of the manual."""
+    return (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", THEORY, re.MULTILINE | re.DOTALL))
-MODULES = {  # by the name that the theory page calls them: modules that compute
-    path.stem: ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
-    for path in [*PACKAGE.glob("[a-z]*.py"), *PACKAGE.glob("runtime/[a-z]*.py"), *PACKAGE.glob("kernels/**/[a-z]*.py")]
+SECTIONS = {  # of the pages of equations: (page, section) -> text
+    (name, head): text
+    for name in PAGES
+    for head, text in re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", page(name), re.MULTILINE | re.DOTALL)
 }
-FUNCTIONS = r"`(" + "|".join(MODULES) + r")\.(\w+)`"
+THEORY = page("theory")
 
 
 def cited_sections():
-    """Pairs (file, section) of all citations of the theory page in the sources."""
+    """Triples (file, page, section) of all citations of the pages of equations in the sources."""
     found = []
     for path in sorted(PACKAGE.rglob("*.py")):
-        for line in re.findall(r"docs/theory\.md, (.+)", path.read_text(encoding="utf-8")):
-            found += [(path.name, section) for section in re.findall(r'"([^"]+)"', line)]
+        cited = re.findall(r'docs/(theory|numerics)\.md,\s+("[^"]+"(?: and "[^"]+")*)', path.read_text(encoding="utf-8"))
+        found += [(path.name, name, section) for name, text in cited for section in re.findall(r'"([^"]+)"', text)]
     return found
 
 
@@ -42,39 +53,82 @@ def test_interface_page_is_what_the_script_writes(monkeypatch):
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 
 
-@pytest.mark.parametrize(("file", "section"), cited_sections())
-def test_cited_sections_exist(file, section):
-    assert section in SECTIONS
+@pytest.mark.parametrize(("file", "name", "section"), cited_sections())
+def test_cited_sections_exist(file, name, section):
+    assert (name, section) in SECTIONS
 
 
-@pytest.mark.parametrize("section", [name for name in SECTIONS if name != "Symbols"])
-def test_functions_named_in_the_theory_exist(section):
-    named = re.findall(FUNCTIONS, SECTIONS[section])
+@pytest.mark.parametrize(("name", "section"), [each for each in SECTIONS if each[1] != "Symbols"])
+def test_functions_named_in_the_theory_exist(name, section):
+    named = re.findall(f"`{NAME.pattern}`", SECTIONS[name, section])
     assert named
     for module, function in named:
         assert callable(getattr(importlib.import_module(MODULES[module]), function))
+
+
+def test_all_modules_of_the_kernels_are_listed():
+    listed = set(re.findall(r"automodule:: (\S+)", page("functions")))
+    rooms = {module for module in MODULES.values() if re.match(r"tetherfmu\.kernels\.\w+\.", module)}
+    assert listed == rooms
+
+
+def test_all_public_names_are_on_the_page_of_the_python_api():
+    listed = set(re.findall(r"auto\w+:: tetherfmu\.(\w+)$", page("api"), re.MULTILINE))
+    assert listed == set(tetherfmu.__all__) - {"__version__"}
+
+
+def test_table_of_the_readme_has_the_measured_numbers():
+    assert make_fmu_table.with_table(README) == README
 
 
 def test_readme_has_the_two_commands_of_the_ci():
     assert len(re.findall(r"^```sh$", README, re.MULTILINE)) == 2
 
 
-@pytest.mark.parametrize(
-    "snippet", re.findall(r"^```python\n(.*?)^```$", README, re.MULTILINE | re.DOTALL), ids=["fmpy", "python"]
-)
-def test_python_snippets_of_the_readme_run(fmu_folder, tmp_path, snippet):
-    shutil.copytree(fmu_folder, tmp_path / "dist")
-    done = subprocess.run(
-        [sys.executable, "-c", snippet],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+def blocks(text):
+    """Blocks of a page that someone may run or write to a file, in order: pairs (language, text)."""
+    return re.findall(r"^```(python|console|toml)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def ran(command, folder):
+    """What a command prints, in a folder where the package can be imported."""
+    path = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MPLBACKEND": "Agg"}
+    done = subprocess.run(command, cwd=folder, env=path, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stderr
-    assert done.stdout
+    return done.stdout
+
+
+def as_here(command):
+    """A line of a page for a shell as a command of this Python."""
+    program, *arguments = command.split()
+    is_script = arguments[0].endswith(".py")
+    return [
+        sys.executable,
+        *([str(ROOT / arguments[0]), *arguments[1:]] if is_script else ["-m", Path(program).name, *arguments]),
+    ]
+
+
+@pytest.mark.parametrize(("text", "prints"), [(README, 2), (page("start"), 4)], ids=["README", "start"])
+def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
+    """As a reader does it in an empty folder with the FMUs; the blocks of both pages fly the same CSV file."""
+    shutil.copytree(fmu_folder, tmp_path / "dist")
+    log = next(code for language, code in blocks(page("start")) if "savetxt" in code)
+    ran([sys.executable, "-c", log], tmp_path)
+    printed = []
+    for language, code in blocks(text):
+        if language == "toml":
+            (tmp_path / "own.toml").write_text(code, encoding="utf-8")
+        elif language == "console":
+            printed += [ran(as_here(line), tmp_path) for line in code.splitlines()]
+        else:
+            printed.append(ran([sys.executable, "-c", code], tmp_path))
+    assert len([each for each in printed if each.strip()]) >= prints
+    assert (tmp_path / "result.csv").exists()
+
+
+def test_both_pages_have_the_same_command():
+    first = [re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start"))]
+    assert first[0] == first[1]
 
 
 NUMBER = r"\| ([\d.]+) "
@@ -104,7 +158,7 @@ def test_validity_table_is_there():
     assert len(VALIDITY) == 6
 
 
-FOLDS = re.findall(rf"^{3 * NUMBER}\|$", SECTIONS["Struts"], re.MULTILINE)
+FOLDS = re.findall(rf"^{3 * NUMBER}\|$", SECTIONS["numerics", "Struts"], re.MULTILINE)
 
 
 @pytest.mark.parametrize("row", FOLDS)

@@ -10,7 +10,7 @@ one block tridiagonal system with 3x3 blocks per stage. F at a stage is multipli
 stage.
 
 Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
-smooth equations; a step that goes too far beyond the kink is rejected (`step_control.kink_error`). See docs/theory.md,
+smooth equations; a step that goes too far beyond the kink is rejected (`step_control.kink_error`). See docs/numerics.md,
 "Rosenbrock step".
 """
 

@@ -3,13 +3,13 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.console.colours import COLOUR
+from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .thresholds import LEVELS as THRESHOLD_LEVELS
 from .thresholds import SWEEPS, read
 from .tradeoff import LEVELS, front
 
-COLORS = dict(zip(VARIANTS, ("C7", "C2", "C1", "C0"), strict=True))
 LABELS = {
     "weight": "weight / tension (stretch 0.001)",
     "drag": "drag / tension (stretch 0.001)",
@@ -18,14 +18,15 @@ LABELS = {
 }
 LINES = {0: "-", 4: ":", 11: "--", 32: "-"}  # by the segments of the curves that are shown
 STRETCHES = (0.001, 0.0)  # of the curves that are shown: a middle one
+CHART_LEVEL = 0.01  # error for which the decision chart is drawn
 COLUMNS = 4  # of small figures
 
 
 def draw_points(axis, points, size):
-    """Cost against error of all points, a color for each variant, and their front as a line; returns the front."""
+    """Cost against error of all points, a colour for each variant, and their front as a line; returns the front."""
     for variant in VARIANTS:
         mine = points[(points.variant == variant) & np.isfinite(points.error)]
-        style = {"color": COLORS[variant], "markersize": size, "alpha": 0.6, "label": variant.replace("_", "-")}
+        style = {"color": COLOUR[variant], "markersize": size, "alpha": 0.6, "label": variant.replace("_", "-")}
         axis.loglog(100.0 * mine.error, 1e6 * mine.cost, ".", **style)
     best = front(points)
     axis.step(100.0 * best.error, 1e6 * best.cost, "k-", where="post", linewidth=1.0)
@@ -76,7 +77,7 @@ def draw_sweeps(path):
     for axis, (group, label) in zip(axes, LABELS.items(), strict=True):
         for (variant, segments), curve in shown[shown.group == group].groupby(["variant", "segments"], sort=False):
             name = variant.replace("_", "-") + (f", {segments} segments" if segments else "")
-            style = {"color": COLORS[variant], "linestyle": LINES[segments], "linewidth": 1.3}
+            style = {"color": COLOUR[variant], "linestyle": LINES[segments], "linewidth": 1.3}
             (handles[name],) = axis.loglog(curve.value, (100.0 * curve.error).clip(lower=1e-3), **style)
         for level in THRESHOLD_LEVELS:
             axis.axhline(100.0 * level, color="0.8", linewidth=0.8, zorder=0)
@@ -85,3 +86,53 @@ def draw_sweeps(path):
     axes[0].set_ylabel("error of the force on the kite [%]", fontsize=9)
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
     figure.savefig(path, dpi=90, metadata={"Software": None})
+
+
+def limits(level=CHART_LEVEL):
+    """Largest number at which a tether is enough for an error, by (group, variant), at a middle stretch."""
+    table = read()
+    rows = table[np.isclose(table.level, level) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
+    return rows.set_index(["group", "variant"]).value
+
+
+def questions():
+    """The decision chart: (question, answer that leaves it, variant that it leaves to), and the variant at its end."""
+    most = limits()
+    loads = min(most["weight", "straight"], most["drag", "straight"])
+    return (
+        ("Does a force that you compute\nmove a kite of finite mass?", "yes", "dynamic_free"),
+        (f"Is the tether pulled taut, with weight and\ndrag below {100 * loads:.1f} % of the tension?", "yes", "straight"),
+        (
+            f"Does its force F change slowly:\nwave_time · rms(dF/dt) / rms(F) < {most['wave', 'catenary']:.2g}?",
+            "no",
+            "dynamic",
+        ),
+        (f"Is the drag more than {100 * most['drag', 'catenary']:.0f} % of the tension?", "yes", "quasi_steady"),
+    ), "catenary"
+
+
+def draw_chart(path):
+    """The decision chart: questions from the top, answers to the right, in the colours of the variants."""
+    asked, last = questions()
+    figure = Figure(figsize=(9.0, 1.1 * (len(asked) + 1)), layout="constrained")
+    axis = figure.subplots()
+    style = {"ha": "center", "va": "center", "fontsize": 11}
+    arrow = {"arrowstyle": "-|>", "color": "0.3", "lw": 1.3}
+    for row, (question, leaves, variant) in enumerate(asked):
+        stays = "no" if leaves == "yes" else "yes"
+        axis.text(0.3, -row, question, bbox={"boxstyle": "round,pad=0.6", "fc": "0.95", "ec": "0.5"}, **style)
+        draw_answer(axis, 0.82, -row, variant)
+        axis.annotate("", (0.68, -row), (0.54, -row), arrowprops=arrow)
+        axis.text(0.61, -row + 0.08, leaves, ha="center", va="bottom", fontsize=11)
+        axis.annotate("", (0.3, -row - 0.7), (0.3, -row - 0.34), arrowprops=arrow)
+        axis.text(0.315, -row - 0.5, stays, ha="left", va="center", fontsize=11)
+    draw_answer(axis, 0.3, -len(asked), last)
+    axis.set(xlim=(0.03, 1.0), ylim=(-len(asked) - 0.4, 0.45))
+    axis.axis("off")
+    figure.savefig(path, dpi=110, metadata={"Software": None})
+
+
+def draw_answer(axis, x, y, variant):
+    """A box with the name of the FMU of a variant."""
+    box = {"boxstyle": "round,pad=0.6", "fc": COLOUR[variant], "ec": "none"}
+    axis.text(x, y, class_name(variant), color="white", weight="bold", fontsize=12, ha="center", va="center", bbox=box)

@@ -16,7 +16,7 @@ from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
 
 from .advise import BUDGET, FAST_BUDGET, advise, fast_advice
-from .figures import draw_scenes, draw_sweeps
+from .figures import draw_chart, draw_scenes, draw_sweeps
 from .thresholds import read
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
@@ -60,9 +60,9 @@ def summary(verdicts):
         {
             "": name,
             "scenes": len(table),
-            "told to be met": table.claimed.sum(),
+            "claimed as met": table.claimed.sum(),
             "and was not": table.wrong.sum(),
-            "true error within the two told": f"{table.inside.sum()} ({table.inside.mean():.0%})",
+            "true error as predicted": f"{table.inside.sum()} ({table.inside.mean():.0%})",
             "processor time [s]: median": f"{table.seconds.median():.2f}",
             "90 % below": f"{table.seconds.quantile(0.9):.2f}",
             "longest": f"{table.seconds.max():.2f}",
@@ -96,7 +96,7 @@ def declared():
     return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 
 
-def how_much_tether(results, verdicts, work_precision):
+def how_much_tether(results, verdicts):
     """The page as Markdown.
 
     results : maps scenes to (reference, table of points, verdicts on the advice by level).  verdicts : on unseen scenes.
@@ -107,7 +107,7 @@ def how_much_tether(results, verdicts, work_precision):
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
     dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
-    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary, "work_precision": work_precision}
+    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary}
     return page(TEMPLATE, **declared(), **facts, results=results)
 
 
@@ -126,5 +126,6 @@ def make(scene_files, folder, store_folder, executor, progress):
     figures.mkdir(parents=True, exist_ok=True)
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
-    text = how_much_tether(results, others, (figures / "work_precision_flights.png").exists())
+    draw_chart(figures / "decision.png")
+    text = how_much_tether(results, others)
     (folder / "how_much_tether.md").write_text(text, encoding="utf-8")

@@ -5,15 +5,17 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
+
 from .races import COMPILED, DEFAULT, OURS, RESTARTED, WHOLE
 
 IN_C = {"linestyle": "--", "markerfacecolor": "white"}
 STYLES = {
-    OURS: {"color": "C0", "marker": "o", "linewidth": 2.0},
-    WHOLE: {"color": "C1", "marker": "s"},
-    WHOLE + COMPILED: {"color": "C1", "marker": "s", **IN_C},
-    RESTARTED: {"color": "C3", "marker": "^"},
-    RESTARTED + COMPILED: {"color": "C3", "marker": "^", **IN_C},
+    OURS: {"color": COLOUR["dynamic"], "marker": "o", "linewidth": 2.0},
+    WHOLE: {"color": REFERENCE, "marker": "s"},
+    WHOLE + COMPILED: {"color": REFERENCE, "marker": "s", **IN_C},
+    RESTARTED: {"color": BLACK, "marker": "^"},
+    RESTARTED + COMPILED: {"color": BLACK, "marker": "^", **IN_C},
 }
 TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "Released tether"}
 

@@ -48,7 +48,7 @@ class Wind:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the user asks for; an error counts relative to the reference's own size (docs/how_much_tether.md, "Errors")."""
+    """What the user asks for; errors are relative, see docs/how_much_tether.md, "Errors and cost"."""
 
     outputs: tuple = ("kite_force",)
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)

@@ -1,13 +1,15 @@
-"""Heat maps of the stability map: one column per pair of axes, one row per quantity, a figure per group of variants."""
+"""Pictures of the stability map: over pairs of axes, a dot for each flight by its verdict, and below the median error."""
 
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from scipy.stats import binned_statistic_2d
+
+from tetherfmu.console.colours import BLACK, BLUE, ORANGE, SKY_BLUE
 
 EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
@@ -17,28 +19,13 @@ QUANTITIES = pd.read_csv(Path(__file__).with_name("quantities.csv"), index_col="
 ENDS = {"length": "axial_stiffness"}, {"slack_percent": "wind"}
 PAIRS = ENDS[0] | {"step": "axial_stiffness", "segment_length": "step"} | ENDS[1]
 FIXED_PAIRS = ENDS[0] | {"frequency": "fixed_step", "segment_length": "fixed_step"} | ENDS[1]
-
-
-class Row(NamedTuple):
-    """A row of heat maps."""
-
-    label: str
-    verdicts: tuple  # whose share it shows; empty: it shows the median of the error
-    colours: str
-    norm: Normalize
-
-
-CONVERGED = Row("converged [%]", ("converged",), "viridis", Normalize(0.0, 100.0))
-REFUSED = Row("refused [%]", ("refused",), "magma_r", Normalize(0.0, 50.0))
-HELD = Row("converged or\nstable [%]", ("converged", "stable"), "magma", Normalize(50.0, 100.0))
-ERROR = Row("median difference from\nthe refinement [%]", (), "viridis_r", LogNorm(1e-3, 1e2))
-DYNAMIC, STATIC = ("dynamic, adaptive", "dynamic, fixed step"), ("quasi-steady", "catenary", "straight")
-FIGURES = {
-    "dynamic": ("TetherDynamic, adaptive", DYNAMIC[:1], PAIRS, (CONVERGED, REFUSED)),
-    "fixed_step": ("TetherDynamic, fixed step", DYNAMIC[1:], FIXED_PAIRS, (CONVERGED, ERROR)),
-    "without_waves": ("TetherQuasiSteady, TetherCatenary, TetherStraight", STATIC, PAIRS, (CONVERGED, REFUSED)),
+WRONG = ("wrong", "crashed", "hanging")
+DOTS = {  # of the verdicts, the rare ones on top
+    "stable": {"color": SKY_BLUE, "s": 5, "marker": "."},
+    "converged": {"color": BLUE, "s": 5, "marker": "."},
+    "refused": {"color": ORANGE, "s": 22, "marker": "v", "edgecolor": BLACK, "linewidth": 0.4},
+    "wrong": {"color": BLACK, "s": 60, "marker": "X"},
 }
-COMPARED = ("dynamic (adaptive and fixed step) and quasi-steady", (*DYNAMIC, STATIC[0]), PAIRS, (HELD,))
 
 
 def edges(axis):
@@ -47,30 +34,83 @@ def edges(axis):
     return space(QUANTITIES.low[axis], QUANTITIES.high[axis], EDGES)
 
 
-def cells(results, row, up, across):
-    """Array of the quantity of a row [%] over two axes, nan where there are fewer than `FEWEST` points."""
-    values = results.verdict.isin(row.verdicts) if row.verdicts else results.error
+def cells(results, values, statistic, up, across):
+    """Array of a statistic of some values [%] over two axes, nan where there are fewer than `FEWEST` points."""
 
     def of_cell(places):
         found = values.iloc[places.astype(int)]
-        return np.nan if len(found) < FEWEST else 100.0 * (found.mean() if row.verdicts else found.median())
+        return np.nan if len(found) < FEWEST else 100.0 * getattr(found, statistic)()
 
     places = np.arange(float(len(results)))  # scipy takes finite numbers only, and an error may be infinite
     return binned_statistic_2d(results[up], results[across], places, of_cell, [edges(up), edges(across)]).statistic
+
+
+def marked(results):
+    """Results by the kinds of `DOTS`: what must not be is one kind."""
+    return {kind: results[results.verdict.isin(WRONG if kind == "wrong" else (kind,))] for kind in DOTS}
+
+
+def draw_verdicts(figure, line, pairs, results):
+    """A row of panels with a dot for each flight, and a legend with the numbers of flights."""
+    for panel, (x, y) in zip(line, pairs.items(), strict=True):
+        for kind, mine in marked(results).items():
+            panel.scatter(mine[x], mine[y], **DOTS[kind])
+    for kind, mine in marked(results).items():
+        line[0].scatter([], [], label=f"{kind}: {len(mine)}", **{**DOTS[kind], "s": 60})
+    figure.legend(loc="outside lower center", ncols=len(DOTS), frameon=False)
+
+
+def draw_cells(figure, line, pairs, results, values, statistic, label, colours, norm):
+    """A row of heat maps of a statistic of some values."""
+    for panel, (x, y) in zip(line, pairs.items(), strict=True):
+        shares = cells(results, values(results), statistic, y, x)
+        mesh = panel.pcolormesh(edges(x), edges(y), shares, norm=norm, cmap=colours)
+    figure.colorbar(mesh, ax=list(line), label=label, extend="both" if isinstance(norm, LogNorm) else "neither", pad=0.01)
+
+
+def held(results):
+    """Which flights are converged or stable."""
+    return results.verdict.isin(("converged", "stable"))
+
+
+draw_errors = partial(
+    draw_cells,
+    values=lambda results: results.error,
+    statistic="median",
+    label="median difference from\nthe refinement [%]",
+    colours="viridis_r",
+    norm=LogNorm(1e-3, 1e2),
+)
+draw_held = partial(
+    draw_cells,
+    values=held,
+    statistic="mean",
+    label="converged or\nstable [%]",
+    colours="viridis",
+    norm=Normalize(50.0, 100.0),
+)
+DYNAMIC, STATIC = ("dynamic, adaptive", "dynamic, fixed step"), ("quasi-steady", "catenary", "straight")
+ROWS = (draw_verdicts, draw_errors)
+FIGURES = {
+    "dynamic": ("TetherDynamic, adaptive", DYNAMIC[:1], PAIRS, ROWS),
+    "fixed_step": ("TetherDynamic, fixed step", DYNAMIC[1:], FIXED_PAIRS, ROWS),
+    "without_waves": ("TetherQuasiSteady, TetherCatenary, TetherStraight", STATIC, PAIRS, ROWS),
+}
+COMPARED = ("dynamic (adaptive and fixed step) and quasi-steady", (*DYNAMIC, STATIC[0]), PAIRS, (draw_held,))
 
 
 def draw(results, figure_of, path, when=""):
     """Write one of `FIGURES`, or `COMPARED` with a word about when, to a PNG file."""
     title, variants, pairs, rows = figure_of
     results = results[results.variant.isin(variants)]
-    figure = Figure(figsize=(3.3 * len(pairs), 2.9 * len(rows)), layout="constrained")
+    figure = Figure(figsize=(3.3 * len(pairs), 2.9 * len(rows) + 0.5), layout="constrained")
     axes = figure.subplots(len(rows), len(pairs), squeeze=False)
-    for line, row in zip(axes, rows, strict=True):
+    for line, draw_row in zip(axes, rows, strict=True):
+        draw_row(figure, line, pairs, results)
         for panel, (x, y) in zip(line, pairs.items(), strict=True):
-            mesh = panel.pcolormesh(edges(x), edges(y), cells(results, row, y, x), norm=row.norm, cmap=row.colours)
             scales = {"xscale": QUANTITIES.scale[x], "yscale": QUANTITIES.scale[y]}
-            panel.set(facecolor="0.9", **scales, xlabel=QUANTITIES.axis[x], ylabel=QUANTITIES.axis[y])
-        figure.colorbar(mesh, ax=line, label=row.label, extend="both" if row is ERROR else "neither", pad=0.01)
-    figure.suptitle(f"{when}{title}: {len(results)} points; grey: fewer than {FEWEST} points")
+            limits = {"xlim": edges(x)[[0, -1]], "ylim": edges(y)[[0, -1]]}
+            panel.set(facecolor="0.93", **scales, **limits, xlabel=QUANTITIES.axis[x], ylabel=QUANTITIES.axis[y])
+    figure.suptitle(f"{when}{title}: {len(results)} flights")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=90, metadata={"Software": None})

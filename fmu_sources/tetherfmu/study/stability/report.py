@@ -101,7 +101,7 @@ def figures(results, both, folder):
         draw(results, figure, folder / path(name))
     for when, found in both.items():
         draw(found, COMPARED, folder / path(when), f"{when}: ")
-    titles = {f"{figure[0]}: heat maps": path(name) for name, figure in FIGURES.items()}
+    titles = {f"{figure[0]}: verdicts, and differences from the refinement": path(name) for name, figure in FIGURES.items()}
     return titles | {f"Heat maps, {when}": path(when) for when in both}
 
 
@@ -113,7 +113,8 @@ def write(results, before, folder, with_figures):
     folder.mkdir(parents=True, exist_ok=True)
     points, both = prepared(results), common(results, before) if len(before) else {}
     core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
-    held = f"Converged or stable: {100.0 * core.verdict.isin(('converged', 'stable')).mean():.1f} % of {len(core)} points."
+    share = core.verdict.isin(("converged", "stable")).mean()
+    held = f"{100.0 * share:.1f} % of {len(core)} points are converged or stable."
     tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
     drawn = figures(points, both, folder) if with_figures else {}

@@ -1,0 +1,60 @@
+"""How Sphinx makes the documentation site: `python -m sphinx -W --keep-going -b html docs site`."""
+
+import inspect
+import os
+import sys
+from pathlib import Path
+
+os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
+DOCS = Path(__file__).resolve().parent
+sys.path[:0] = [str(DOCS), str(DOCS.parent / "fmu_sources")]
+
+from tetherfmu.runtime import __version__ as release  # noqa: E402
+
+project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
+version = release
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+    "sphinx_design",
+    "links_to_functions",
+]
+exclude_patterns = ["*.py", "site_files"]
+
+myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 4
+myst_links_external_new_tab = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # numpydoc has the types
+autodoc_preserve_defaults = True
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+
+toc_object_entries = False
+html_theme = "furo"
+html_title = f"TetherFMU {release}"
+html_static_path = ["site_files"]
+html_css_files = ["wide.css"]
+html_copy_source = False
+pygments_style, pygments_dark_style = "default", "monokai"
+
+
+def as_written(app, what, name, obj, options, lines):
+    """Show docstrings of kernels as they are: equations as text, with their alignment."""
+    if name.startswith("tetherfmu.kernels."):
+        lines[:] = ["::", "", *(f"    {line}" for line in (inspect.getdoc(obj) or "").splitlines())]
+
+
+def without_fields(app, what, name, obj, skip, options):
+    """Leave out the fields of records, which the docstring of the record explains."""
+    return True if type(obj).__name__ == "_tuplegetter" else skip
+
+
+def setup(app):
+    """Connect the two functions above."""
+    app.connect("autodoc-process-docstring", as_written, priority=600)  # after numpydoc
+    app.connect("autodoc-skip-member", without_fields)

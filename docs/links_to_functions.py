@@ -1,0 +1,42 @@
+"""Sphinx extension: on the pages of equations a name such as `segment.tension` becomes a link to that function."""
+
+import re
+from pathlib import Path
+
+from docutils import nodes
+from sphinx import addnodes
+from sphinx.transforms.post_transforms import SphinxPostTransform
+
+PACKAGE = Path(__file__).resolve().parents[1] / "fmu_sources" / "tetherfmu"
+FOLDERS = ("[a-z]*.py", "runtime/[a-z]*.py", "kernels/**/[a-z]*.py")
+#: modules that compute, by the name that the pages call them
+MODULES = {
+    path.stem: ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    for folder in FOLDERS
+    for path in PACKAGE.glob(folder)
+}
+NAME = re.compile(rf"({'|'.join(MODULES)})\.(\w+)")
+PAGES = ("theory", "numerics")
+
+
+class Links(SphinxPostTransform):
+    """Turn names of functions into references, which Sphinx resolves or warns of."""
+
+    default_priority = 5  # before references are resolved
+
+    def run(self, **_):
+        """Replace the names on a page of equations."""
+        for name in list(self.document.findall(nodes.literal)) if self.env.current_document.docname in PAGES else ():
+            found = NAME.fullmatch(name.astext())
+            if found:
+                target = f"{MODULES[found[1]]}.{found[2]}"
+                place = {"refdomain": "py", "reftype": "obj", "reftarget": target, "refexplicit": True, "refwarn": True}
+                name.replace_self(
+                    addnodes.pending_xref("", name.deepcopy(), refdoc=self.env.current_document.docname, **place)
+                )
+
+
+def setup(app):
+    """Add the links."""
+    app.add_post_transform(Links)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
