@@ -11,7 +11,7 @@ from quasi_steady_circle import STEPS, fly
 from tether_11 import AXES
 
 from tetherfmu import TetherDynamic, TetherQuasiSteady
-from tetherfmu.console.colours import COLOUR
+from tetherfmu.console.colours import BLACK
 
 
 def lesson():
@@ -24,7 +24,7 @@ def lesson():
         for i, (name, colour) in enumerate(AXES.items()):
             curve(above, time, force[:, i], name, color=colour)
             curve(below, time, missing[:, i], name, color=colour)
-        curve(above, time, np.linalg.norm(force, axis=1), "size", color=COLOUR["quasi_steady"])
+        curve(above, time, np.linalg.norm(force, axis=1), "size", color=BLACK)
         above.set(title=f"Force on the {title}")
         below.set(xlabel="time [s]")
     found[0, 0].set(ylabel="TetherQuasiSteady [N]")

@@ -11,10 +11,10 @@ from functools import cache
 import numpy as np
 from lessons import TALL, Lesson, Movie, command_line, curve, example, plt, tidy
 
-from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE, SKY_BLUE
+from tetherfmu.console.colours import BLACK, COLOUR, GREEN, ORANGE, REFERENCE, SKY_BLUE
 
 circular_flight = example("circular_flight")
-AXES = {"x": SKY_BLUE, "y": REFERENCE, "z": BLACK}
+AXES = {"x": SKY_BLUE, "y": ORANGE, "z": GREEN}
 
 
 @cache
@@ -45,7 +45,7 @@ def lesson():
     for (name, colour), force in zip(AXES.items(), found.kite_force.T, strict=True):
         curve(axes, found.time, force, name, color=colour)
     size = np.linalg.norm(found.kite_force, axis=1)
-    curve(axes, found.time, size, "size", color=COLOUR["dynamic"])
+    curve(axes, found.time, size, "size", color=BLACK)
     axes.set(xlabel="time [s]", ylabel="[N]", title="Force on the kite")
     tidy(axes)
     answer = f"the tether pulls with {size.min():.0f} to {size.max():.0f} N at the kite"
