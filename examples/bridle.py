@@ -15,7 +15,7 @@ h < 0.2 sqrt(M/k), docs/coupling.md, "Knots". With scipy, the example also print
 import sys
 
 import numpy as np
-from circular_flight import find_fmu
+from fmu_tools import find_fmu
 from monolithic import Leg, Scene, exact
 from named_fmu import all_running
 

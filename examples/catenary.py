@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from circular_flight import find_fmu
+from fmu_tools import add_fmu, find_fmu
 from still import hold
 
+from tetherfmu.console.colours import COLOUR, REFERENCE
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
@@ -26,12 +27,13 @@ TETHERS = {
 }
 
 
-def compare(files=None):
-    """Dict name -> `Rest` of each tether; `files` maps the name of an FMU to its file, None: those in dist/."""
-    files = files or {file: find_fmu(file) for file, _ in TETHERS.values()}
+def compare(own=None):
+    """Dict name -> `Rest` of each tether; own : the file of an FMU, with its own number of segments, beside the catenary."""
+    files = {name: (find_fmu(file), {"segments": n}) for name, (file, n) in TETHERS.items() if not own or name == "catenary"}
+    files |= {own.stem: (own, {})} if own else {}
     return {
-        name: hold(files[file], [{"segments": segments, "initial_length": LENGTH}], kite=KITE)[0]
-        for name, (file, segments) in TETHERS.items()
+        name: hold(file, [{**options, "initial_length": LENGTH}], KITE, shape=True)[0]
+        for name, (file, options) in files.items()
     }
 
 
@@ -41,12 +43,13 @@ def plot(rests):
 
     figure, panels = plt.subplots(1, 2, figsize=(9.0, 5.5), layout="constrained")
     for axes in panels:
-        for (name, rest), style in zip(rests.items(), ("ks", "--", "-"), strict=True):
+        for (name, rest), style in zip(rests.items(), ("s", "o:", "o-"), strict=False):
             distance = np.hypot(rest.shape[:, 0], rest.shape[:, 1])
-            axes.plot(distance, rest.shape[:, 2], style, markersize=4, label=name)
+            colour = COLOUR["catenary" if name == "catenary" else "quasi_steady"]
+            axes.plot(distance, rest.shape[:, 2], style, markersize=4, color=colour, label=name)
         axes.set(xlabel="horizontal distance [m]", ylabel="height [m]")
         axes.grid(alpha=0.4)
-    panels[0].plot([0.0, np.hypot(*KITE[:2])], [0.0, KITE[2]], color="gray", linewidth=0.8, label="chord")
+    panels[0].plot([0.0, np.hypot(*KITE[:2])], [0.0, KITE[2]], color=REFERENCE, linewidth=0.8, label="chord")
     panels[0].legend()
     panels[0].set(title="Tether of a kite that stands still")
     panels[1].set(title="Its lower end", xlim=(-5.0, 120.0), ylim=(-10.0, 130.0))
@@ -58,9 +61,10 @@ def main(arguments=None):
     """Print the end forces, write the figure."""
     parser = Parser(description="The chain against the exact catenary.")
     parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    add_fmu(parser)
     given = parser.parse_args(arguments)
     now("holding the tethers")
-    rests = compare()
+    rests = compare(given.fmu)
     for name, rest in rests.items():
         ground, kite = (", ".join(f"{part:.3f}" for part in force) for force in (rest.ground_force, rest.kite_force))
         print(f"{name}: force on the ground station ({ground}) N, on the kite ({kite}) N")

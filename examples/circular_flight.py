@@ -17,40 +17,36 @@ the jolt, 274 N at the ground in still air instead of 46 N, is damped out within
 """
 
 import argparse
-import atexit
 import sys
-import tempfile
-from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from fmpy import extract, read_model_description
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave
+from fmu_tools import find_fmu, running, variables_of
 
-from tetherfmu.console.ending import WrongUse, command, one_line
+from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
-from tetherfmu.export import example_fmus
-from tetherfmu.export.archive import build
-from tetherfmu.libraries.children import ctrl_c_waits
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
+SHOWN = ("ground_force", "kite_force", "shape")  # outputs
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
 
 
 class Flight(NamedTuple):
-    """What a flight gave, SI units: one row per communication point, the first at the start."""
+    """What a flight gave, SI units: one row per communication point, the first at the start.
+
+    An output that the FMU does not have is None: `tetherfmu build --scene` leaves out what its scene does not ask for.
+    """
 
     time: np.ndarray  # (rows,)
-    ground_force: np.ndarray  # (rows, 3), of the tether on the ground station
-    kite_force: np.ndarray  # (rows, 3), of the tether on the kite
-    shape: np.ndarray  # (rows, points, 3), ground first, kite last
+    ground_force: np.ndarray | None  # (rows, 3), of the tether on the ground station
+    kite_force: np.ndarray | None  # (rows, 3), of the tether on the kite
+    shape: np.ndarray | None  # (rows, points, 3), ground first, kite last
     wall_time: float  # of all communication steps
 
 
@@ -92,98 +88,45 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     count = round(duration / step)
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
-    description = description_of(fmu_file)
-    reference = {variable.name: variable.valueReference for variable in description.modelVariables}
-    points = [value for name, value in reference.items() if name.startswith("shape[")]
-    if not points:
-        raise WrongUse(f"{fmu_file} has no output shape; build it with --shape-points 21")
-
-    def references(*names):
-        return references_of(fmu_file, reference, names)
-
-    if "kite_load[1]" in reference:
-        raise WrongUse(f"{fmu_file} has a free kite end, which cannot be flown on a circle; take one with driven ends")
-    inputs, outputs = references("kite_position", "kite_velocity"), references("ground_force", "kite_force") + points
-    with running(fmu_file, description) as (fmu, stop_if_pressed):
+    variables = variables_of(fmu_file)
+    inputs, outputs = variables.of("kite_position", "kite_velocity"), outputs_of(variables)
+    references = [each for vector in outputs.values() for each in vector]
+    with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal(references("initial_length"), [length])
-        fmu.setInteger(references("initial_shape"), [STARTS[start]])
+        fmu.setReal(variables.of("initial_length"), [length])
+        fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
         fmu.enterInitializationMode()
         if any(wind):
-            fmu.setReal(references("wind_velocity"), wind)  # an input that is set once stays
-        rows, wall_time = co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed)
+            fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays
+        rows, wall_time = co_simulate(fmu, inputs, references, rate, step, count, stop_if_pressed)
         fmu.terminate()
-    shape = rows[:, 6:].reshape(count + 1, -1, 3)
-    return Flight(step * np.arange(count + 1), rows[:, :3], rows[:, 3:6], shape, wall_time)
+    return flight_of(step * np.arange(count + 1), rows, outputs, wall_time)
 
 
-def description_of(fmu_file):
-    """Model description of an FMU for co-simulation by FMI 2.0; WrongUse if the file is none."""
-    try:
-        description = read_model_description(str(fmu_file))
-    except Exception as error:  # also what zipfile and the readers of XML raise
-        raise WrongUse(f"{fmu_file} is no FMU that can be read: {one_line(error)}") from None
-    if description.fmiVersion != "2.0" or description.coSimulation is None:
-        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0")
-    return description
+def outputs_of(variables):
+    """Dict name -> value references of the outputs that a `Flight` has."""
+    outputs = variables.those_of(*SHOWN)
+    if not outputs:
+        raise WrongUse(f"{variables.file} has none of the outputs {', '.join(SHOWN)}")
+    return outputs
 
 
-def references_of(fmu_file, reference, names):
-    """Value references of variables and of the components of vectors; WrongUse names one that the FMU does not have."""
-    found = []
-    for name in names:
-        elements = [each for each in (name, *(f"{name}[{i}]" for i in (1, 2, 3))) if each in reference]
-        if not elements:
-            raise WrongUse(f"{fmu_file} has no variable {name}; take one that tetherfmu build makes without --scene")
-        found += [reference[each] for each in elements]
-    return found
-
-
-@contextmanager
-def running(fmu_file, description):
-    """An instance of an FMU and a function to call between its steps, for Ctrl-C; RuntimeError if it refuses something."""
-    try:
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, ctrl_c_waits() as stop_if_pressed:
-            fmu = load(fmu_file, description, folder)
-            yield fmu, stop_if_pressed
-            fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
-    except FMICallException as error:
-        raise RuntimeError(f"{fmu_file}: {error}; the FMU has said why") from None
-
-
-def load(fmu_file, description, folder):
-    """Extract an FMU to a folder and instantiate it; RuntimeError if it has no library that this machine can load.
-
-    When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
-    function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
-    `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
-    """
-    name = description.coSimulation.modelIdentifier
-    try:
-        extract(str(fmu_file), folder)
-        fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
-        if hasattr(fmu.dll, "finalizePythonInterpreter"):
-            atexit.register(fmu.dll.finalizePythonInterpreter)
-        fmu.instantiate(loggingOn=True)
-    except Exception as error:  # FMPy has no other class for this
-        raise RuntimeError(f"{fmu_file} cannot be loaded: {one_line(error)}; try tetherfmu check {fmu_file}") from None
-    return fmu
+def flight_of(time, rows, outputs, wall_time):
+    """`Flight` of the values of its outputs, array (rows, values)."""
+    ends = np.cumsum([len(references) for references in outputs.values()])[:-1]
+    columns = zip(outputs, np.split(rows, ends, axis=1), strict=True)
+    found = {name: values.reshape(len(rows), -1, 3) for name, values in columns}
+    ground, kite = (found[name][:, 0] if name in found else None for name in SHOWN[:2])
+    return Flight(time, ground, kite, found.get("shape"), wall_time)
 
 
 def summary(name, flight):
     """One line on a flight: largest forces, communication steps, times real time."""
-    ground, kite = (np.linalg.norm(force, axis=1).max() for force in (flight.ground_force, flight.kite_force))
+    forces = {"|ground|": flight.ground_force, "|kite|": flight.kite_force}
+    largest = [f"{end} {np.linalg.norm(force, axis=1).max():.1f} N" for end, force in forces.items() if force is not None]
     count, speed = len(flight.time) - 1, flight.time[-1] / flight.wall_time
-    return f"{name}: |ground| {ground:.1f} N, |kite| {kite:.1f} N at most; {count} steps; {speed:.0f} times real time"
-
-
-def find_fmu(name):
-    """Path of an FMU in dist/, which is built if it is not there."""
-    file = Path("dist") / f"{name}.fmu"
-    if not file.exists():
-        make = example_fmus.build if name in example_fmus.SLAVES else build
-        print(f"{make(name, file.parent)} is built")
-    return file
+    at_most = f"{', '.join(largest)} at most; " if largest else ""
+    return f"{name}: {at_most}{count} steps; {speed:.0f} times real time"
 
 
 def tether(text):
@@ -225,6 +168,15 @@ def parse(arguments, prog):
     return parser.parse_args(arguments)
 
 
+def tell_missing(fmu_file, flight, html):
+    """Say on stderr which outputs an FMU does not have; WrongUse if the page needs them."""
+    missing = [name for name in SHOWN if getattr(flight, name) is None]
+    if html and "shape" in missing:
+        raise WrongUse(f"{fmu_file} has no output shape, which --html shows; build it with --shape-points 21")
+    if missing:
+        print(f"{fmu_file} has no output {' and no '.join(missing)}: not shown", file=sys.stderr)
+
+
 def write_figures(flights, folder):
     """Write three figures to a folder; returns their paths, none if matplotlib is missing."""
     try:
@@ -233,6 +185,10 @@ def write_figures(flights, folder):
         print("no figures: they need matplotlib (pip install matplotlib)", file=sys.stderr)
         return []
     drawn = {"first_shape": plot_first_shape, "forces": plot_forces, "shapes": plot_shapes}
+    if any(flight.shape is None for flight in flights.values()):
+        del drawn["first_shape"], drawn["shapes"]
+    if all(flight.kite_force is None and flight.ground_force is None for flight in flights.values()):
+        del drawn["forces"]
     paths = [folder / f"{name}.png" for name in drawn]
     for path, plot in zip(paths, drawn.values(), strict=True):
         plot(flights).savefig(path, dpi=150)
@@ -250,6 +206,7 @@ def main(arguments=None, prog=None):
     for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
         now(f"flying {fmu_file}")
         flight = fly(fmu_file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
+        tell_missing(fmu_file, flight, given.html)
         flights[fmu_file.stem] = flight
         print(summary(fmu_file.stem, flight))
     given.out.mkdir(parents=True, exist_ok=True)

@@ -89,16 +89,27 @@ def draw_differences(axes, flights, field):
         axes.set_ylim(1e-3 * largest, 2.0 * largest)
 
 
+def known_ends(flights):
+    """Dict field -> name of the ends whose force all flights have."""
+    return {field: end for field, end in ENDS.items() if all(getattr(each, field) is not None for each in flights.values())}
+
+
 def plot_forces(flights):
     """Forces on the kite and on the ground station over the flight.
 
     One flight: their components. Several: their magnitudes, and at the right how far each is from the first flight.
     """
+    ends = known_ends(flights)
     columns = 1 if len(flights) == 1 else 2
     figure, panels = plt.subplots(
-        2, columns, figsize=(4.0 + 4.5 * columns, 7.0), sharex=True, squeeze=False, layout="constrained"
+        len(ends),
+        columns,
+        figsize=(4.0 + 4.5 * columns, 1.0 + 3.0 * len(ends)),
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
     )
-    for line, (field, end) in zip(panels, ENDS.items(), strict=True):
+    for line, (field, end) in zip(panels, ends.items(), strict=True):
         if columns == 1:
             for flight in flights.values():
                 draw_components(line[0], flight.time, getattr(flight, field))

@@ -44,7 +44,7 @@ def moment(flights, k, scale):
         colour, shape = COLOURS.get(name, OTHERS[number % len(OTHERS)]), np.asarray(flight.shape[k])
         drawn.append(line(shape, name, "lines+markers", colour))
         for field, end in (("kite_force", -1), ("ground_force", 0)):
-            if hasattr(flight, field):
+            if getattr(flight, field, None) is not None:
                 drawn += arrow(shape[end], np.asarray(getattr(flight, field)[k]), scale, colour)
     ends = {"marker": {"size": 6, "color": BLACK, "symbol": ["square", "diamond"]}}
     named = {"text": ["ground station", "kite"], "textposition": "top center", "showlegend": False}
@@ -54,8 +54,8 @@ def moment(flights, k, scale):
 def scale_of(flights, points):
     """Length of the arrow of a newton [m/N]."""
     fields = ("kite_force", "ground_force")
-    forces = [getattr(flight, field) for flight in flights.values() for field in fields if hasattr(flight, field)]
-    largest = max((np.linalg.norm(force, axis=-1).max() for force in forces), default=0.0)
+    forces = [getattr(flight, field, None) for flight in flights.values() for field in fields]
+    largest = max((np.linalg.norm(force, axis=-1).max() for force in forces if force is not None), default=0.0)
     return ARROW * np.linalg.norm(np.ptp(points, axis=0)) / largest if largest > 0.0 else 0.0
 
 

@@ -11,7 +11,7 @@ the weight of the tether.
 import sys
 
 import numpy as np
-from circular_flight import description_of, find_fmu, running
+from fmu_tools import add_fmu, find_fmu, running, variables_of
 
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
@@ -31,21 +31,20 @@ def load(position, velocity):
 
 def fly(fmu_file):
     """Fly; array with a row of time [s], position [m], velocity [m/s] and tension [N] for each communication step."""
-    description, rows = description_of(fmu_file), []
-    reference = {variable.name: variable.valueReference for variable in description.modelVariables}
-    wind, loads = ([reference[f"{name}[{i}]"] for i in (1, 2, 3)] for name in ("wind_velocity", "kite_load"))
-    motion = [reference[f"kite_{name}[{i}]"] for name in ("position", "velocity") for i in (1, 2, 3)]
-    with running(fmu_file, description) as (fmu, stop_if_pressed):
+    variables, rows = variables_of(fmu_file, free=True), []
+    loads, motion = variables.of("kite_load"), variables.of("kite_position", "kite_velocity")
+    found = motion + variables.of("kite_tension")
+    with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal([reference[name] for name in START], START.values())
+        fmu.setReal([variables.reference[name] for name in START], START.values())
         fmu.enterInitializationMode()
-        fmu.setReal(wind, WIND)
+        fmu.setReal(variables.of("wind_velocity"), WIND)
         fmu.exitInitializationMode()
         for k in range(COUNT):
             x, v = np.split(np.array(fmu.getReal(motion)), 2)  # 1. Where the kite is, and how fast, at the start of a step.
             fmu.setReal(loads, load(x, v))  # 2. The load on it.
             fmu.doStep(k * STEP, STEP)  # 3. The tether moves it to the end of the step.
-            rows.append([(k + 1) * STEP, *fmu.getReal([*motion, reference["kite_tension"]])])
+            rows.append([(k + 1) * STEP, *fmu.getReal(found)])
             stop_if_pressed()
     return np.array(rows)
 
@@ -53,8 +52,10 @@ def fly(fmu_file):
 @command
 def main(arguments=None):
     """Print where the kite is and how hard it pulls, every ten seconds."""
-    Parser(description="Fly a kite of your own in a closed loop.").parse_args(arguments)
-    for time, x, y, z, *_, tension in fly(find_fmu("TetherDynamicFree"))[499::500]:
+    parser = Parser(description="Fly a kite of your own in a closed loop.")
+    add_fmu(parser, "dist/TetherDynamicFree.fmu")
+    given = parser.parse_args(arguments)
+    for time, x, y, z, *_, tension in fly(given.fmu or find_fmu("TetherDynamicFree"))[499::500]:
         elevation = np.degrees(np.arctan2(z, np.hypot(x, y)))
         print(f"{time:3.0f} s: {elevation:4.1f} deg above the horizon, pulls with {tension:3.0f} N")
 

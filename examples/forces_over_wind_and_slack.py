@@ -10,15 +10,18 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from circular_flight import TETHERS, find_fmu
+from circular_flight import TETHERS
+from fmu_tools import add_fmu, find_fmu
 from still import hold
 
+from tetherfmu.console.colours import BLACK, BLUE, REFERENCE, SKY_BLUE, VERMILLION
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
 
 KITE = (300.0, 0.0, 400.0)
 SLACKS = (-0.002, 0.0, 0.01, 0.05)
+SLACK_COLOURS = (BLACK, VERMILLION, BLUE, SKY_BLUE)
 WINDS = np.linspace(0.0, 25.0, 26)
 
 
@@ -47,11 +50,11 @@ def plot(forces, slacks=SLACKS, winds=WINDS):
     for end, (axes, title) in enumerate(zip(panels, ("ground station", "kite"), strict=True)):
         for number, slack in enumerate(slacks):
             for name, values in forces.items():
-                options = {"markersize": 3, "markevery": 2, "color": f"C{number}"}
-                axes.semilogy(winds, values[number, :, end], styles[name], **options)
-            axes.plot([], [], color=f"C{number}", label=f"{100 * slack:+.1f} % slack")
+                options = {"markersize": 3, "markevery": 2, "color": SLACK_COLOURS[number]}
+                axes.semilogy(winds, values[number, :, end], styles.get(name, "-"), **options)
+            axes.plot([], [], color=SLACK_COLOURS[number], label=f"{100 * slack:+.1f} % slack")
         for name in forces:
-            axes.plot([], [], styles[name], markersize=3, color="gray", label=name)
+            axes.plot([], [], styles.get(name, "-"), markersize=3, color=REFERENCE, label=name)
         axes.set(title=f"Force on the {title}", xlabel="wind [m/s]", ylabel="force [N]")
         axes.grid(alpha=0.4, which="both")
     panels[1].legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
@@ -63,9 +66,10 @@ def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
     parser = Parser(description="Force of a tether over wind and slack.")
     parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    add_fmu(parser)
     given = parser.parse_args(arguments)
-    now(f"holding {len(TETHERS)} tethers in {len(WINDS)} winds")
-    forces = survey()
+    now(f"holding {1 if given.fmu else len(TETHERS)} tethers in {len(WINDS)} winds")
+    forces = survey({given.fmu.stem: given.fmu} if given.fmu else None)
     for name, values in forces.items():
         at_the_kite = ", ".join(
             f"{force:.0f} N at {100 * slack:+.1f} %" for force, slack in zip(values[:, -1, 1], SLACKS, strict=True)

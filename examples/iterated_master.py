@@ -17,7 +17,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from circular_flight import find_fmu
+from fmu_tools import find_fmu
 from named_fmu import all_running
 from ways_of_coupling import inputs_towards
 

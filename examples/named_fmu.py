@@ -3,21 +3,21 @@
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
-from circular_flight import description_of, references_of, running
+from fmu_tools import Variables, description_of, running
 
 
 class NamedFmu:
     """An instance; a name is that of a variable, or of a vector with the elements [1], [2], [3]."""
 
     def __init__(self, fmu_file, instance, description):
-        self.file, self.fmu = fmu_file, instance
-        self.known = {variable.name: variable.valueReference for variable in description.modelVariables}
-        self.found = {}
+        self.fmu = instance
+        known = {variable.name: variable.valueReference for variable in description.modelVariables}
+        self.variables, self.found = Variables(fmu_file, description, known), {}
 
     def references(self, name):
         """Value references of a variable."""
         if name not in self.found:
-            self.found[name] = references_of(self.file, self.known, [name])
+            self.found[name] = self.variables.of(name)
         return self.found[name]
 
     def set(self, **values):

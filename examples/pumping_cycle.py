@@ -17,7 +17,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from circular_flight import description_of, find_fmu, running
+from fmu_tools import description_of, find_fmu, running
 from kite_power_system import FMUS, START, given_by, starts_for, wanted_by
 from tqdm import tqdm
 

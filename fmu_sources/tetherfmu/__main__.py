@@ -10,6 +10,7 @@ COMMANDS = {  # name: (module, what it does)
     "build": ("tetherfmu.commands.build", "build FMUs"),
     "fly": ("tetherfmu.commands.fly", "fly a kite on a circle with tether FMUs"),
     "check": ("tetherfmu.check.__main__", "check FMUs on this machine"),
+    "tutorial": ("tetherfmu.commands.tutorial", "list, run and copy the lessons of the tutorial"),
     "release": ("tetherfmu.commands.release", "make a folder with all that users download"),
     "advise": (STUDY, "say which FMU, segments, tolerance and communication step a scene needs"),
     "tradeoff": (STUDY, "measure error and cost of every configuration in a scene"),

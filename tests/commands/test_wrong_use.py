@@ -64,7 +64,7 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --fmu folder", 2, ("--fmu", "'folder'", "is a folder")),
     ("fly --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("fly --fmu ''", 2, ("--fmu", "''")),
-    ("fly --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
+    ("fly --html --duration 0.1 --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
     ("fly --fmu other.fmu", 2, ("other.fmu", "no variable kite_position", "tetherfmu build")),
     ("fly --fmu fmi3.fmu", 2, ("fmi3.fmu", "no FMU")),
     ("fly --fmu exchange.fmu", 2, ("exchange.fmu", "co-simulation by FMI 2.0")),
@@ -83,6 +83,15 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --duration 0.001 --fmu no_shape.fmu", 2, ("0.001 s", "communication step of 0.02 s")),
     ("fly --start upside_down", 2, ("--start", "'upside_down'", "quasi_steady")),
     ("fly --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("tutorial 99", 2, ("tetherfmu tutorial", "'99'", "01, 02, 03, 03b")),
+    ("tutorial ''", 2, ("LESSON", "''", "or all")),
+    ("tutorial 01 --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("tutorial --out new", 2, ("which LESSON", "01, 02")),
+    ("tutorial --show", 2, ("which LESSON",)),
+    ("tutorial --copy text.txt", 2, ("--copy", "'text.txt'", "is a file")),
+    ("tutorial --copy mine", 2, ("mine/README.md", "--overwrite")),
+    ("tutorial 01 --copy new", 2, ("--copy", "LESSON")),
+    ("tutorial 01 --overwrite", 2, ("--overwrite", "--copy DIR")),
     ("check", 2, ("tetherfmu check", "FILE.fmu")),
     ("check none.fmu", 2, ("FILE.fmu", "no file none.fmu")),
     ("check folder", 2, ("FILE.fmu", "'folder'", "is a folder")),
@@ -114,7 +123,11 @@ WRONG = [  # what is typed, status, what must be said
     ("catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("catenary 7", 2, ("unrecognized arguments: 7",)),
     ("forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
+    ("catenary --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("forces_over_wind_and_slack --wind 3", 2, ("unrecognized arguments: --wind 3",)),
+    ("forces_over_wind_and_slack --fmu text.txt", 2, ("text.txt", "no FMU")),
+    ("fly_your_kite --fmu no_shape.fmu", 2, ("no_shape.fmu", "no free kite end", "TetherDynamicFree")),
+    ("fly_your_kite --fmu ''", 2, ("--fmu", "''")),
 ]
 
 
@@ -125,6 +138,8 @@ def place(tmp_path_factory):
     (place / "text.txt").write_text("no archive\n")
     (place / "folder").mkdir()
     (place / "folder" / "file").touch()
+    (place / "mine").mkdir()
+    (place / "mine" / "README.md").touch()
     zipfile.ZipFile(place / "empty.fmu", "w").close()
     for name, (sound, wrong) in SCENES.items():
         assert sound in SOUND
@@ -145,7 +160,7 @@ def place(tmp_path_factory):
 def run(name, *arguments):
     """Exit status of a command, or of an example by its name."""
     try:
-        if name.startswith(("catenary", "forces")):
+        if name.startswith(("catenary", "forces", "fly_your_kite")):
             return importlib.import_module(name).main(list(arguments))
         return tetherfmu([name, *arguments])
     except SystemExit as end:
@@ -173,6 +188,7 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, status,
     [
         ("fly --html", "plotly", "html"),
         ("catenary", "matplotlib", "examples"),
+        ("tutorial 01", "matplotlib", "examples"),
         ("stability --quick", "pebble", "study"),
         ("advise --fast key.toml", "pandas", "study"),
         ("tradeoff sound.toml --dask tcp://127.0.0.1:1", "distributed", "cluster"),

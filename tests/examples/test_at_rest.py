@@ -17,10 +17,14 @@ PUBLISHED = {  # forces on the ground station and on the kite [N]: exact catenar
 }
 
 
-def run(fmu_folder, code):
-    """Run Python code in the folder of the examples' imports, with `find_fmu` looking into the FMUs of this test run."""
-    code = f"import circular_flight\ncircular_flight.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'\n{code}"
-    path = os.pathsep.join([str(EXAMPLES), *sys.path])
+def run(fmu_folder, code, room="."):
+    """Run Python code in the folder of the examples' imports, with `find_fmu` looking into the FMUs of this test run.
+
+    room : of those examples, whose modules can be imported, too.
+    """
+    find = f"fmu_tools.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'"
+    code = f"import fmu_tools\n{find}\nimport circular_flight\n{code}"
+    path = os.pathsep.join([str(EXAMPLES), str(EXAMPLES / room), *sys.path])
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, "PYTHONPATH": path},

@@ -89,6 +89,10 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     figures = [tmp_path / line for line in flown if line.endswith(".png")]
     assert len(figures) == 3
     assert all(figure.stat().st_size > 10_000 for figure in figures)
+    assert "01  " in done(clean / "tetherfmu", "tutorial", cwd=tmp_path)
+    assert "times real time" in done(clean / "tetherfmu", "tutorial", "06", "11", cwd=tmp_path)
+    assert "files are in mine" in done(clean / "tetherfmu", "tutorial", "--copy", "mine", cwd=tmp_path)
+    assert (tmp_path / "mine" / "tutorial" / "tether_01.py").is_file()
 
 
 def test_checks_and_advises_without_a_checkout(clean, tmp_path):

@@ -35,7 +35,8 @@ def segment_forces(x, v, rest, rest_rate, scene):
     e, taut = r / length, length > rest
     k = tether.axial_stiffness / rest * casadi.if_else(taut, 1.0, tether.slack_stiffness_ratio)
     c = tether.axial_damping / rest * casadi.if_else(taut, 1.0, tether.slack_damping_ratio)
-    tension = k * (length - rest) + c * (along(e, u) - length / rest * rest_rate)
+    strained = length / rest * rest_rate if tether.damping_law == at.STRAIN_RATE else 0.0
+    tension = k * (length - rest) + c * (along(e, u) - strained)
     relative = casadi.DM(scene.wind.velocity) - 0.5 * (v[:, :-1] + v[:, 1:])
     w = relative - along(relative, e) * e
     speed = casadi.sqrt(along(w, w) + segment.STILLEST)

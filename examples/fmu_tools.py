@@ -1,0 +1,109 @@
+"""What the examples do with a tether FMU, in FMPy: find and load it, look up its variables, end it cleanly."""
+
+import atexit
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave
+
+from tetherfmu.console.ending import WrongUse, one_line
+from tetherfmu.console.options import file
+from tetherfmu.export import example_fmus
+from tetherfmu.export.archive import build
+from tetherfmu.libraries.children import ctrl_c_waits
+
+
+def find_fmu(name):
+    """Path of an FMU in dist/, which is built if it is not there."""
+    file = Path("dist") / f"{name}.fmu"
+    if not file.exists():
+        make = example_fmus.build if name in example_fmus.SLAVES else build
+        print(f"{make(name, file.parent)} is built")
+    return file
+
+
+def description_of(fmu_file):
+    """Model description of an FMU for co-simulation by FMI 2.0; WrongUse if the file is none."""
+    try:
+        description = read_model_description(str(fmu_file))
+    except Exception as error:  # also what zipfile and the readers of XML raise
+        raise WrongUse(f"{fmu_file} is no FMU that can be read: {one_line(error)}") from None
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0")
+    return description
+
+
+class Variables(NamedTuple):
+    """The variables of an FMU; `variables_of` reads them."""
+
+    file: Path
+    description: Any  # of FMPy
+    reference: dict  # name -> value reference
+
+    def of(self, *names):
+        """Value references of variables and of all elements of vectors; WrongUse names one that the FMU does not have."""
+        found = self.those_of(*names)
+        for name in names:
+            if name not in found:
+                points = "with --shape-points 21 and " if name == "shape" else ""
+                raise WrongUse(f"{self.file} has no variable {name}; take one of tetherfmu build {points}without --scene")
+        return [reference for references in found.values() for reference in references]
+
+    def those_of(self, *names):
+        """Dict name -> value references, of the variables and vectors of any size that the FMU has."""
+        found = {name: [self.reference[each] for each in self.reference if each.partition("[")[0] == name] for name in names}
+        return {name: references for name, references in found.items() if references}
+
+
+def variables_of(fmu_file, free=False):
+    """`Variables` of an FMU for co-simulation by FMI 2.0; WrongUse if the file is none, or has the other kite end.
+
+    free : whether the kite end has to be free; otherwise it has to be driven.
+    """
+    description = description_of(fmu_file)
+    reference = {each.name: each.valueReference for each in description.modelVariables}
+    if free and "kite_load[1]" not in reference:
+        raise WrongUse(f"{fmu_file} has no free kite end: no variable kite_load; take TetherDynamicFree.fmu")
+    if not free and "kite_load[1]" in reference:
+        raise WrongUse(f"{fmu_file} has a free kite end, whose motion cannot be prescribed; take one with driven ends")
+    return Variables(fmu_file, description, reference)
+
+
+def add_fmu(parser, instead="those in dist/, built where they are missing"):
+    """Add the option --fmu FILE."""
+    parser.add_argument("--fmu", type=file, metavar="FILE", help=f"a tether FMU of your own (default: {instead})")
+
+
+@contextmanager
+def running(fmu_file, description):
+    """An instance of an FMU and a function to call between its steps, for Ctrl-C; RuntimeError if it refuses something."""
+    try:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, ctrl_c_waits() as stop_if_pressed:
+            fmu = load(fmu_file, description, folder)
+            yield fmu, stop_if_pressed
+            fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
+    except FMICallException as error:
+        raise RuntimeError(f"{fmu_file}: {error}; the FMU has said why") from None
+
+
+def load(fmu_file, description, folder):
+    """Extract an FMU to a folder and instantiate it; RuntimeError if it has no library that this machine can load.
+
+    When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
+    function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
+    `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
+    """
+    name = description.coSimulation.modelIdentifier
+    try:
+        extract(str(fmu_file), folder)
+        fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
+        if hasattr(fmu.dll, "finalizePythonInterpreter"):
+            atexit.register(fmu.dll.finalizePythonInterpreter)
+        fmu.instantiate(loggingOn=True)
+    except Exception as error:  # FMPy has no other class for this
+        raise RuntimeError(f"{fmu_file} cannot be loaded: {one_line(error)}; try tetherfmu check {fmu_file}") from None
+    return fmu

@@ -1,0 +1,53 @@
+"""How does the cost grow with the number of segments, and what do they buy?
+
+Four seconds of the circle of lesson 11 with 5 to 160 segments in compiled code: the time of a communication step of 20 ms,
+and how far the force on the kite is from that with 300 segments, the most there may be.
+"""
+
+import sys
+
+import numpy as np
+from lessons import STEP, Lesson, command_line, curve, panels
+from quasi_steady_circle import KITE, LENGTH
+
+from tetherfmu import TetherDynamic, TetherQuasiSteady, inputs_along
+from tetherfmu.console.colours import COLOUR, REFERENCE
+
+SEGMENTS, FINEST, STEPS, REPEATS = np.array([5, 10, 20, 40, 80, 160]), 300, 200, 4
+MODELS = {"quasi_steady": TetherQuasiSteady, "dynamic": TetherDynamic}
+INPUTS = inputs_along(STEPS, STEP, kite=KITE)
+
+
+def run(model, segments):
+    """Force on the kite [N] after each step, array (STEPS, 3), and the wall time [s]."""
+    tether = model(segments=int(segments), initial_length=LENGTH, initial_shape="quasi_steady", relative_tolerance=1e-6)
+    tether.initialize(*KITE.at(0.0))
+    flown = tether.fly(INPUTS, STEP)
+    return flown.kite_force, flown.seconds
+
+
+def lesson():
+    """Cost and error over the number of segments, on logarithmic axes."""
+    figure, (left, right) = panels(1, 2)
+    for name, model in MODELS.items():
+        finest, _ = run(model, FINEST)
+        runs = [[run(model, segments) for _ in range(REPEATS)] for segments in SEGMENTS]
+        seconds = [min(seconds for _, seconds in each) for each in runs]
+        errors = [np.linalg.norm(each[0][0] - finest, axis=1).max() for each in runs]
+        style = {"marker": "o", "markersize": 4, "color": COLOUR[name]}
+        curve(left, SEGMENTS, 1e6 * np.array(seconds) / STEPS, name, shift=4 if name == "dynamic" else -4, **style)
+        curve(right, SEGMENTS, errors, name, shift=6 if name == "dynamic" else 0, **style)
+    axes_of_slope = ((left, 0.05, 1, "n"), (right, 12.0, -2, "1/n²"))
+    for axes, factor, power, text in axes_of_slope:
+        curve(axes, SEGMENTS, factor * SEGMENTS.astype(float) ** power, text, color=REFERENCE, linewidth=0.8, linestyle="--")
+        axes.set(xscale="log", yscale="log", xlabel="segments", xticks=SEGMENTS, xticklabels=SEGMENTS)
+        axes.minorticks_off()
+    left.set(ylabel="[µs]", title="Cost of a communication step")
+    right.set(ylabel="[N]", title="Error of the force on the kite")
+    answer = f"with 20 segments the force is within {errors[2]:.3f} N of that with {FINEST}"
+    return Lesson(answer, figure, STEPS * STEP, seconds[2])
+
+
+main = command_line(lesson)
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,70 @@
+"""How does a tether swing while it is reeled out, and how much of its energy is lost to a solver with fixed steps?
+
+Dyneema, 50 m, 5 segments, pi/10 off the vertical, 2 m/s are reeled out, no air. From here on TetherDynamic replaces the
+function `rates`, the shared masses and `solve_ivp` of lesson 05. It also knows what reeling changes: length, stiffness and
+mass of each segment. Its solver, Rodas4P, chooses its steps; with `fixed_step`, for real time, it takes backward Euler
+steps, which damp.
+"""
+
+import sys
+
+import numpy as np
+from lessons import STEP, Lesson, Movie, command_line, curve, panels, timed, times
+
+from tetherfmu import TetherDynamic
+from tetherfmu.console.colours import BLACK, COLOUR, ORANGE, PURPLE, SKY_BLUE
+
+LENGTH, ANGLE, REEL_OUT, DURATION, EXACT = 50.0, np.pi / 10.0, 2.0, 10.0, 1e-9  # m, rad, m/s, s, tolerance
+END = LENGTH * np.array([-np.sin(ANGLE), 0.0, -np.cos(ANGLE)])
+DYNEEMA = {  # besides the start values of `Tether`; slack stiffness of Tethers.jl: s/(1 + s) of the taut one, s = 0.01
+    "segments": 5,
+    "initial_length": LENGTH,
+    "slack_stiffness_ratio": 0.01 / 1.01,
+    "initial_shape": "straight",
+    "free_ends": (False, True),
+}
+SOLVERS = {  # options, colour, shift of the name
+    "fixed 20 ms": ({"fixed_step": 0.02}, ORANGE, 0),
+    "fixed 5 ms": ({"fixed_step": 0.005}, SKY_BLUE, 0),
+    "fixed 1 ms": ({"fixed_step": 0.001}, PURPLE, 5),
+    "Rodas4P, 1e-4": ({"relative_tolerance": 1e-4}, COLOUR["dynamic"], -7),
+}
+
+
+def simulate(relative_tolerance=1e-4, **options):
+    """Node positions [m] and velocities [m/s], array (rows, 2, 6, 3)."""
+    tether = TetherDynamic(**DYNEEMA, drag_coefficient=0.0, relative_tolerance=relative_tolerance, **options)
+    tether.initialize(END, reel_out_speed=REEL_OUT)
+    motion = [(tether.positions, tether.velocities)]
+    for _ in range(round(DURATION / STEP)):
+        tether.step(STEP, reel_out_speed=REEL_OUT)
+        motion.append((tether.positions, tether.velocities))
+    return np.array(motion)
+
+
+def kinetic_energy(motion):
+    """Of the nodes, per mass of a segment [m2/s2], array (rows,); the last node has half the mass."""
+    return (motion[:, 1] ** 2).sum(axis=-1) @ (0.0, 0.5, 0.5, 0.5, 0.5, 0.25)
+
+
+def lesson():
+    """Shapes, and the kinetic energy that each solver has lost against a hundred thousand times smaller tolerance."""
+    exact, (motion, seconds) = simulate(EXACT), timed(simulate)
+    figure, (left, right) = panels(1, 2, size=(8.0, 4.6), width_ratios=(2, 3))
+    for row in range(0, 501, 100):
+        left.plot(*motion[row, 0, :, [0, 2]], "o-", markersize=3, color=BLACK, alpha=0.15 + 0.85 * row / 500)
+        left.annotate(f"{row * STEP:.0f} s", motion[row, 0, -1, [0, 2]], (0, -12), textcoords="offset points", ha="center")
+    left.set(xlabel="x [m]", ylabel="height [m]", title="Reeled out at 2 m/s", aspect="equal")
+    left.margins(0.12)
+    shown = slice(100, None, 5)  # the first motion has hardly any energy
+    for name, (options, colour, shift) in SOLVERS.items():
+        lost = 100.0 * (1.0 - kinetic_energy(simulate(**options)) / np.maximum(kinetic_energy(exact), 1e-9))
+        curve(right, times(501)[shown], lost[shown], name, shift=shift, color=colour)
+    right.set(xlabel="time [s]", ylabel="kinetic energy lost [%]", title="Energy that the solver loses")
+    answer = f"the free end falls at {motion[-1, 1, -1, 2]:.1f} m/s at the end"
+    return Lesson(answer, figure, DURATION, seconds, Movie(motion[:, 0], "Reeling out"))
+
+
+main = command_line(lesson)
+if __name__ == "__main__":
+    sys.exit(main())

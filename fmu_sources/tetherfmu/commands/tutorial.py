@@ -1,0 +1,103 @@
+"""The tutorial: list its lessons, run them, copy them and all other examples to a folder of the user's."""
+
+import argparse
+import ast
+import shutil
+
+from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.options import Parser, folder
+from tetherfmu.libraries.sources import EXAMPLES
+
+from .example_files import example
+
+ROOM = "tutorial"
+NEEDED = (  # what to install for the copied files
+    'all of them: pip install "tetherfmu[examples]"',
+    'circular_flight.py --html: pip install "tetherfmu[html]"',
+    'tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
+)
+
+
+def lessons():
+    """Dict name -> file of all lessons, in their order; the numbered ones are called by their number."""
+    place = EXAMPLES / ROOM
+    files = [*sorted(place.glob("tether_*.py")), *sorted(place.glob("quasi_steady_*.py"))]
+    return {path.stem.removeprefix("tether_"): path for path in files}
+
+
+def lesson(text):
+    """Type of a lesson, by its name or its number, or of all."""
+    name = text.removesuffix(".py").removeprefix("tether_")
+    name = name.zfill(2) if name.isdecimal() else name
+    if name not in (*lessons(), "all"):
+        raise argparse.ArgumentTypeError(f"there is no lesson {text!r}; choose from {', '.join(lessons())}, or all")
+    return name
+
+
+def parse(arguments, prog):
+    """Command line options; wrong ones end the program with status 2."""
+    parser = Parser(prog=prog, description="List the lessons of the tutorial, run some, or copy all examples.")
+    option = parser.add_argument
+    option("lessons", nargs="*", type=lesson, metavar="LESSON", help="such as 06b, or all; none: the list")
+    option("--out", type=folder, metavar="DIR", help="of the figures (default: plots)")
+    option("--show", action="store_true", help="open figures and animations in windows")
+    option("--animate", action="store_true", help="write animations as GIF")
+    option("--save-frames", action="store_true", help="write animations as HTML pages with their frames in a folder")
+    option("--copy", type=folder, metavar="DIR", help="copy the lessons and all other examples to this folder")
+    option("--overwrite", action="store_true", help="replace files there")
+    given = parser.parse_args(arguments)
+    running = given.out or given.show or given.animate or given.save_frames
+    if given.copy and (given.lessons or running):
+        parser.error("--copy goes without LESSON and its options")
+    if given.overwrite and not given.copy:
+        parser.error("--overwrite goes with --copy DIR")
+    if running and not given.lessons:
+        parser.error(f"which LESSON? choose from {', '.join(lessons())}, or all")
+    return given
+
+
+def question(path):
+    """What a lesson asks: the first line of its docstring."""
+    return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).partition("\n")[0]
+
+
+def copy(place, overwrite):
+    """Copy all examples; WrongUse names a file that would be replaced against the user's will."""
+    origin = EXAMPLES
+    found = (path.relative_to(origin) for path in sorted(origin.rglob("*")) if path.is_file())
+    files = [file for file in found if "__pycache__" not in file.parts]
+    there = next((place / file for file in files if (place / file).exists()), None)
+    if there and not overwrite:
+        raise WrongUse(f"{there} is there already; --overwrite replaces it and all others")
+    for file in files:
+        (place / file).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(origin / file, place / file)
+    print(f"{len(files)} files are in {place}. They need:")
+    print("\n".join(f"  {each}" for each in NEEDED))
+
+
+def run(given):
+    """Run lessons one after the other; returns the exit status, that of the first one that failed."""
+    options = [] if given.out is None else ["--out", str(given.out)]
+    options += [f"--{name.replace('_', '-')}" for name in ("show", "animate", "save_frames") if getattr(given, name)]
+    known = lessons()
+    for name in known if "all" in given.lessons else given.lessons:
+        status = example(known[name].stem, ROOM).main(options, f"tetherfmu tutorial {name}")
+        if status:
+            return status
+    return 0
+
+
+@command
+def main(arguments=None, prog="tetherfmu tutorial"):
+    """Do what the command line says; returns the exit status."""
+    given = parse(arguments, prog)
+    if given.copy:
+        return copy(given.copy, given.overwrite)
+    if given.lessons:
+        return run(given)
+    known = lessons()
+    width = max(map(len, known))
+    print("\n".join(f"{name:<{width}}  {question(path)}" for name, path in known.items()))
+    print('tetherfmu tutorial LESSON runs one (pip install "tetherfmu[examples]"), tetherfmu tutorial --copy DIR copies all')
+    return 0

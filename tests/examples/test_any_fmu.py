@@ -1,0 +1,67 @@
+"""The examples take any tether FMU, one of a scene with few inputs and outputs, too, or say what it lacks."""
+
+import re
+import sys
+
+import pytest
+from test_at_rest import EXAMPLES, run
+from test_circular_flight import run as run_file
+
+from study.scenes_of_tests import written
+from tetherfmu.commands.build import main as build
+
+
+@pytest.fixture(scope="module")
+def place(built_once):
+    """Folder with an FMU of a scene, which asks for the force on the kite only, and one without shape."""
+
+    def make(folder):
+        assert build(["--scene", str(written(folder)), "--out", str(folder)]) == 0
+        assert build(["catenary", "--shape-points", "0", "--out", str(folder)]) == 0
+
+    return built_once("any_fmu", make)
+
+
+def of_scene(place):
+    (path,) = place.glob("*_short.fmu")
+    return path
+
+
+def test_an_fmu_of_a_scene_flies_the_circle(place, tmp_path):
+    fmu = of_scene(place)
+    options = ("--fmu", fmu, "--duration", 1, "--wind", 8, 0, 0, "--out", tmp_path)
+    done = run_file(EXAMPLES / "circular_flight.py", *options)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == f"{fmu} has no output ground_force and no shape: not shown\n"
+    assert re.search(r"_short: \|kite\| \d+\.\d N at most; 50 steps", done.stdout)
+    assert [path.name for path in tmp_path.iterdir()] == ["forces.png"]
+
+
+def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):
+    own = place / "TetherCatenary.fmu"
+    said = run(
+        fmu_folder, f"import forces_over_wind_and_slack as e; e.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])"
+    )
+    assert said.startswith("TetherCatenary: on the kite in 25 m/s")
+    assert (tmp_path / "forces_over_wind_and_slack.png").exists()
+
+
+def test_an_fmu_of_ones_own_beside_the_catenary(fmu_folder, tmp_path):
+    own = fmu_folder / "TetherDynamic.fmu"
+    said = run(fmu_folder, f"import catenary; catenary.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])")
+    assert [line.split(":")[0] for line in said.splitlines()] == ["catenary", "TetherDynamic"]
+
+
+def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, capsys):
+    """Nothing is loaded before that."""
+    monkeypatch.syspath_prepend(EXAMPLES)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "dist").symlink_to(fmu_folder)
+    import catenary
+    import forces_over_wind_and_slack
+
+    assert catenary.main(["--fmu", str(fmu_folder / "TetherDynamicFree.fmu")]) == 2
+    assert "free kite end" in capsys.readouterr().err
+    assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
+    assert "has no variable ground_force" in capsys.readouterr().err
+    assert "fmpy.fmi2" in sys.modules

@@ -1,0 +1,112 @@
+"""The tutorial as a user runs it: each lesson draws, prints a line, takes less than three seconds; copies run."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from test_at_rest import assert_is_drawn, run
+
+from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.commands import example_files
+from tetherfmu.commands.tutorial import lessons
+
+LONGEST = 3.0  # seconds of processor time of a lesson
+LINE = re.compile(r"^(\w+): .+; [\d.e+-]+ s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
+NAMES = list(lessons())
+COSTS = [
+    "solve_ivp without events: COST (published: Julia 0.606 ms, Python 20 ms)",
+    "solve_ivp with events: COST (published: Julia 0.741 ms, Python 31 ms)",
+]
+
+
+@pytest.mark.parametrize("names", [NAMES[:8], NAMES[8:15], NAMES[15:]], ids=["01 to 06", "06b to 11", "quasi-steady"])
+def test_each_lesson_runs(fmu_folder, tmp_path, names):
+    """Some in one process."""
+    code = f"""
+import time
+from tetherfmu.__main__ import main
+for name in {names}:
+    began = time.process_time()
+    assert main(["tutorial", name, "--out", {str(tmp_path)!r}]) == 0
+    print("took", time.process_time() - began)
+"""
+    lines = run(fmu_folder, code).splitlines()
+    took = [float(line.split()[1]) for line in lines if line.startswith("took")]
+    assert max(took) < LONGEST
+    said = [found for found in map(LINE.match, lines) if found]
+    assert [found[1] for found in said] == [lessons()[name].stem for name in names]
+    for found in said:
+        assert_is_drawn(Path(found[2]))
+    if "03c" in names:  # the cost of events, beside the published times
+        assert [
+            re.sub(r"\d+\.\d\d ms, error \d\.\de-\d\d m", "COST", line) for line in lines if "published" in line
+        ] == COSTS
+
+
+def test_the_list_has_each_lesson_with_its_question(capsys):
+    assert tetherfmu(["tutorial"]) == 0
+    *questions, last = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in questions] == NAMES
+    assert all(re.search(r"[?.]$", line) for line in questions)
+    assert "tetherfmu[examples]" in last
+    numbers = "01 02 03 03b 03c 04 05 06 06b 06c 07 08 09 10 11"
+    assert NAMES[:15] == numbers.split()
+
+
+def test_an_animation_is_written_as_gif_or_with_its_frames(tmp_path, monkeypatch, capsys):
+    monkeypatch.syspath_prepend(example_files.folder() / "tutorial")
+    import lessons
+    import tether_05
+
+    full = tether_05.lesson
+
+    def short():
+        found = full()
+        return found._replace(movie=found.movie._replace(positions=found.movie.positions[:11]))
+
+    for options in (["--animate"], ["--save-frames"]):
+        assert lessons.command_line(short, tether_05)(["--out", str(tmp_path), *options]) == 0
+    assert (tmp_path / "tether_05.gif").read_bytes().startswith(b"GIF")
+    assert len(list((tmp_path / "tether_05_frames").glob("*.png"))) == 3
+    assert "tether_05_frames" in (tmp_path / "tether_05.html").read_text(encoding="utf-8")
+    assert str(tmp_path / "tether_05.gif") in capsys.readouterr().out
+
+
+def test_a_lesson_without_animation_says_so(tmp_path, capsys):
+    assert tetherfmu(["tutorial", "01", "--animate", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().err == "tether_01 has no animation\n"
+
+
+def test_without_a_display_nothing_can_be_shown(tmp_path, capsys):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    assert tetherfmu(["tutorial", "01", "--show", "--out", str(tmp_path)]) == 2
+    assert "--show needs a display" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_copies_run_where_they_are(tmp_path, capsys):
+    """All examples; again only with --overwrite, which leaves other files alone."""
+    place = tmp_path / "mine"
+    assert tetherfmu(["tutorial", "--copy", str(place)]) == 0
+    assert "tetherfmu[examples]" in capsys.readouterr().out
+    assert (place / "scenes" / "circle.toml").is_file()
+    assert (place / "circular_flight.py").is_file()
+    assert not list(place.rglob("__pycache__"))
+    mine, changed = place / "tutorial" / "mine.py", place / "tutorial" / "tether_01.py"
+    mine.write_text("mine")
+    changed.write_text("changed")
+    assert tetherfmu(["tutorial", "--copy", str(place)]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert changed.read_text() == "changed"
+    assert tetherfmu(["tutorial", "--copy", str(place), "--overwrite"]) == 0
+    assert mine.read_text() == "mine"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "tutorial/tether_01.py"]
+    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, check=True)
+    assert LINE.match(done.stdout.strip())
+    assert_is_drawn(place / "plots" / "tether_01.png")

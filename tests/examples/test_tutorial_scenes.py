@@ -1,0 +1,168 @@
+"""The lessons of the tutorial against independent solvers at 1e-12 (tests/reference), and against each other.
+
+In lessons 01 to 05 the model is made by hand, in 06 to 08 it is TetherDynamic. The references of 06 to 08 use the
+stretch-rate damper.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenes import SCENE_08_ERRORS, nodes, read
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "examples" / "tutorial"))
+
+import tether_01
+import tether_02
+import tether_03
+import tether_03b
+import tether_04
+import tether_05
+import tether_06
+import tether_06b
+import tether_06c
+import tether_07
+import tether_08
+import tether_10
+from lessons import follow
+
+LAW = {"damping_law": "stretch_rate"}
+# tolerance, allowed error of a position [m]; those of tests/physics/test_scenes.py, where they are explained
+REELING = [(1e-4, 2e-4), (1e-6, 1e-5), (1e-8, 1e-6)]
+
+
+def largest(found, expected):
+    """Largest difference of two motions [m]."""
+    assert found.shape == expected.shape
+    return np.abs(found - expected).max()
+
+
+def test_01_is_a_parabola_with_its_top_located():
+    (height, speed), top = tether_01.simulate()
+    columns = read("tether_01.csv")
+    assert largest(height, columns["p0_z"]) < 1e-10  # a method of order 8 is exact: rounding of 127 m, 500 times
+    assert largest(speed, columns["v_last_z"]) < 1e-10
+    assert top == pytest.approx(50.0 / 9.81, rel=1e-12)
+
+
+# relative tolerances 1e-8 by hand, 1e-6 in TetherDynamic, of 10 m; the formula as exact as the reference is printed
+@pytest.mark.parametrize(("way", "allowed"), [("simulate", 1e-7), ("product", 1e-5), ("formula", 3e-9)])
+def test_02_is_a_damped_oscillation(way, allowed):
+    columns = read("tether_02.csv")
+    arguments = (columns["time"],) if way == "formula" else ()
+    assert largest(getattr(tether_02, way)(*arguments), columns["p0_z"]) < allowed
+
+
+# Nine events, each within the tolerance of 10 m; observed 3e-6 and 1e-7 at 1e-6, 2e-8 and 1e-8 at 1e-8.
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+@pytest.mark.parametrize(
+    "way", [lambda each: tether_03b.simulate(each)[0], tether_03.product], ids=["events", "TetherDynamic"]
+)
+def test_03_with_events_and_in_the_product(way, tolerance):
+    assert largest(way(tolerance), read("tether_03.csv")["p1_z"]) < 10.0 * tolerance
+
+
+def test_03_without_events_is_less_exact():
+    """The kink is stepped over: the method loses its order until its steps are short enough to find it by their error."""
+    expected = read("tether_03.csv")["p1_z"]
+    assert largest(tether_03.simulate(1e-10), expected) < 1e-7
+    without, located = (largest(each, expected) for each in (tether_03.simulate(1e-8), tether_03b.simulate(1e-8)[0]))
+    assert 100.0 * located < without < 1e-4
+
+
+def test_03b_events_are_where_the_spring_has_its_length():
+    height, events = tether_03b.simulate(1e-10)
+    time = 0.02 * np.arange(501)
+    crossings = np.flatnonzero(np.diff(height > -10.0))
+    crossings = crossings[crossings > 0]  # the start is one
+    assert len(events) == len(crossings) == 9
+    assert (np.abs(events - 0.5 * (time[crossings] + time[crossings + 1])) <= 0.0101).all()
+
+
+def product_04(tolerance):
+    return tether_04.product(tolerance)
+
+
+def product_05(tolerance):
+    return follow(tether_05.tether(tolerance), 10.0)
+
+
+# Steps over kinks; observed by hand 9e-6 and 3e-5 at 1e-6, 6e-8 and 2e-7 at 1e-8, with TetherDynamic 4e-7 at 1e-6 and less.
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+@pytest.mark.parametrize(
+    ("scene", "segments", "way", "allowed"),
+    [
+        ("04", 2, tether_04.simulate, 50.0),
+        ("04", 2, product_04, 10.0),
+        ("05", 5, tether_05.simulate, 50.0),
+        ("05", 5, product_05, 10.0),
+    ],
+)
+def test_04_and_05_chains(scene, segments, way, allowed, tolerance):
+    assert largest(way(tolerance), nodes(read(f"tether_{scene}.csv"), segments)) < allowed * tolerance
+
+
+@pytest.mark.parametrize(("tolerance", "allowed"), REELING)
+def test_06_reeled_out(tolerance, allowed):
+    motion = tether_06.simulate(tolerance, **LAW)
+    assert largest(motion[:, 0], nodes(read("tether_06.csv"), 5)) < allowed
+
+
+@pytest.mark.parametrize(("tolerance", "allowed"), REELING)
+def test_07_in_wind(tolerance, allowed):
+    positions = tether_07.simulate(duration=10.0, relative_tolerance=tolerance, **LAW)
+    assert largest(positions, nodes(read("tether_07.csv"), 5)) < allowed
+
+
+@pytest.mark.parametrize(("tolerance", "allowed"), SCENE_08_ERRORS)
+def test_08_released(tolerance, allowed):
+    positions = tether_08.simulate(relative_tolerance=tolerance, **LAW)
+    assert largest(positions, nodes(read("tether_08.csv"), 10)) < allowed
+
+
+def test_06_fixed_steps_lose_energy_in_proportion_to_their_length():
+    """Backward Euler is of first order and damps; the adaptive solver loses less than a thousandth of that of 1 ms."""
+    exact = tether_06.kinetic_energy(tether_06.simulate(1e-9))[-1]
+    steps = ({"fixed_step": 0.005}, {"fixed_step": 0.001}, {})
+    long, short, adaptive = (1.0 - tether_06.kinetic_energy(tether_06.simulate(**each))[-1] / exact for each in steps)
+    assert short > 0.001
+    assert long / short == pytest.approx(5.0, rel=0.1)  # first order
+    assert abs(adaptive) < 0.02 * short
+
+
+def test_06b_only_the_strain_rate_law_leaves_the_tension_alone():
+    """T = EA strain, and D v (1 + strain)/L more with the other law; hanging, the segments are taut or slack."""
+    strain_rate, stretch_rate = (tether for tether, _ in tether_06b.SETTINGS.values())
+    right = 614600.0 * 1e-4
+    length = 50.0 + 0.02 * 2.0 * np.arange(1, 501)
+    np.testing.assert_allclose(tether_06b.reel_out_strained(strain_rate), right, atol=1e-4)  # linear motion: rounding
+    false = 473.0 * 2.0 * (1.0 + 1e-4) / length
+    np.testing.assert_allclose(tether_06b.reel_out_strained(stretch_rate), right + false, atol=1e-4)
+    assert (tether_06b.reel_out_hanging(strain_rate) > 0.0).all()
+    assert (tether_06b.reel_out_hanging(stretch_rate)[10:] < 0.0).all()
+
+
+def test_06c_events_are_missed_at_a_loose_tolerance_and_not_needed():
+    exact, count = tether_06c.with_events(1e-9)
+    missed, fewer = tether_06c.with_events(1e-6)
+    assert fewer < count
+    assert largest(product_05(1e-6), exact) < 0.01 * largest(missed, exact)
+
+
+def test_07_the_oscillation_dies_out_in_wind_only():
+    """Over the last ten of thirty seconds."""
+    in_wind, without_air = (
+        tether_07.angle(tether_07.simulate(drag_coefficient, wind))[-500:]
+        for drag_coefficient, wind in ((0.958, tether_07.WIND), (0.0, (0.0, 0.0, 0.0)))
+    )
+    assert np.ptp(in_wind) < 0.5
+    assert np.ptp(without_air) > 10.0
+
+
+def test_10_two_tethers_with_a_massless_knot_are_one():
+    one, two = tether_10.moving(tether_10.ONE), tether_10.moving(tether_10.TWO, point_masses={tether_10.KNOT: 0.0})
+    assert len(one) == 1501
+    assert largest(two, one) < 1e-4
+    assert largest(tether_10.moving(tether_10.TWO, point_masses={tether_10.KNOT: 1.0}), one) > 1.0
