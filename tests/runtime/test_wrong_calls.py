@@ -57,7 +57,7 @@ def test_outputs_cannot_be_set(fmu_folder):
 def test_integers_are_not_reals(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     host.fmu.getReal([host.reference["segments"]])
-    step_is_refused(host, "no variables of this type")
+    step_is_refused(host, "no variable of this type")
 
 
 @in_own_process

@@ -5,7 +5,8 @@ import argparse
 from tetherfmu.console.ending import FAILED, command
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export.archive import SLAVES, build, contents
+from tetherfmu.export import archive, native
+from tetherfmu.export.archive import SLAVES
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import this_platform
@@ -82,10 +83,14 @@ def parse(arguments, prog="tetherfmu build"):
         metavar="P,...",
         help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
     )
+    option("--native", action="store_true", help="FMUs that need no Python in their host")
+    option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3 goes with --native (default: 2)")
     option("--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs")
     options = parser.parse_args(arguments)
     if options.scene is not None and (options.names or options.segments or options.diameter):
         parser.error("--scene chooses the FMU and its start values: it goes without NAME, --segments and --diameter")
+    if options.fmi == 3 and not options.native:
+        parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
     return options
 
 
@@ -98,13 +103,15 @@ def build_for_scene(options):
     print(advice.text)
     if not advice.met:
         return FAILED
-    show(build(advice.fmu, options.out, advice.segments, advice.shape_points, options.platforms, advice.trim))
+    build(options, advice.fmu, advice.segments, advice.shape_points, scene=advice.trim)
     return 0
 
 
-def show(path):
-    """Print a line on a finished FMU."""
-    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(contents(path))}")
+def build(options, name, segments, shape_points, **more):
+    """Build an FMU and print a line on it."""
+    arguments = name, options.out, segments, shape_points, options.platforms
+    made = native.build(*arguments, **more, fmi=options.fmi) if options.native else archive.build(*arguments, **more)
+    print(f"{made}  {made.stat().st_size / 1024:.0f} kB  for {', '.join(options.platforms)}")
 
 
 @command
@@ -116,6 +123,5 @@ def main(arguments=None, prog="tetherfmu build"):
     names = options.names or list(SLAVES)
     ready.folders([library_of(SLAVES[name][1]) for name in names], options.platforms)  # all at once is faster
     for name in names:
-        starts = options.diameter or ()
-        show(build(name, options.out, options.segments or 20, options.shape_points, options.platforms, starts=starts))
+        build(options, name, options.segments or 20, options.shape_points, starts=options.diameter or ())
     return 0

@@ -34,7 +34,7 @@ from {package}.workarounds import hold
 
 hold(globals())
 """
-DATE = (2026, 1, 1, 0, 0, 0)
+DATE, GENERATED = (2026, 1, 1, 0, 0, 0), "2026-01-01T00:00:00Z"
 DESCRIPTION = "modelDescription.xml"
 
 
@@ -71,21 +71,52 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
-        options = {"segments": segments, "shape_points": shape_points}
-        if starts:
-            options["starts"] = [list(each) for each in starts]
-        if scene:
-            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
+        options = build_options(segments, shape_points, scene, starts)
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = _unpacked(_pack(resources, shipped, Path(temporary)))
-    file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
-    if not scene:
-        (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
+    text = files.pop(DESCRIPTION).decode("utf-8")
+    text = _replace_attribute(_replace_attribute(text, "generationDateAndTime", GENERATED), "guid", "")
+    files[DESCRIPTION] = _replace_attribute(text, "guid", guid_of(text, files)).encode("utf-8")
+    return write(files, folder, name, scene)
+
+
+def build_options(segments, shape_points, scene, starts):
+    """The options of `build` as `runtime.resources.options_in` gives them."""
+    options = {"segments": segments, "shape_points": shape_points}
+    if starts:
+        options["starts"] = [list(each) for each in starts]
+    if scene:
+        options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
+    return options
+
+
+def guid_of(description, files):
+    """A guid that is a hash of a model description without one, and of the other files."""
+    digest = hashlib.sha256(description.encode("utf-8"))
+    for name in sorted(files):
+        digest.update(name.encode("utf-8") + files[name])
+    return f"{{{digest.hexdigest()[:32]}}}"
+
+
+def write(files, folder, name, scene):
+    """Write an FMU with fixed dates and sorted entries, and beside it what libcosim looks for; returns its path.
+
+    files : dict of path in the archive to bytes.
+    """
+    osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
+    if osp_file in files and not scene:
+        (folder / osp.file_name(name)).write_bytes(files[osp_file])
+    file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
     partial = folder / f"{file}.partial"
     try:
-        _write(files, partial)
+        with zipfile.ZipFile(partial, "w") as archive:
+            for entry in sorted(files):
+                item = zipfile.ZipInfo(entry, DATE)
+                item.compress_type = zipfile.ZIP_DEFLATED
+                item.external_attr = 0o644 << 16
+                archive.writestr(item, files[entry])
         return partial.replace(folder / file)
     finally:
         partial.unlink(missing_ok=True)
@@ -133,23 +164,6 @@ def _unpacked(archive):
     with zipfile.ZipFile(archive) as opened:
         names = [name for name in opened.namelist() if not name.endswith("/") and "__pycache__" not in name]
         return {name: opened.read(name) for name in names}
-
-
-def _write(files, target):
-    """Write an FMU with a guid from its content, fixed dates and sorted entries."""
-    description = files.pop(DESCRIPTION).decode("utf-8")
-    description = _replace_attribute(description, "generationDateAndTime", "2026-01-01T00:00:00Z")
-    description = _replace_attribute(description, "guid", "")
-    digest = hashlib.sha256(description.encode("utf-8"))
-    for name in sorted(files):
-        digest.update(name.encode("utf-8") + files[name])
-    files[DESCRIPTION] = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}").encode("utf-8")
-    with zipfile.ZipFile(target, "w") as archive:
-        for name in sorted(files):
-            item = zipfile.ZipInfo(name, DATE)
-            item.compress_type = zipfile.ZIP_DEFLATED
-            item.external_attr = 0o644 << 16
-            archive.writestr(item, files[name])
 
 
 def _replace_attribute(description, name, value):

@@ -28,12 +28,10 @@ def complete(root, table, references):
     for name in ("ModelVariables", "ModelStructure"):
         root.remove(root.find(name))
     place = list(root).index(root.find("CoSimulation")) + 1
-    root.insert(place, _units(table))
-    root.insert(place + 1, _types(table))
-    listed = SubElement(root, "ModelVariables")
-    for variable, reference in zip(table, references, strict=True):
-        listed.append(_variable(variable, reference))
-    root.append(_structure(table))
+    root.insert(place, units(table))
+    root.insert(place + 1, types(table))
+    root.append(variables(table, references))
+    root.append(structure(table))
 
 
 def number(value):
@@ -41,7 +39,16 @@ def number(value):
     return repr(int(value)) if float(value).is_integer() and abs(value) < 1e15 else repr(float(value))
 
 
-def _units(table):
+def variables(table, references):
+    """ModelVariables of a table of variables with these value references."""
+    element = Element("ModelVariables")
+    for variable, reference in zip(table, references, strict=True):
+        element.append(_variable(variable, reference))
+    return element
+
+
+def units(table):
+    """UnitDefinitions of what a table of variables needs."""
     element = Element("UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
@@ -52,7 +59,8 @@ def _units(table):
     return element
 
 
-def _types(table):
+def types(table):
+    """TypeDefinitions: the enumerations of a table of variables."""
     element = Element("TypeDefinitions")
     for variable in table:
         if variable.kind == "Enumeration":
@@ -98,7 +106,8 @@ def _variable(variable, reference):
     return scalar
 
 
-def _structure(table):
+def structure(table):
+    """ModelStructure of a table of variables: its outputs, and what they depend on when initialization ends."""
     element = Element("ModelStructure")
     outputs = SubElement(element, "Outputs")
     unknowns = SubElement(element, "InitialUnknowns")

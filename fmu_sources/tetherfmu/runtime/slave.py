@@ -14,7 +14,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
-from . import __version__, layout, saved_state, status, variables
+from . import __version__, layout, refusals, saved_state, status, variables
 from .instance import OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
 from .model_description import complete
@@ -25,7 +25,6 @@ from .variants import FREE, effective, library_of
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # of a free kite: outputs, at the places of inputs
-_PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
 
 
 class TetherSlave(Fmi2Slave):
@@ -99,17 +98,17 @@ class TetherSlave(Fmi2Slave):
         if 0.0 < tolerance <= LOOSEST_TOLERANCE:
             self._importer_tolerance = tolerance
         else:
-            problem = f"the importer's tolerance {tolerance} is not used; allowed is up to {LOOSEST_TOLERANCE}"
+            problem = refusals.TOLERANCE_NOT_USED.format(tolerance=tolerance, largest=LOOSEST_TOLERANCE)
             self._say(problem, Fmi2Status.warning)
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""
-        self._change_phase(BEFORE, INITIALIZING, "initialization mode cannot be entered")
+        self._change_phase(BEFORE, INITIALIZING, refusals.CANNOT_BE_ENTERED)
 
     def exit_initialization_mode(self):
         """Check the parameters and find the first shape; the only place where an exception leaves the slave."""
         if self._phase != INITIALIZING:
-            self._refuse(f"initialization mode cannot be left {_PHASES[self._phase]}")
+            self._refuse(refusals.CANNOT_BE_LEFT.format(phase=refusals.PHASES[self._phase]))
             return
         problem = self._refusal or self._start()
         if problem:
@@ -133,13 +132,13 @@ class TetherSlave(Fmi2Slave):
 
     def terminate(self):
         """No step can follow, but values can still be read; an instance holds memory only."""
-        self._change_phase(STEPPING, TERMINATED, "the tether cannot be terminated")
+        self._change_phase(STEPPING, TERMINATED, refusals.CANNOT_BE_TERMINATED)
 
     def _change_phase(self, before, after, refusal):
         if self._phase == before:
             self._phase = after
         else:
-            self._refuse(f"{refusal} {_PHASES[self._phase]}")
+            self._refuse(refusal.format(phase=refusals.PHASES[self._phase]))
 
     # --- values
 
@@ -181,7 +180,7 @@ class TetherSlave(Fmi2Slave):
     def _get(self, vrs, allowed):
         if not allowed.issuperset(vrs):
             unknown = [reference for reference in vrs if reference not in allowed]
-            self._refuse(f"value references {unknown} cannot be read: they are no variables of this type")
+            self._refuse(refusals.CANNOT_BE_READ.format(reference=unknown[0]))
             return [0.0 if reference in unknown else self._values[reference] for reference in vrs]
         if self._phase == INITIALIZING and not self._outputs.isdisjoint(vrs):
             problem = self._start()
@@ -193,12 +192,10 @@ class TetherSlave(Fmi2Slave):
     def _set_parameters(self, vrs, values, allowed):
         for reference, value in zip(vrs, values, strict=True):
             if reference not in allowed or reference in self._outputs:
-                self._refuse(
-                    f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
-                )
+                self._refuse(refusals.CANNOT_BE_SET.format(reference=reference, value=repr(value)))
             elif reference >= self._instance.parameters_at and self._phase >= STEPPING:
                 name = self._parameter_names[reference - self._instance.parameters_at]
-                self._refuse(f"{name} cannot be set to {value!r} now; it is fixed when the initialization ends")
+                self._refuse(refusals.IS_FIXED.format(name=name, value=value))
             else:
                 self._values[reference] = value
 
@@ -230,17 +227,14 @@ class TetherSlave(Fmi2Slave):
     def _problem_of_time(self, time, step):
         """Why no step can be done now, or None; a communication point where no step ended is reported once."""
         if self._phase != STEPPING:
-            return f"a step cannot be done {_PHASES[self._phase]}"
+            return refusals.NO_STEP_NOW.format(phase=refusals.PHASES[self._phase])
         if time == self._time:
             return None
         if not isfinite(time):
-            return f"the communication point is {time}; it must be a finite number"
+            return refusals.TIME_NOT_FINITE.format(time=time)
         if abs(time - self._time) > 1e-3 * abs(step) + 1e-9 * abs(time) and not self._warned_of_time:
             self._warned_of_time = True
-            self._say(
-                f"the communication point is {time} s, the last step ended at {self._time} s; the tether goes on from there",
-                Fmi2Status.warning,
-            )
+            self._say(refusals.TIME_JUMPS.format(time=time, end=self._time), Fmi2Status.warning)
         return None
 
     def _records(self, values):
@@ -267,7 +261,7 @@ class TetherSlave(Fmi2Slave):
         except ValueError as problem:
             self._take(saved_state.from_bytes(before, self.variant, len(self._values)))
             self._values[:] = values  # also outputs that cannot be computed from what has been set since
-            self._refuse(f"the FMU state that was set {problem}; the state of before is kept")
+            self._refuse(refusals.STATE_REFUSED.format(problem=problem))
             return
         self._refusal = None
 
@@ -279,7 +273,8 @@ class TetherSlave(Fmi2Slave):
         for reference, variable in zip(self._references, self._table, strict=True):
             value = saved.values[reference]
             if variable.kind != "Real" and reference not in self._outputs and not abs(value) <= layout.LARGEST_INTEGER:
-                raise ValueError(f"has a wrong parameter ({variable.name} is {value}; it must be an integer)")
+                problem = refusals.NO_INTEGER.format(name=variable.name, value=value)
+                raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=problem))
         records = self._records_of_state(saved) if saved.phase >= STEPPING else None
         self._phase, self._importer_tolerance, self._time = saved.phase, saved.tolerance, saved.time
         instance = self._instance
@@ -292,7 +287,7 @@ class TetherSlave(Fmi2Slave):
             instance.set_up(*records, tolerance=saved.tolerance)
             instance.take(saved.state)
             if instance.observe() != status.OK:
-                raise ValueError("has numbers that no tether has")
+                raise ValueError(refusals.STATE_IMPOSSIBLE)
             self._read_free_kite()
 
     def _records_of_state(self, saved):
@@ -303,9 +298,9 @@ class TetherSlave(Fmi2Slave):
             records = self._records(saved.values)
             check_series(records[0])
         except (ValueError, OverflowError) as error:
-            raise ValueError(f"has a wrong parameter ({error})") from None
+            raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=error)) from None
         if records[0][0].segments != saved.segments:
-            raise ValueError("is damaged")
+            raise ValueError(refusals.STATE_DAMAGED)
         return records
 
     @staticmethod
