@@ -16,13 +16,15 @@ from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
 
-from . import native_description
+from . import native_description, native_description_fmi3
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, build_options, guid_of, write
+from .arrays import arrays
 from .documents import documents
 from .native_tables import header
 from .universal import universal
 
 HEADERS = Path(find_spec("fmpy").origin).with_name("c-code")  # FMI's own, under the 2-clause BSD licence
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 SYSTEMS_OF_FMI2 = {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}
 
 
@@ -42,15 +44,21 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     kernels = {platform: (compiled / object_name(platform)).read_bytes() for platform in platforms}
     files = documents(name, variant, about, options, platforms, scene.page if scene else None, native=fmi)
 
+    widths = None
+    if fmi == 3:
+        widths = {array.reference: len(array.variables) for array in arrays(table, shape_points)}
+        files[TERMINALS] = native_description_fmi3.terminals(table).encode("utf-8")
+    writer = native_description_fmi3 if fmi == 3 else native_description
+
     def description(token):
         step = (DEFAULT_OPTIONS | options)["step"]
-        return native_description.text(name, about, table, shape_points, step, token)
+        return writer.text(name, about, table, shape_points, step, token)
 
-    tables = header(variant, table, shape_points, "")
+    tables = header(variant, table, shape_points, "", widths)
     sources = {f"{path.name} of the shell": path.read_bytes() for path in sorted(SHELL.glob("*.[ch]"))}
     made_of = {**files, **sources, **kernels, "tables": tables.encode("utf-8")}
     token = guid_of(description(""), made_of)
-    tables = header(variant, table, shape_points, token)
+    tables = header(variant, table, shape_points, token, widths)
     files[DESCRIPTION] = description(token).encode("utf-8")
     files |= binaries(name, kernels, tables, fmi)
     return write(files, folder, name, scene)

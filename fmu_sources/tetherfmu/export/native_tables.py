@@ -27,11 +27,17 @@ def references(table, shape_points):
     return [first[variable.causality] + variable.place for variable in table]
 
 
+def count_of_values(table, shape_points):
+    """Number of all values: inputs, outputs, parameters."""
+    parameters = sum(variable.causality == PARAMETER for variable in table)
+    return layout.INPUTS + layout.outputs_size(shape_points) + parameters
+
+
 def header(variant, table, shape_points, token, widths=None):
     """Text of `tables.h` for one FMU.
 
-    table : of `variables.Variable`.  token : guid of FMI 2, instantiation token of FMI 3.  widths : dict of value reference
-    to the number of values, of the variables of FMI 3; None where each variable has one value.
+    table : of `variables.Variable`.  token : guid of FMI 2, instantiation token of FMI 3.
+    widths : of FMI 3, which has arrays and the time: dict of value reference to number of values; None for FMI 2.
     """
     return "\n".join(
         [
@@ -88,7 +94,7 @@ def _sizes(table, shape_points):
     """Sizes of the arrays; the linear ones are macros of the number of segments."""
     parameters_at = layout.INPUTS + layout.outputs_size(shape_points)
     count = sum(variable.causality == PARAMETER for variable in table)
-    values = parameters_at + count
+    values = count_of_values(table, shape_points)
     sizes = {"OUTPUTS_AT": layout.INPUTS, "PARAMETERS_AT": parameters_at, "PARAMETERS": count, "SHAPE_POINTS": shape_points}
     lines = [_enumerated({**sizes, "VALUES": values, "TIME": values})]
     for name in _SIZES:
@@ -119,7 +125,7 @@ def _parameters(table):
 def _variables(table, shape_points, widths):
     """Kind, width and start value by value reference; last the time."""
     at = references(table, shape_points)
-    count = layout.INPUTS + layout.outputs_size(shape_points) + sum(variable.causality == PARAMETER for variable in table)
+    count = count_of_values(table, shape_points)
     kinds, starts = [0] * count, [0.0] * count
     for reference, variable in zip(at, table, strict=True):
         starts[reference] = float(variable.start or 0.0)
@@ -127,7 +133,7 @@ def _variables(table, shape_points, widths):
             kinds[reference] = KINDS[variable.kind] | KINDS[variable.causality]
     wide = [(widths or {}).get(reference, 1) for reference in range(count)]
     return [
-        _numbers("unsigned char KIND", [*kinds, KINDS["Real"] | INDEPENDENT]),
+        _numbers("unsigned char KIND", [*kinds, 0 if widths is None else KINDS["Real"] | INDEPENDENT]),
         _numbers("unsigned short WIDTH", [*wide, 1]),
         _numbers("double START", starts),
     ]

@@ -71,7 +71,8 @@ def types(table):
     return element
 
 
-def _variability(variable):
+def variability(variable):
+    """Variability of a variable: outputs change in steps, those that count are discrete."""
     if variable.causality == "parameter":
         return "fixed"
     return "continuous" if variable.kind == "Real" else "discrete"
@@ -83,7 +84,7 @@ def _variable(variable, reference):
         "valueReference": str(reference),
         "description": variable.quantity.meaning,
         "causality": variable.causality,
-        "variability": _variability(variable),
+        "variability": variability(variable),
     }
     if variable.causality in INITIAL:
         attributes["initial"] = INITIAL[variable.causality]

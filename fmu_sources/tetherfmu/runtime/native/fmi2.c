@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-static const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
-
 /* Pass a message to the importer's logger, which takes it for a format: `%` and `#` are doubled. */
 static void log_fmi2(const Tether *tether, Status status, const char *text)
 {
@@ -19,22 +17,6 @@ static void log_fmi2(const Tether *tether, Status status, const char *text)
     logger(tether->environment, tether->name, (fmi2Status)status, CATEGORY[status], format);
 }
 
-/* The instance that a call is for, or NULL if it is none of this FMU. */
-static Tether *entered(fmi2Component component, const char *call)
-{
-    Tether *tether = component;
-    if (!tether || tether->identity != &THIS_FMU) return NULL;
-    tether->call = call;
-    return tether;
-}
-
-#define ENTER(component)                            \
-    Tether *tether = entered(component, __func__);  \
-    if (!tether) return fmi2Error
-#define NEED(pointer) \
-    if (!(pointer)) return (fmi2Status)say(tether, ERROR, IS_NULL, FACTS(word("argument", #pointer)))
-#define DONE(status) return (fmi2Status)(status)
-
 const char *fmi2GetTypesPlatform(void)
 {
     return fmi2TypesPlatform;
@@ -45,20 +27,10 @@ const char *fmi2GetVersion(void)
     return fmi2Version;
 }
 
-/* Warnings and refusals are always passed on, there are no other messages: nothing is to be turned on or off. */
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[])
 {
     ENTER(c);
-    (void)loggingOn;
-    if (nCategories) NEED(categories);
-    for (size_t i = 0; i < nCategories; i++) {
-        NEED(categories[i]);
-        bool known = false;
-        for (int k = WARNING; k <= ERROR; k++) known = known || !strcmp(categories[i], CATEGORY[k]);
-        if (!known && strcmp(categories[i], "logAll"))
-            DONE(say(tether, ERROR, NO_SUCH_CATEGORY, FACTS(word("category", categories[i]))));
-    }
-    return fmi2OK;
+    DONE(check_categories(tether, nCategories, categories));
 }
 
 /* --- life cycle */
@@ -67,18 +39,17 @@ fmi2Component fmi2Instantiate(
     fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
     const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    (void)fmuResourceLocation, (void)visible, (void)loggingOn; /* nothing is read from a file */
+    /* nothing is read from `fmuResourceLocation` */
     void (*logger)(void) = functions ? (void (*)(void))functions->logger : NULL;
-    Tether *tether = make_tether(instanceName ? instanceName : "", log_fmi2, functions ? functions->componentEnvironment : NULL, logger);
+    void *environment = functions ? functions->componentEnvironment : NULL;
+    Tether *tether = make_tether(instanceName ? instanceName : "", log_fmi2, environment, logger);
     if (!tether) return NULL;
     tether->call = __func__;
     if (!instanceName)
         say(tether, ERROR, IS_NULL, FACTS(word("argument", "instanceName")));
     else if (fmuType != fmi2CoSimulation)
         say(tether, ERROR, NO_CO_SIMULATION, NULL);
-    else if (!fmuGUID || strcmp(fmuGUID, TOKEN))
-        say(tether, ERROR, WRONG_TOKEN, FACTS(word("token", fmuGUID ? fmuGUID : "NULL"), word("expected", TOKEN)));
-    else
+    else if (check_token(tether, fmuGUID) == OK)
         return tether;
     free_tether(tether);
     return NULL;
@@ -128,7 +99,6 @@ fmi2Status fmi2DoStep(
     fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     ENTER(c);
-    (void)noSetFMUStatePriorToCurrentPoint;
     DONE(advance(tether, currentCommunicationPoint, communicationStepSize));
 }
 
@@ -222,17 +192,11 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
 
 /* --- status of the last step: never pending; a discarded step has got nowhere, and the next one can be done */
 
-fmi2Status fmi2CancelStep(fmi2Component c)
-{
-    ENTER(c);
-    DONE(say(tether, ERROR, NOT_OFFERED, NULL));
-}
-
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     ENTER(c);
     NEED(value);
-    if (s != fmi2LastSuccessfulTime) return fmi2Discard;
+    if (s != fmi2LastSuccessfulTime) DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
     *value = last_successful_time(tether);
     return fmi2OK;
 }
@@ -241,7 +205,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 {
     ENTER(c);
     NEED(value);
-    if (s != fmi2Terminated) return fmi2Discard;
+    if (s != fmi2Terminated) DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
     *value = fmi2False;
     return fmi2OK;
 }
@@ -250,60 +214,42 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 {
     ENTER(c);
     NEED(value);
-    (void)s;
-    return fmi2Discard;
+    DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
 }
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
 {
     ENTER(c);
     NEED(value);
-    (void)s;
-    return fmi2Discard;
+    DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
     ENTER(c);
     NEED(value);
-    (void)s;
-    return fmi2Discard;
+    DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
 }
 
 /* --- what the flags of the model description do not offer */
 
-#define NOT_OFFERED_CALL(name, ...)                  \
-    fmi2Status name(fmi2Component c, __VA_ARGS__)    \
-    {                                                \
-        ENTER(c);                                    \
-        DONE(say(tether, ERROR, NOT_OFFERED, NULL)); \
-    }
-
-NOT_OFFERED_CALL(fmi2SetRealInputDerivatives, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], const fmi2Real value[])
-NOT_OFFERED_CALL(fmi2GetRealOutputDerivatives, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], fmi2Real value[])
+#define REFERENCES const fmi2ValueReference vr[], size_t nvr
+NOT_OFFERED_CALL(fmi2Status, fmi2CancelStep, fmi2Component instance)
+NOT_OFFERED_CALL(fmi2Status, fmi2SetRealInputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[], const fmi2Real value[])
+NOT_OFFERED_CALL(fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[], fmi2Real value[])
 NOT_OFFERED_CALL(
-    fmi2GetDirectionalDerivative, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-    const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[])
+    fmi2Status, fmi2GetDirectionalDerivative, fmi2Component instance, REFERENCES, const fmi2ValueReference known[], size_t nKnown,
+    const fmi2Real seed[], fmi2Real sensitivity[])
 
 /* --- model exchange */
 
-NOT_OFFERED_CALL(fmi2SetTime, fmi2Real time)
-NOT_OFFERED_CALL(fmi2SetContinuousStates, const fmi2Real x[], size_t nx)
-NOT_OFFERED_CALL(fmi2GetDerivatives, fmi2Real derivatives[], size_t nx)
-NOT_OFFERED_CALL(fmi2GetEventIndicators, fmi2Real eventIndicators[], size_t ni)
-NOT_OFFERED_CALL(fmi2GetContinuousStates, fmi2Real x[], size_t nx)
-NOT_OFFERED_CALL(fmi2GetNominalsOfContinuousStates, fmi2Real x_nominal[], size_t nx)
-NOT_OFFERED_CALL(fmi2NewDiscreteStates, fmi2EventInfo *eventInfo)
-NOT_OFFERED_CALL(fmi2CompletedIntegratorStep, fmi2Boolean prior, fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
-
-fmi2Status fmi2EnterEventMode(fmi2Component c)
-{
-    ENTER(c);
-    DONE(say(tether, ERROR, NOT_OFFERED, NULL));
-}
-
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
-{
-    ENTER(c);
-    DONE(say(tether, ERROR, NOT_OFFERED, NULL));
-}
+NOT_OFFERED_CALL(fmi2Status, fmi2EnterEventMode, fmi2Component instance)
+NOT_OFFERED_CALL(fmi2Status, fmi2NewDiscreteStates, fmi2Component instance, fmi2EventInfo *eventInfo)
+NOT_OFFERED_CALL(fmi2Status, fmi2EnterContinuousTimeMode, fmi2Component instance)
+NOT_OFFERED_CALL(fmi2Status, fmi2CompletedIntegratorStep, fmi2Component instance, fmi2Boolean prior, fmi2Boolean *event, fmi2Boolean *terminate)
+NOT_OFFERED_CALL(fmi2Status, fmi2SetTime, fmi2Component instance, fmi2Real time)
+NOT_OFFERED_CALL(fmi2Status, fmi2SetContinuousStates, fmi2Component instance, const fmi2Real x[], size_t nx)
+NOT_OFFERED_CALL(fmi2Status, fmi2GetDerivatives, fmi2Component instance, fmi2Real derivatives[], size_t nx)
+NOT_OFFERED_CALL(fmi2Status, fmi2GetEventIndicators, fmi2Component instance, fmi2Real eventIndicators[], size_t ni)
+NOT_OFFERED_CALL(fmi2Status, fmi2GetContinuousStates, fmi2Component instance, fmi2Real x[], size_t nx)
+NOT_OFFERED_CALL(fmi2Status, fmi2GetNominalsOfContinuousStates, fmi2Component instance, fmi2Real nominals[], size_t nx)

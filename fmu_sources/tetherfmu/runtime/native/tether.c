@@ -9,8 +9,18 @@ int32_t KERNEL(initialize)(int64_t, const double *, const double *, double *, do
 int32_t KERNEL(advance)(int64_t, const double *, const double *, double, double *, double *);
 
 const char THIS_FMU = 0;
+const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 
 /* --- making and resetting */
+
+/* The instance that a call is for, or NULL if it is none of this FMU. */
+Tether *entered(void *instance, const char *call)
+{
+    Tether *tether = instance;
+    if (!tether || tether->identity != &THIS_FMU) return NULL;
+    tether->call = call;
+    return tether;
+}
 
 Tether *make_tether(const char *name, Log log, void *environment, void (*importer_log)(void))
 {
@@ -51,6 +61,26 @@ void to_start_values(Tether *tether)
     tether->told = 0;
     tether->tolerance = tether->start_time = 0.0;
     tether->time = NAN;
+}
+
+/* Whether a guid or an instantiation token is that of this FMU. */
+Status check_token(const Tether *tether, const char *token)
+{
+    if (token && !strcmp(token, TOKEN)) return OK;
+    return say(tether, ERROR, WRONG_TOKEN, FACTS(word("token", token ? token : "NULL"), word("expected", TOKEN)));
+}
+
+/* Warnings and refusals are always passed on, there are no other messages: the names of categories are checked, no more. */
+Status check_categories(const Tether *tether, size_t count, const char *const *categories)
+{
+    if (count && !categories) return say(tether, ERROR, IS_NULL, FACTS(word("argument", "categories")));
+    for (size_t i = 0; i < count; i++) {
+        const char *name = categories[i] ? categories[i] : "NULL";
+        bool known = !strcmp(name, "logAll");
+        for (int k = WARNING; k <= ERROR; k++) known = known || !strcmp(name, CATEGORY[k]);
+        if (!known) return say(tether, ERROR, NO_SUCH_CATEGORY, FACTS(word("category", name)));
+    }
+    return OK;
 }
 
 /* --- phases */

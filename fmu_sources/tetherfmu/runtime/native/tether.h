@@ -52,6 +52,7 @@ typedef struct {
 } Saved;
 
 extern const char THIS_FMU;
+extern const char *const CATEGORY[]; /* names of log categories, by status */
 
 /* `isfinite`, for which the C library of Windows has no function. */
 static inline bool is_finite(double number)
@@ -85,10 +86,13 @@ void read_free_kite(const Chain *chain, double *values);
 
 /* --- tether.c: its life */
 
+Tether *entered(void *instance, const char *call);
 Tether *make_tether(const char *name, Log log, void *environment, void (*importer_log)(void));
 void free_tether(Tether *tether);
 void to_start_values(Tether *tether);
 void take_chain(Tether *tether, Chain *chain);
+Status check_token(const Tether *tether, const char *token);
+Status check_categories(const Tether *tether, size_t count, const char *const *categories);
 Status set_up_experiment(Tether *tether, bool has_tolerance, double tolerance, double start, bool has_stop, double stop);
 Status enter_initialization(Tether *tether);
 Status exit_initialization(Tether *tether);
@@ -108,5 +112,20 @@ Status restore(Tether *tether, const Saved *saved);
 Status check_saved(const Tether *tether, const Saved *saved);
 Status serialize(const Tether *tether, const Saved *saved, void *bytes, size_t size);
 Status deserialize(const Tether *tether, const void *bytes, size_t size, Saved **saved);
+
+/* --- for the faces: what the functions of FMI begin and end with */
+
+#define ENTER(instance)                           \
+    Tether *tether = entered(instance, __func__); \
+    if (!tether) return (int)ERROR
+#define NEED(pointer) \
+    if (!(pointer)) return (int)say(tether, ERROR, IS_NULL, FACTS(word("argument", #pointer)))
+#define DONE(status) return (int)(status)
+#define NOT_OFFERED_CALL(type, name, ...)            \
+    type name(__VA_ARGS__)                           \
+    {                                                \
+        ENTER(instance);                             \
+        DONE(say(tether, ERROR, NOT_OFFERED, NULL)); \
+    }
 
 #endif
