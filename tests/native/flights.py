@@ -70,5 +70,5 @@ def said(path):
         with suppress(FMICallException):
             host.start(**start)
             host.step(step, **values)
-        texts.append([text.partition(": ")[2] for text in host.messages if ": " in text])
+        texts.append([text.partition(": ")[2] for text in host.messages if "PyObject" not in text])
     return texts
