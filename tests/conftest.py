@@ -31,15 +31,35 @@ def pytest_configure(config):
             pytest.exit(str(error), returncode=1)
 
 
+FLAVOURS = {"pythonfmu": (), "native": ("--native",), "native_fmi3": ("--native", "--fmi", "3")}
+
+
 @pytest.fixture(scope="session")
-def fmu_folder(built_once):
-    """Folder with all FMUs, built once per test run."""
+def fmu_folder(built_once, request):
+    """Folder with all FMUs of a flavour (`runtime.host.every_flavour`), built once; without one, of PythonFMU's."""
+    return folder_of(built_once, getattr(request, "param", "pythonfmu"))
+
+
+@pytest.fixture(scope="session")
+def native_folder(built_once):
+    """Folder with all native FMUs for FMI 2."""
+    return folder_of(built_once, "native")
+
+
+@pytest.fixture(scope="session")
+def fmi3_folder(built_once):
+    """Folder with all native FMUs for FMI 3."""
+    return folder_of(built_once, "native_fmi3")
+
+
+def folder_of(built_once, flavour):
+    """Folder with all FMUs of one of `FLAVOURS`."""
     from tetherfmu.commands.build import main
 
     def build(folder):
-        assert main(["--out", str(folder)]) == 0
+        assert main(["--out", str(folder), *FLAVOURS[flavour]]) == 0
 
-    return built_once("fmus", build)
+    return built_once(f"{flavour}_fmus", build)
 
 
 @pytest.fixture(scope="session")

@@ -10,8 +10,10 @@ from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
 from lxml import etree
 
+from runtime.host import every_flavour
 from tetherfmu.export.archive import SLAVES
 
+pytestmark = every_flavour
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 

@@ -61,7 +61,7 @@ def difference(found, expected):
 
 
 def description_of(path):
-    """Model description of an FMU. One thread at a time: lxml, which validates it, hangs or fails now and then in several."""
+    """Model description of an FMU. One thread at a time: lxml, which validates it, now and then hangs in several."""
     with ONE_AT_A_TIME:
         return read_model_description(str(path))
 
@@ -194,8 +194,11 @@ def python_library():
     return path if ".so" in path.name and path.is_file() else None
 
 
-def c_host(program, path, folder, plan, end="finalize", preloaded=()):
-    """The program of `c_host.c`, with the library of Python preloaded; the results of all flights of its plan."""
+def c_host(program, path, folder, plan, end="finalize", preloaded=(), under=()):
+    """The program of `c_host.c`; the results of all flights of its plan.
+
+    For an FMU that needs it, the library of Python is preloaded.  under : command that runs the program, such as valgrind.
+    """
     references, reals, integers = variables(path)
     description = read_model_description(str(path))
     extracted = Path(extract(str(path), unzipdir=str(folder / path.stem)))
@@ -203,14 +206,12 @@ def c_host(program, path, folder, plan, end="finalize", preloaded=()):
     _write_scenario(scenario, path, references, reals, integers)
     library = extracted / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
     resources = (extracted / "resources").as_uri()
+    environment = {**os.environ, "PYTHONHOME": sys.base_prefix, "PYTHONPATH": ""}
+    if description.coSimulation.needsExecutionTool:
+        environment["LD_PRELOAD"] = ":".join(map(str, [*preloaded, python_library()]))
     done = subprocess.run(
-        [program, library, description.guid, resources, scenario, plan, end],
-        env={
-            **os.environ,
-            "LD_PRELOAD": ":".join(map(str, [*preloaded, python_library()])),
-            "PYTHONHOME": sys.base_prefix,
-            "PYTHONPATH": "",
-        },
+        [*under, program, library, description.guid, resources, scenario, plan, end],
+        env=environment,
         capture_output=True,
         text=True,
         check=False,

@@ -1,12 +1,17 @@
 """A small FMPy host for tests: variables by name, messages kept."""
 
 import atexit
+import functools
 import shutil
 from functools import lru_cache
 from zipfile import is_zipfile
 
+import pytest
 from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+every_flavour = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native"], indirect=True)
 
 
 @lru_cache
@@ -24,7 +29,8 @@ class Host:
     """One instance of an FMU.
 
     path : of the FMU, or of a folder where it was extracted before.
-    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `name`, `folder`.
+    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `name`, `folder`, `native`
+    (whether it runs without Python).
     """
 
     def __init__(self, path, name="tether"):
@@ -46,8 +52,11 @@ class Host:
             instanceName=name,
         )
         self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
-        self._finalize = self.fmu.dll.finalizePythonInterpreter
-        atexit.register(self._finalize)  # a process that ends with the library loaded would crash
+        self.native = not self.description.coSimulation.needsExecutionTool
+        self._finalize = None
+        if not self.native:
+            self._finalize = self.fmu.dll.finalizePythonInterpreter
+            atexit.register(self._finalize)  # a process that ends with the library loaded would crash
         self.time = 0.0
 
     def _log(self, environment, instance, status, category, message):
@@ -89,13 +98,25 @@ class Host:
         self.fmu.doStep(self.time, step)
         self.time += step
 
+    def refuses(self, action, words):
+        """Do what must be refused in words: a native FMU does so at once, PythonFMU's can only refuse the next step."""
+        self.messages.clear()
+        if not self.native:
+            action()
+            assert words in self.messages[-1], self.messages
+            action = functools.partial(self.fmu.doStep, self.time, 0.02)
+        with pytest.raises(FMICallException):
+            action()
+        assert words in self.messages[-1], self.messages
+
     def free(self):
         """Free the instance; the library stays loaded."""
         self.fmu.fmi2FreeInstance(self.fmu.component)
 
     def close(self):
         """Terminate, free and remove the extracted files."""
-        atexit.unregister(self._finalize)  # fmpy unloads the library
+        if self._finalize:
+            atexit.unregister(self._finalize)  # fmpy unloads the library
         self.fmu.terminate()
         self.fmu.freeInstance()
         shutil.rmtree(self.folder, ignore_errors=True)

@@ -9,6 +9,7 @@ import pytest
 from isolation import own_process
 from runtime import clients
 from runtime.clients import different
+from runtime.host import every_flavour
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
@@ -23,6 +24,7 @@ ROUNDED = {
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
+@every_flavour
 @every_fmu
 def test_simulate_fmu_of_fmpy(fmu_folder, name):
     """It takes the size of a step from the difference of times."""
@@ -48,6 +50,7 @@ def test_fmpy_in_several_threads(fmu_folder, name):
     assert [different(result, expected) for result in results] == [[]] * 4
 
 
+@every_flavour
 @every_fmu
 def test_libcosim(fmu_folder, name):
     """It takes the size of a step from the difference of times in whole nanoseconds."""
@@ -57,6 +60,7 @@ def test_libcosim(fmu_folder, name):
     assert different(own_process(clients.libcosim, path=path), expected) == []
 
 
+@every_flavour
 @every_fmu
 def test_container_of_one_tether(fmu_folder, tmp_path, name):
     path = fmu_folder / f"{name}.fmu"

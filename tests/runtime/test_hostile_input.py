@@ -10,9 +10,11 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host, names_of
+from runtime.host import Host, every_flavour, names_of
 from scenes import kite_inputs
 from tetherfmu.export.archive import SLAVES
+
+pytestmark = every_flavour
 
 LONGEST_CALL = 2.0  # seconds
 HUGE = (1e300, 1e160, 1e30, 1e12, 1e9, 1e6, 1e3)

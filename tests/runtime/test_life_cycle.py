@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host
+from runtime.host import Host, every_flavour
 from scenes import REVOLUTION, circle, kite_at_start, kite_inputs
 from tetherfmu import models
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
+
+pytestmark = every_flavour
 
 WIND = (0.1, 0.0, 0.0)
 

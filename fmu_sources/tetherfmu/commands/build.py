@@ -5,8 +5,8 @@ import argparse
 from tetherfmu.console.ending import FAILED, command
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export import example_fmus, ssp
-from tetherfmu.export.archive import SLAVES, build, contents
+from tetherfmu.export import archive, example_fmus, native, ssp
+from tetherfmu.export.archive import SLAVES
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import this_platform
@@ -84,12 +84,18 @@ def parse(arguments, prog="tetherfmu build"):
         help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
     )
     option("--examples", action="store_true", help="also the FMUs and systems (SSP) of the examples")
+    option("--native", action="store_true", help="FMUs that need no Python in their host")
+    option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3 goes with --native (default: 2)")
     option("--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs")
     options = parser.parse_args(arguments)
     if options.scene is not None and (options.names or options.segments or options.diameter or options.examples):
         parser.error(
             "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter and --examples"
         )
+    if options.fmi == 3 and not options.native:
+        parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
+    if options.examples and options.native:
+        parser.error("the FMUs of the examples are written in Python; --examples goes without --native")
     return options
 
 
@@ -102,14 +108,20 @@ def build_for_scene(options):
     print(advice.text)
     if not advice.met:
         return FAILED
-    show(build(advice.fmu, options.out, advice.segments, advice.shape_points, options.platforms, advice.trim))
+    build(options, advice.fmu, advice.segments, advice.shape_points, scene=advice.trim)
     return 0
 
 
-def show(path):
+def show(path, platforms):
     """Print a line on a finished FMU."""
-    platforms = ", ".join(contents(path)) or "every platform of PythonFMU"
-    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {platforms}")
+    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(platforms)}")
+
+
+def build(options, name, segments, shape_points, **more):
+    """Build an FMU and print a line on it."""
+    arguments = name, options.out, segments, shape_points, options.platforms
+    made = native.build(*arguments, **more, fmi=options.fmi) if options.native else archive.build(*arguments, **more)
+    show(made, options.platforms)
 
 
 @command
@@ -121,11 +133,10 @@ def main(arguments=None, prog="tetherfmu build"):
     names = options.names or list(SLAVES)
     ready.folders([library_of(SLAVES[name][1]) for name in names], options.platforms)  # all at once is faster
     for name in names:
-        starts = options.diameter or ()
-        show(build(name, options.out, options.segments or 20, options.shape_points, options.platforms, starts=starts))
+        build(options, name, options.segments or 20, options.shape_points, starts=options.diameter or ())
     if options.examples:
         for name in example_fmus.SLAVES:
-            show(example_fmus.build(name, options.out))
+            show(example_fmus.build(name, options.out), example_fmus.PLATFORMS)
         for path in ssp.write_all(options.out, options.platforms):
             print(f"{path}  {path.stat().st_size / 1024:.0f} kB  a system of FMUs")
     return 0

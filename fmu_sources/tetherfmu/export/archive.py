@@ -17,7 +17,6 @@ from xml.etree import ElementTree
 from pythonfmu.builder import FmuBuilder
 
 from tetherfmu.libraries import ready
-from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
@@ -34,7 +33,7 @@ from {package}.workarounds import hold
 
 hold(globals())
 """
-DATE = (2026, 1, 1, 0, 0, 0)
+DATE, GENERATED = (2026, 1, 1, 0, 0, 0), "2026-01-01T00:00:00Z"
 DESCRIPTION = "modelDescription.xml"
 
 
@@ -71,26 +70,64 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
-        options = {"segments": segments, "shape_points": shape_points}
-        if starts:
-            options["starts"] = [list(each) for each in starts]
-        if scene:
-            options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
+        options = build_options(segments, shape_points, scene, starts)
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = pack(resources, shipped, Path(temporary))
-    file = f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
-    if not scene:
-        (folder / osp.file_name(name)).write_bytes(files[f"{OSP_FOLDER}/{osp.file_name(name)}"])
-    return write_fmu(files, folder / file)
+    seal(files)
+    return write(files, folder, name, scene)
 
 
-def contents(path):
-    """Platforms that an FMU has kernels for."""
-    with zipfile.ZipFile(path) as archive:
-        names = [Path(entry).name for entry in archive.namelist() if f"/{KERNELS_FOLDER}/" in entry]
-    return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
+def build_options(segments, shape_points, scene, starts):
+    """The options of `build` as `runtime.resources.options_in` gives them."""
+    options = {"segments": segments, "shape_points": shape_points}
+    if starts:
+        options["starts"] = [list(each) for each in starts]
+    if scene:
+        options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
+    return options
+
+
+def guid_of(description, files):
+    """A guid that is a hash of a model description without one, and of the other files."""
+    digest = hashlib.sha256(description.encode("utf-8"))
+    for name in sorted(files):
+        digest.update(name.encode("utf-8") + files[name])
+    return f"{{{digest.hexdigest()[:32]}}}"
+
+
+def seal(files):
+    """Give the model description that PythonFMU has written a fixed date, and a guid from all files (modified)."""
+    text = files.pop(DESCRIPTION).decode("utf-8")
+    text = _replace_attribute(_replace_attribute(text, "generationDateAndTime", GENERATED), "guid", "")
+    files[DESCRIPTION] = _replace_attribute(text, "guid", guid_of(text, files)).encode("utf-8")
+
+
+def write(files, folder, name, scene):
+    """Write a tether FMU, and beside it what libcosim looks for; returns its path.
+
+    files : dict of path in the archive to bytes.
+    """
+    osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
+    if osp_file in files and not scene:
+        (folder / osp.file_name(name)).write_bytes(files[osp_file])
+    return write_archive(files, folder / (f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"))
+
+
+def write_archive(files, target):
+    """Write an archive whole or not at all, with fixed dates and sorted entries; returns its path."""
+    partial = target.with_name(f"{target.name}.partial")
+    try:
+        with zipfile.ZipFile(partial, "w") as archive:
+            for name in sorted(files):
+                item = zipfile.ZipInfo(name, DATE)
+                item.compress_type = zipfile.ZIP_DEFLATED
+                item.external_attr = 0o644 << 16
+                archive.writestr(item, files[name])
+        return partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def write_package(resources, name, script, kernels=(), modules=()):
@@ -104,7 +141,8 @@ def write_package(resources, name, script, kernels=(), modules=()):
         text = path.read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
         sources[path.name] = text.replace("from tetherfmu.runtime import", "from . import")
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
-    content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8") + b"".join(each.read_bytes() for each in kernels)
+    content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
+    content += b"".join(each.read_bytes() for each in kernels)
     digest = hashlib.sha256(content).hexdigest()[:12]
     package, module = resources / f"tetherfmu_{digest}", script.stem
     package.mkdir(parents=True)
@@ -134,33 +172,6 @@ def _unpacked(archive):
     with zipfile.ZipFile(archive) as opened:
         names = [name for name in opened.namelist() if not name.endswith("/") and "__pycache__" not in name]
         return {name: opened.read(name) for name in names}
-
-
-def write_fmu(files, target):
-    """Write an FMU whole or not at all, with a guid from its content; returns its path."""
-    description = files.pop(DESCRIPTION).decode("utf-8")
-    description = _replace_attribute(description, "generationDateAndTime", "2026-01-01T00:00:00Z")
-    description = _replace_attribute(description, "guid", "")
-    digest = hashlib.sha256(description.encode("utf-8"))
-    for name in sorted(files):
-        digest.update(name.encode("utf-8") + files[name])
-    files[DESCRIPTION] = _replace_attribute(description, "guid", f"{{{digest.hexdigest()[:32]}}}").encode("utf-8")
-    return write_archive(files, target)
-
-
-def write_archive(files, target):
-    """Write an archive whole or not at all, with fixed dates and sorted entries; returns its path."""
-    partial = target.with_name(f"{target.name}.partial")
-    try:
-        with zipfile.ZipFile(partial, "w") as archive:
-            for name in sorted(files):
-                item = zipfile.ZipInfo(name, DATE)
-                item.compress_type = zipfile.ZIP_DEFLATED
-                item.external_attr = 0o644 << 16
-                archive.writestr(item, files[name])
-        return partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _replace_attribute(description, name, value):

@@ -20,56 +20,85 @@ EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
-def documents(name, variant, description, options, platforms, scene_page=None):
+def documents(name, variant, description, options, platforms, scene_page=None, native=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
     options : dict of the build options.  platforms : names of those that the FMU has kernels for.
     scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
+    native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. Evidence set and groups are for FMI 2.
     """
     table = table_of(variant, options)
-    osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
-    texts = {
-        "documentation/index.html": scene_page or page(name, variant, description, table, osp_file),
-        **of_every_fmu(platforms),
-        osp_file: osp.model_description(table),
-    }
-    if not scene_page:
+    texts = of_every_fmu(platforms, native)
+    if native != 3:
+        texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
+    if not scene_page and native != 3:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         tether = Tether(segments=options["segments"], **dict(options.get("starts", ())))
         for file, text in evidence.files(name, tether).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
+    texts["documentation/index.html"] = scene_page or page(name, variant, description, table, texts, native)
     return {
-        "model.png": (ASSETS / "model.png").read_bytes(),
+        "terminalsAndIcons/icon.png" if native == 3 else "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
         **{path: text.encode("utf-8") for path, text in texts.items()},
     }
 
 
-def of_every_fmu(platforms):
-    """Texts on what the host must have, and licences: dict of their path in the archive."""
-    ours = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
-    return {
-        "documentation/externalDependencies.txt": filled("externalDependencies.txt", platforms=", ".join(platforms)),
-        "documentation/licenses/license.txt": ours,
-        "documentation/licenses/PythonFMU.txt": licence_of("pythonfmu"),
-        "documentation/licenses/CPPFMU.txt": (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8"),
+def of_every_fmu(platforms, native=None):
+    """Texts on what the host must have, and licences: dict of path in the archive to text. Arguments as in `documents`."""
+    host = "native_dependencies.txt" if native else "externalDependencies.txt"
+    texts = {
+        "documentation/externalDependencies.txt": filled(host, platforms=", ".join(platforms)),
+        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8")
+        if LICENCE.exists()
+        else licence_of("tetherfmu"),
     }
+    if native:
+        texts["documentation/licenses/FMI.txt"] = (ASSETS / "FMI.txt").read_text(encoding="utf-8")
+    else:
+        texts["documentation/licenses/PythonFMU.txt"] = licence_of("pythonfmu")
+        texts["documentation/licenses/CPPFMU.txt"] = (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8")
+    return texts
 
 
-def page(name, variant, description, table, osp_file):
-    """Text of documentation/index.html: use, physics, and the tables of all variables."""
+WORDS_ON_FILES = {  # in documentation/index.html, by the end of a path in the archive
+    f"{EVIDENCE_FOLDER}/README.txt": "Evidence set: inputs, reference and options of a run that an importer can repeat",
+    "externalDependencies.txt": "What the host must have",
+    "licenses/license.txt": "Licence of TetherFMU",
+    "licenses/PythonFMU.txt": "Licence of PythonFMU",
+    "licenses/CPPFMU.txt": "Licence of CPPFMU",
+    "licenses/FMI.txt": "Licence of the headers of FMI",
+    "OspModelDescription.xml": "Connections for the Open Simulation Platform",
+}
+
+
+def _listed(paths):
+    """HTML list of the files that `WORDS_ON_FILES` has words on."""
+    lines = []
+    for end, words in WORDS_ON_FILES.items():
+        for path in paths:
+            if path.endswith(end):
+                place = path.removeprefix("documentation/") if path.startswith("documentation/") else f"../{path}"
+                lines.append(f'<li><a href="{place}">{words}</a></li>')
+    return "\n".join(lines)
+
+
+def page(name, variant, description, table, paths, native):
+    """Text of documentation/index.html: use, physics, the tables of all variables, and the files beside it (`paths`)."""
     return filled(
         "index.html",
         name=name,
+        fmi=native or 2,
+        flavour="native" if native else "with PythonFMU",
         version=__version__,
         description=escape(description),
         physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
         inputs=rows(table, INPUT, unit, start, meaning),
         outputs=rows(table, OUTPUT, unit, meaning),
         parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
-        osp=osp_file,
+        files=_listed(paths),
     )
 
 

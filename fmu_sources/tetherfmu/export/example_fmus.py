@@ -13,7 +13,7 @@ from tetherfmu.runtime import __version__
 from tetherfmu.runtime.resources import OPTIONS_FILE
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
 
-from .archive import DESCRIPTION, pack, write_fmu, write_package
+from .archive import DESCRIPTION, pack, seal, write_archive, write_package
 from .documents import ASSETS, allowed, filled, meaning, of_every_fmu, rows, start, unit
 
 FOLDER = EXAMPLES / "fmus"
@@ -58,7 +58,8 @@ def build(name, folder, starts=()):
     texts = {"documentation/index.html": _page(name, script, description), **of_every_fmu(PLATFORMS)}
     files["model.png"] = (ASSETS / "model.png").read_bytes()
     files.update({path: text.encode("utf-8") for path, text in texts.items()})
-    return write_fmu(files, folder / f"{name}.fmu")
+    seal(files)
+    return write_archive(files, folder / f"{name}.fmu")
 
 
 def _page(name, script, description):

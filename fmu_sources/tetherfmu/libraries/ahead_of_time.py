@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tetherfmu.libraries.linking import MATHEMATICS, MEMORY, link
-from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.kernel_library import file_name, verbs
 
 
 class Target(NamedTuple):
@@ -123,14 +123,26 @@ def _check_names(module, exported):
 
 
 def write_libraries(folder, variant, platforms, code):
-    """Write the libraries of a variant for some platforms into a folder; returns the variant."""
+    """Write the libraries of a variant for some platforms into a folder, each after its object file; returns the variant."""
     folder.mkdir(parents=True, exist_ok=True)
-    for platform, objects in object_files(code, platforms):
+    exported = [f"{variant}_{verb}" for verb in verbs(variant)]
+    for platform, content in object_files(code, platforms):
         path = folder / file_name(variant, platform)
-        partial = Path(tempfile.gettempdir()) / f"{os.getpid()}-{path.name}"  # where `ready` tidies up
-        partial.write_bytes(link(objects, variant, platform))
-        partial.replace(path)
+        _write(folder / object_name(platform), content)
+        _write(path, link([content], path.name, platform, exported))
     return variant
+
+
+def object_name(platform):
+    """Name of the file beside the library of a variant that has the kernels for a native FMU to be linked with."""
+    return f"{platform}.o"
+
+
+def _write(path, content):
+    """Write a file that is there as a whole or not at all."""
+    partial = Path(tempfile.gettempdir()) / f"{os.getpid()}-{path.name}"  # where `ready` tidies up
+    partial.write_bytes(content)
+    partial.replace(path)
 
 
 def main(arguments):

@@ -9,65 +9,76 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from tetherfmu.runtime.kernel_library import file_name, verbs
-
 MATHEMATICS = ("sqrt", "exp", "log", "log1p", "pow", "asinh", "sinh", "atan2", "ceil")
 MEMORY = ("memset", "memcpy")
-ELF = {  # emulation of the linker, and {library: {version of its symbols: names}}
-    "x86_64-linux": (
-        "elf_x86_64",
-        {"libm.so.6": {"GLIBC_2.2.5": MATHEMATICS}, "libc.so.6": {"GLIBC_2.2.5": ("memset",), "GLIBC_2.14": ("memcpy",)}},
-    ),
-    "aarch64-linux": ("aarch64linux", {"libm.so.6": {"GLIBC_2.17": MATHEMATICS}, "libc.so.6": {"GLIBC_2.17": MEMORY}}),
+KERNELS_NEED = {  # names, by their library on Linux and on Windows
+    ("libm.so.6", "math"): MATHEMATICS,
+    ("libc.so.6", "string"): ("memset",),
+    ("libc.so.6", "private"): ("memcpy",),
 }
-PE = {  # libraries of Windows: names
-    "api-ms-win-crt-math-l1-1-0": MATHEMATICS,
-    "api-ms-win-crt-string-l1-1-0": ("memset",),
-    "api-ms-win-crt-private-l1-1-0": ("memcpy",),
+ELF = {  # emulation of the linker, version of glibc's symbols, and the younger ones
+    "x86_64-linux": ("elf_x86_64", "GLIBC_2.2.5", {"memcpy": "GLIBC_2.14"}),
+    "aarch64-linux": ("aarch64linux", "GLIBC_2.17", {}),
 }
+PE = "api-ms-win-crt-{}-l1-1-0"  # a library of Windows
 MACHO = {"aarch64-darwin": "aarch64-macos.11.0", "x86_64-darwin": "x86_64-macos.11.0"}  # target of the linker
 
 
-def link(code, variant, platform):
-    """Bytes of the shared library that an object file (bytes) becomes; RuntimeError with the linker's words if it fails."""
+def link(objects, library, platform, exported, needed=None):
+    """Bytes of the shared library that object files become; RuntimeError with the linker's words if it fails.
+
+    objects : list of bytes.  library : its file name.  exported : names of the functions that others call.
+    needed : names of the C library, as `KERNELS_NEED`, which it is if it is None.
+    """
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        (folder / "kernels.o").write_bytes(code)
-        library = file_name(variant, platform)
+        names = [f"{place}.o" for place in range(len(objects))]
+        for name, content in zip(names, objects, strict=True):
+            (folder / name).write_bytes(content)
         if platform in ELF:
-            _link_elf(folder, library, *ELF[platform])
+            _link_elf(folder, library, names, platform, needed or KERNELS_NEED, exported)
         elif platform in MACHO:
             options = ("-dynamic", "-OReleaseSmall", "-fstrip", "-fno-compiler-rt", "-lc", "-target", MACHO[platform])
-            _zig(folder, "build-lib", *options, f"-femit-bin={library}", "kernels.o")
+            zig(folder, "build-lib", *options, f"-femit-bin={library}", *names)
         else:
-            _link_pe(folder, library, [f"{variant}_{verb}" for verb in verbs(variant)])
+            _link_pe(folder, library, names, needed or KERNELS_NEED, exported)
         return (folder / library).read_bytes()
 
 
-def _link_elf(folder, library, emulation, needed):
+def _link_elf(folder, library, objects, platform, needed, exported):
     """Link for Linux."""
-    for name, versions in needed.items():
-        stubs = [f"{each} = 0;\n" for names in versions.values() for each in names]
-        groups = [f"{version} {{ global: {'; '.join(names)}; }};\n" for version, names in versions.items()]
+    emulation, usual, younger = ELF[platform]
+    libraries = {}
+    for (name, _), listed in needed.items():
+        libraries.setdefault(name, []).extend(listed)
+    for name, listed in libraries.items():
+        groups = {}
+        for each in listed:
+            groups.setdefault(younger.get(each, usual), []).append(each)
+        stubs = [f"{each} = 0;\n" for each in listed]
+        versions = [f"{version} {{ global: {'; '.join(each)}; }};\n" for version, each in groups.items()]
         (folder / "names.ld").write_text("".join(stubs))
-        (folder / "names.map").write_text("".join(groups))
+        (folder / "names.map").write_text("".join(versions))
         options = ("-shared", "-soname", name, "--version-script", "names.map", "-o", name)
-        _zig(folder, "ld.lld", "-m", emulation, *options, "names.ld")
+        zig(folder, "ld.lld", "-m", emulation, *options, "names.ld")
+    (folder / "exported.map").write_text(f"{{ global: {'; '.join(exported)}; local: *; }};\n")
     options = ("-shared", "-s", "--gc-sections", "--as-needed", "--no-undefined", "-z", "noexecstack", "-soname", library)
-    _zig(folder, "ld.lld", "-m", emulation, *options, "-o", library, "kernels.o", *needed)
+    options += ("--version-script", "exported.map")
+    zig(folder, "ld.lld", "-m", emulation, *options, "-o", library, *objects, *libraries)
 
 
-def _link_pe(folder, library, exported):
+def _link_pe(folder, library, objects, needed, exported):
     """Link for Windows on x86-64."""
-    for name, names in PE.items():
-        (folder / f"{name}.def").write_text("\n".join([f"LIBRARY {name}.dll", "EXPORTS", *names, ""]))
-        _zig(folder, "dlltool", "-m", "i386:x86-64", "-D", f"{name}.dll", "-d", f"{name}.def", "-l", f"{name}.lib")
+    for (_, part), listed in needed.items():
+        name = PE.format(part)
+        (folder / f"{name}.def").write_text("\n".join([f"LIBRARY {name}.dll", "EXPORTS", *listed, ""]))
+        zig(folder, "dlltool", "-m", "i386:x86-64", "-D", f"{name}.dll", "-d", f"{name}.def", "-l", f"{name}.lib")
     options = ("/dll", "/noentry", "/machine:x64", "/nodefaultlib", "/brepro", "/opt:ref", "/lldmingw", f"/out:{library}")
     exports = [f"/export:{name}" for name in exported]
-    _zig(folder, "lld-link", *options, *exports, "kernels.o", *(f"{name}.lib" for name in PE))
+    zig(folder, "lld-link", *options, *exports, *objects, *(f"{PE.format(part)}.lib" for _, part in needed))
 
 
-def _zig(folder, *command):
+def zig(folder, *command):
     """Run one of Zig's tools in a folder."""
     import ziglang
 

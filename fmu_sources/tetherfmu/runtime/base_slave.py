@@ -12,13 +12,12 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
-from . import __version__
+from . import __version__, refusals
 from .model_description import complete
 from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
 WARNING, DISCARD, ERROR = Fmi2Status.warning, Fmi2Status.discard, Fmi2Status.error
-_PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
 
 
 class BaseSlave(Fmi2Slave):
@@ -31,7 +30,6 @@ class BaseSlave(Fmi2Slave):
     author = "TetherFMU developers"
     license = "MIT"
     version = __version__
-    subject = "the model"  # of sentences
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -101,12 +99,12 @@ class BaseSlave(Fmi2Slave):
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""
-        self._change_phase(BEFORE, INITIALIZING, "initialization mode cannot be entered")
+        self._change_phase(BEFORE, INITIALIZING, refusals.CANNOT_BE_ENTERED)
 
     def exit_initialization_mode(self):
         """Check the parameters and compute the first outputs; the only place where an exception leaves the slave."""
         if self.phase != INITIALIZING:
-            self.refuse(f"initialization mode cannot be left {_PHASES[self.phase]}")
+            self.refuse(refusals.CANNOT_BE_LEFT.format(phase=refusals.PHASES[self.phase]))
             return
         problem = self._refusal or self.start()
         if problem:
@@ -129,26 +127,25 @@ class BaseSlave(Fmi2Slave):
 
     def terminate(self):
         """No step can follow, but values can still be read; an instance holds memory only."""
-        self._change_phase(STEPPING, TERMINATED, f"{self.subject} cannot be terminated")
+        self._change_phase(STEPPING, TERMINATED, refusals.CANNOT_BE_TERMINATED)
 
     def _change_phase(self, before, after, refusal):
         if self.phase == before:
             self.phase = after
         else:
-            self.refuse(f"{refusal} {_PHASES[self.phase]}")
+            self.refuse(refusal.format(phase=refusals.PHASES[self.phase]))
 
     def _problem_of_time(self, time, step):
         """Why no step can be done now, or None; a communication point where no step ended is reported once."""
         if self.phase != STEPPING:
-            return f"a step cannot be done {_PHASES[self.phase]}"
+            return refusals.NO_STEP_NOW.format(phase=refusals.PHASES[self.phase])
         if time == self.time:
             return None
         if not isfinite(time):
-            return f"the communication point is {time}; it must be a finite number"
+            return refusals.TIME_NOT_FINITE.format(time=time)
         if abs(time - self.time) > 1e-3 * abs(step) + 1e-9 * abs(time) and not self._warned_of_time:
             self._warned_of_time = True
-            from_there = f"the last step ended at {self.time} s; {self.subject} goes on from there"
-            self.say(f"the communication point is {time} s, {from_there}", WARNING)
+            self.say(refusals.TIME_JUMPS.format(time=time, end=self.time), WARNING)
         return None
 
     # --- values
@@ -191,7 +188,7 @@ class BaseSlave(Fmi2Slave):
     def _get(self, vrs, allowed):
         if not allowed.issuperset(vrs):
             unknown = [reference for reference in vrs if reference not in allowed]
-            self.refuse(f"value references {unknown} cannot be read: they are no variables of this type")
+            self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown[0]))
             return [0.0 if reference in unknown else self.values[reference] for reference in vrs]
         if self.phase == INITIALIZING and not self.outputs.isdisjoint(vrs):
             problem = self.start()
@@ -203,12 +200,10 @@ class BaseSlave(Fmi2Slave):
     def _set_parameters(self, vrs, values, allowed):
         for reference, value in zip(vrs, values, strict=True):
             if reference not in allowed or reference in self.outputs:
-                self.refuse(
-                    f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
-                )
+                self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, value=repr(value)))
             elif reference not in self._inputs and self.phase >= STEPPING:
                 name = self._by_reference[reference].name
-                self.refuse(f"{name} cannot be set to {value!r} now; it is fixed when the initialization ends")
+                self.refuse(refusals.IS_FIXED.format(name=name, value=value))
             else:
                 self.values[reference] = value
 
@@ -223,7 +218,7 @@ class BaseSlave(Fmi2Slave):
         try:
             self.state_from_bytes(blob)
         except ValueError as problem:
-            self.refuse(f"the FMU state that was set {problem}; the state of before is kept")
+            self.refuse(refusals.STATE_REFUSED.format(problem=problem))
             return
         self._refusal = None
 

@@ -37,12 +37,10 @@ def complete(root, table, references):
     for name in ("ModelVariables", "ModelStructure"):
         root.remove(root.find(name))
     place = list(root).index(root.find("CoSimulation")) + 1
-    root.insert(place, _units(table))
-    root.insert(place + 1, _types(table))
-    listed = SubElement(root, "ModelVariables")
-    for variable, reference in zip(table, references, strict=True):
-        listed.append(_variable(variable, reference))
-    root.append(_structure(table))
+    root.insert(place, units(table))
+    root.insert(place + 1, types(table))
+    root.append(variables(table, references))
+    root.append(structure(table))
 
 
 def number(value):
@@ -50,7 +48,16 @@ def number(value):
     return repr(int(value)) if float(value).is_integer() and abs(value) < 1e15 else repr(float(value))
 
 
-def _units(table):
+def variables(table, references):
+    """ModelVariables of a table of variables with these value references."""
+    element = Element("ModelVariables")
+    for variable, reference in zip(table, references, strict=True):
+        element.append(_variable(variable, reference))
+    return element
+
+
+def units(table):
+    """UnitDefinitions of what a table of variables needs."""
     element = Element("UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
@@ -61,7 +68,8 @@ def _units(table):
     return element
 
 
-def _types(table):
+def types(table):
+    """TypeDefinitions: the enumerations of a table of variables."""
     element = Element("TypeDefinitions")
     for variable in table:
         if variable.kind == "Enumeration":
@@ -72,7 +80,8 @@ def _types(table):
     return element
 
 
-def _variability(variable):
+def variability(variable):
+    """Variability of a variable: outputs change in steps, those that count are discrete."""
     if variable.causality == "parameter":
         return "fixed"
     return "continuous" if variable.kind == "Real" else "discrete"
@@ -84,7 +93,7 @@ def _variable(variable, reference):
         "valueReference": str(reference),
         "description": variable.quantity.meaning,
         "causality": variable.causality,
-        "variability": _variability(variable),
+        "variability": variability(variable),
     }
     if variable.causality in INITIAL:
         attributes["initial"] = INITIAL[variable.causality]
@@ -107,7 +116,8 @@ def _variable(variable, reference):
     return scalar
 
 
-def _structure(table):
+def structure(table):
+    """ModelStructure of a table of variables: its outputs, and what they depend on when initialization ends."""
     element = Element("ModelStructure")
     outputs = SubElement(element, "Outputs")
     unknowns = SubElement(element, "InitialUnknowns")

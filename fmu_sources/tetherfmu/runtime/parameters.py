@@ -12,6 +12,12 @@ from .quantities import check, documented, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
 OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
+ROUGHNESS_TOO_LARGE = (
+    "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
+)
+SEGMENTS_TOO_SHORT = (
+    f"initial_length is {{length!r}} m for {{segments}} segments; it must be at least {at.MIN_SEGMENT_LENGTH} m for each"
+)
 
 
 @documented
@@ -85,10 +91,8 @@ class Environment:
     def __post_init__(self):
         check(self)
         if self.wind_profile in (at.LOGARITHMIC, at.EXPLOG) and self.surface_roughness >= self.wind_reference_height:
-            raise ValueError(
-                f"surface_roughness is {self.surface_roughness!r}; it must be less than wind_reference_height "
-                f"({self.wind_reference_height!r} m) for this wind_profile"
-            )
+            roughness, height = self.surface_roughness, self.wind_reference_height
+            raise ValueError(ROUGHNESS_TOO_LARGE.format(roughness=roughness, height=height))
 
 
 @documented
@@ -156,10 +160,7 @@ def check_series(tethers):
         raise ValueError(f"segments is {n} in all; it must be at most {at.MAX_SEGMENTS}")
     for tether in tethers:
         if tether.initial_length / tether.segments < at.MIN_SEGMENT_LENGTH:
-            raise ValueError(
-                f"initial_length is {tether.initial_length!r} m for {tether.segments} segments; it must be at least "
-                f"{at.MIN_SEGMENT_LENGTH} m for each"
-            )
+            raise ValueError(SEGMENTS_TOO_SHORT.format(length=tether.initial_length, segments=tether.segments))
 
 
 def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(False, False)):

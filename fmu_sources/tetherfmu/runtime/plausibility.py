@@ -10,6 +10,7 @@ LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
 FASTEST = 340.0  # an end [m/s]: about the speed of sound at the ground
 JUDGED_WAY = 0.5  # of an end on which its positions and velocities are compared [m]: far above noise of millimetres
 LARGEST_RESIDUE = 0.5  # part of this way that the velocities may leave unexplained [-]; it is 1 if they are 0
+STATE_IMPOSSIBLE = "has numbers that no tether has"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(
     at.WARNING_KINDS
@@ -39,11 +40,16 @@ SENTENCES = {
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
 
 
+def facts(kind):
+    """What the sentence of a kind says whatever the value is."""
+    return {"end": _END.get(kind, "kite"), "allowed": 100.0 * (LARGEST_STRETCH - 1.0)}
+
+
 def kinds(state):
     """What was implausible since the start of a state, as a set of bits; ValueError if no state holds such a number."""
     noted = state[at.WARNINGS]
     if not (0.0 <= noted < 1 << at.WARNING_KINDS and noted == int(noted)):
-        raise ValueError("has numbers that no tether has")
+        raise ValueError(STATE_IMPOSSIBLE)
     return int(noted)
 
 
@@ -52,11 +58,10 @@ def sentences(state, told=0):
     new = kinds(state) & ~told
     return [
         sentence.format(
-            end=_END.get(kind, "kite"),
+            **facts(kind),
             value=state[at.WARNED_VALUES + kind],
             percent=100.0 * state[at.WARNED_VALUES + kind],
             strain=100.0 * (state[at.WARNED_VALUES + kind] - 1.0),
-            allowed=100.0 * (LARGEST_STRETCH - 1.0),
         )
         for kind, sentence in SENTENCES.items()
         if new >> kind & 1

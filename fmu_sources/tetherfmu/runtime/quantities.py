@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field, fields
 from math import inf, isfinite
 
+OUT_OF_RANGE = "{name} is {value!r}; it must be {range}"
+NOT_WHOLE = "{name} is {value!r}; it must be a whole number"
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -40,7 +43,7 @@ class Quantity:
 def checked(name, value, quantity):
     """The value, or ValueError that names the variable, the value and what is allowed."""
     if not quantity.allows(value):
-        raise ValueError(f"{name} is {value!r}; it must be {quantity.range()}")
+        raise ValueError(OUT_OF_RANGE.format(name=name, value=value, range=quantity.range()))
     return value
 
 
@@ -76,4 +79,4 @@ def check(record):
         checked(name, value, declared)
         whole = declared.choices or isinstance(record.__dataclass_fields__[name].default, int)
         if whole and int(value) != value:
-            raise ValueError(f"{name} is {value!r}; it must be a whole number")
+            raise ValueError(NOT_WHOLE.format(name=name, value=value))

@@ -6,6 +6,7 @@ from array import array
 from typing import NamedTuple
 
 from . import layout as at
+from .refusals import NO_STATE, STATE_DAMAGED, STATE_OF_ANOTHER
 
 MAGIC = b"tether04"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
@@ -39,13 +40,13 @@ def from_bytes(blob, variant, count, state_size=at.state_size):
     """
     smallest = HEADER.size + FACTS.size
     if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(MAGIC):
-        raise ValueError("is no state of a tether, or of another version")
+        raise ValueError(NO_STATE)
     _, length, checksum = HEADER.unpack_from(blob)
     if length != len(blob) - HEADER.size or zlib.crc32(blob[HEADER.size :]) != checksum:
-        raise ValueError("is damaged")
+        raise ValueError(STATE_DAMAGED)
     name, phase, segments, tolerance, time = FACTS.unpack_from(blob, HEADER.size)
     numbers = count + (state_size(segments) if phase >= STEPPING else 0)
     if name.rstrip(b"\0") != variant.encode() or phase > TERMINATED or len(blob) != smallest + 8 * numbers:
-        raise ValueError("belongs to another tether FMU")
+        raise ValueError(STATE_OF_ANOTHER)
     doubles = array("d", blob[smallest:])
     return SavedState(variant, phase, segments, tolerance, time, doubles[:count], doubles[count:])

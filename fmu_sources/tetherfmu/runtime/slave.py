@@ -3,7 +3,7 @@
 from array import array
 from pathlib import Path
 
-from . import layout, saved_state, status, variables
+from . import layout, refusals, saved_state, status, variables
 from .base_slave import WARNING, BaseSlave
 from .instance import OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
@@ -19,7 +19,6 @@ class TetherSlave(BaseSlave):
     """A tether as a PythonFMU slave. A variant is a subclass that sets `variant` and `description`."""
 
     variant = None
-    subject = "the tether"
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -56,7 +55,7 @@ class TetherSlave(BaseSlave):
         if 0.0 < tolerance <= LOOSEST_TOLERANCE:
             self._importer_tolerance = tolerance
         else:
-            self.say(f"the importer's tolerance {tolerance} is not used; allowed is up to {LOOSEST_TOLERANCE}", WARNING)
+            self.say(refusals.TOLERANCE_NOT_USED.format(tolerance=tolerance, largest=LOOSEST_TOLERANCE), WARNING)
 
     # --- the tether
 
@@ -129,7 +128,8 @@ class TetherSlave(BaseSlave):
         for reference, variable in zip(self.references, self.table, strict=True):
             value = saved.values[reference]
             if variable.kind != "Real" and reference not in self.outputs and not abs(value) <= layout.LARGEST_INTEGER:
-                raise ValueError(f"has a wrong parameter ({variable.name} is {value}; it must be an integer)")
+                problem = refusals.NO_INTEGER.format(name=variable.name, value=value)
+                raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=problem))
         records = self._records_of_state(saved) if saved.phase >= STEPPING else None
         self.phase, self._importer_tolerance, self.time = saved.phase, saved.tolerance, saved.time
         instance = self._instance
@@ -142,7 +142,7 @@ class TetherSlave(BaseSlave):
             instance.set_up(*records, tolerance=saved.tolerance)
             instance.take(saved.state)
             if instance.observe() != status.OK:
-                raise ValueError("has numbers that no tether has")
+                raise ValueError(refusals.STATE_IMPOSSIBLE)
             self._read_free_kite()
 
     def _records_of_state(self, saved):
@@ -153,7 +153,7 @@ class TetherSlave(BaseSlave):
             records = self._records(saved.values)
             check_series(records[0])
         except (ValueError, OverflowError) as error:
-            raise ValueError(f"has a wrong parameter ({error})") from None
+            raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=error)) from None
         if records[0][0].segments != saved.segments:
-            raise ValueError("is damaged")
+            raise ValueError(refusals.STATE_DAMAGED)
         return records

@@ -48,6 +48,8 @@ SENTENCES = {
     ),
 }
 
+LIMITS = {"largest": at.LARGEST_INPUT, "longest": at.LONGEST_STEP, "shortest": at.MIN_SEGMENT_LENGTH}  # in the sentences
+
 
 def code(status):
     """Code [-] of a kernel's return value."""
@@ -61,6 +63,4 @@ def index(status):
 
 def sentence(status, **facts):
     """What a status says, with the facts that its sentence asks for."""
-    return SENTENCES[code(status)].format(
-        largest=at.LARGEST_INPUT, longest=at.LONGEST_STEP, shortest=at.MIN_SEGMENT_LENGTH, **facts
-    )
+    return SENTENCES[code(status)].format(**LIMITS, **facts)

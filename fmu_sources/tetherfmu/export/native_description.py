@@ -1,0 +1,71 @@
+"""Model description of a native FMU for FMI 2.0: the variables of the PythonFMU slave, and what the shell is capable of."""
+
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.model_description import structure, types, units, variables
+
+from .archive import GENERATED
+from .native_tables import references
+
+CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "maxOutputDerivativeOrder": "0",
+    "canRunAsynchronuously": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "false",
+}
+CATEGORIES = {
+    "logStatusWarning": "what is implausible; it was done",
+    "logStatusDiscard": "steps that were refused; the state is that of before",
+    "logStatusError": "other calls that were refused; the state is that of before",
+}
+START, STOP, TOLERANCE = "0", "10", "1e-4"  # of the default experiment
+
+
+def text(name, about, table, shape_points, step, token):
+    """Text of modelDescription.xml.
+
+    name : of the FMU.  about : description of the model.  table : of `variables.Variable`.  step : communication step of
+    the default experiment [s].  token : the guid.
+    """
+    facts = {
+        "fmiVersion": "2.0",
+        "modelName": name,
+        "guid": token,
+        "description": about,
+        "author": "TetherFMU developers",
+        "version": __version__,
+        "license": "MIT",
+        "generationTool": f"TetherFMU {__version__}",
+        "generationDateAndTime": GENERATED,
+        "variableNamingConvention": "structured",
+    }
+    root = Element("fmiModelDescription", facts)
+    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    root.append(units(table))
+    root.append(types(table))
+    root.append(categories())
+    SubElement(root, "DefaultExperiment", startTime=START, stopTime=STOP, tolerance=TOLERANCE, stepSize=repr(step))
+    root.append(variables(table, references(table, shape_points)))
+    root.append(structure(table))
+    return as_text(root)
+
+
+def categories():
+    """LogCategories."""
+    element = Element("LogCategories")
+    for name, meaning in CATEGORIES.items():
+        SubElement(element, "Category", name=name, description=meaning)
+    return element
+
+
+def as_text(root):
+    """Text of an XML file."""
+    indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"

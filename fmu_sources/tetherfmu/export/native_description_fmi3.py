@@ -1,0 +1,129 @@
+"""Model description of a native FMU for FMI 3.0, with vectors as arrays, and its terminals."""
+
+from math import inf
+from xml.etree.ElementTree import Element, SubElement
+
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.model_description import INITIAL, UNITS, number, units, variability
+from tetherfmu.runtime.quantities import Quantity
+from tetherfmu.runtime.variables import Variable
+
+from .archive import GENERATED
+from .arrays import Array, arrays
+from .native_description import START, STOP, TOLERANCE, as_text, categories
+from .native_tables import count_of_values
+
+CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canGetAndSetFMUState": "true",
+    "canSerializeFMUState": "true",
+    "canHandleVariableCommunicationStepSize": "true",
+    "providesIntermediateUpdate": "false",
+    "mightReturnEarlyFromDoStep": "false",
+    "hasEventMode": "false",
+}
+TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
+TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
+TERMINALS = {  # vectors of an end, by their names there
+    "kite": {"position": "kite_position", "velocity": "kite_velocity", "force": "kite_force", "load": "kite_load"},
+    "ground": {"position": "ground_position", "velocity": "ground_velocity", "force": "ground_force"},
+}
+MEANINGS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
+
+
+def text(name, about, table, shape_points, step, token):
+    """Text of modelDescription.xml; the arguments are those of `native_description.text`."""
+    facts = {
+        "fmiVersion": "3.0",
+        "modelName": name,
+        "instantiationToken": token,
+        "description": about,
+        "author": "TetherFMU developers",
+        "version": __version__,
+        "license": "MIT",
+        "generationTool": f"TetherFMU {__version__}",
+        "generationDateAndTime": GENERATED,
+        "variableNamingConvention": "structured",
+    }
+    root = Element("fmiModelDescription", facts)
+    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    root.append(units((*table, TIME)))
+    root.append(_types(table))
+    root.append(categories())
+    SubElement(root, "DefaultExperiment", startTime=START, stopTime=STOP, tolerance=TOLERANCE, stepSize=repr(step))
+    listed = arrays(table, shape_points)
+    variables = SubElement(root, "ModelVariables")
+    for array in (*listed, Array(TIME.name, count_of_values(table, shape_points), (), (TIME,))):
+        variables.append(_variable(array))
+    root.append(_structure(listed))
+    return as_text(root)
+
+
+def terminals(table):
+    """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force."""
+    known = {variable.name.partition("[")[0] for variable in table}
+    root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    listed = SubElement(root, "Terminals")
+    for end, members in TERMINALS.items():
+        terminal = SubElement(listed, "Terminal", name=end, matchingRule="bus", description=MEANINGS[end])
+        for member, vector in members.items():
+            if vector in known:
+                SubElement(terminal, "TerminalMemberVariable", variableName=vector, memberName=member, variableKind="signal")
+    return as_text(root)
+
+
+def _types(table):
+    element = Element("TypeDefinitions")
+    for variable in table:
+        if variable.kind == "Enumeration":
+            enumeration = SubElement(element, "EnumerationType", name=variable.name)
+            for value, name in enumerate(variable.quantity.choices, start=1):
+                SubElement(enumeration, "Item", name=name, value=str(value))
+    return element
+
+
+def _variable(array):
+    first = array.variables[0]
+    declared = first.quantity
+    meaning = declared.meaning.removesuffix(", x").replace("point 1 of", "the") if array.dimensions else declared.meaning
+    attributes = {
+        "name": array.name,
+        "valueReference": str(array.reference),
+        "description": meaning,
+        "causality": first.causality,
+        "variability": variability(first),
+    }
+    if first.causality in INITIAL:
+        attributes["initial"] = INITIAL[first.causality]
+    if first.kind == "Enumeration":
+        attributes["declaredType"] = first.name
+    if first.kind == "Real" and declared.unit:
+        attributes |= {"quantity": UNITS[declared.unit][0], "unit": declared.unit}
+        if declared.display:
+            attributes["displayUnit"] = declared.display[0]
+        if first.causality in ("input", "output"):
+            attributes["nominal"] = repr(UNITS[declared.unit][2])
+    for name, value in (("min", declared.minimum), ("max", declared.maximum)):
+        if abs(value) < inf:
+            attributes[name] = number(value)
+    if first.start is not None:
+        attributes["start"] = " ".join(number(variable.start) for variable in array.variables)
+    element = Element(TYPES[first.kind], attributes)
+    for size in array.dimensions:
+        SubElement(element, "Dimension", start=str(size))
+    return element
+
+
+def _structure(listed):
+    """ModelStructure: outputs, and what they depend on when initialization ends: an array on what its elements do."""
+    element = Element("ModelStructure")
+    references = {variable.name: array.reference for array in listed for variable in array.variables}
+    outputs = [array for array in listed if array.variables[0].causality == "output"]
+    for array in outputs:
+        SubElement(element, "Output", valueReference=str(array.reference), dependencies="")
+    for array in outputs:
+        places = sorted({references[name] for variable in array.variables for name in variable.depends_on})
+        dependencies = " ".join(map(str, places))
+        SubElement(element, "InitialUnknown", valueReference=str(array.reference), dependencies=dependencies)
+    return element

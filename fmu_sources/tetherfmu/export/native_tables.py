@@ -1,0 +1,169 @@
+"""The tables of a native FMU as a C header, made from the declarations that the PythonFMU slave runs with.
+
+Places in the flat arrays, variables, parameters with their ranges, sentences: `runtime/native/tether.h` includes the result.
+"""
+
+import re
+from math import pi
+
+from tetherfmu.runtime import layout, parameters, plausibility, quantities, refusals, saved_state, status
+from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER
+from tetherfmu.runtime.variants import FREE, WITHOUT_DAMPING, WITHOUT_NODES, library_of
+
+KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
+INDEPENDENT = 64  # the time
+_SIZES = ("parameters_size", "state_size", "work_size")  # linear in the number of segments
+
+
+def c_text(text):
+    """A text as a C string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def references(table, shape_points):
+    """Value references of the variables of a table: their places in the array of all values."""
+    first = {"input": 0, "output": 0, "parameter": layout.INPUTS + layout.outputs_size(shape_points)}
+    return [first[variable.causality] + variable.place for variable in table]
+
+
+def count_of_values(table, shape_points):
+    """Number of all values: inputs, outputs, parameters."""
+    parameters = sum(variable.causality == PARAMETER for variable in table)
+    return layout.INPUTS + layout.outputs_size(shape_points) + parameters
+
+
+def header(variant, table, shape_points, token, widths=None):
+    """Text of `tables.h` for one FMU.
+
+    table : of `variables.Variable`.  token : guid of FMI 2, instantiation token of FMI 3.
+    widths : of FMI 3, which has arrays and the time: dict of value reference to number of values; None for FMI 2.
+    """
+    return "\n".join(
+        [
+            "/* Made by export/native_tables.py. */",
+            "#ifndef TABLES_H",
+            "#define TABLES_H",
+            *_constants(variant, token),
+            *_sizes(table, shape_points),
+            *_parameters(table),
+            *_variables(table, shape_points, widths),
+            *_sentences(),
+            "#endif",
+            "",
+        ]
+    )
+
+
+def _enumerated(numbers):
+    return "enum { " + ", ".join(f"{name} = {value}" for name, value in numbers.items()) + " };"
+
+
+def _texts(name, texts):
+    return f"static const char *const {name}[] = {{\n    " + ",\n    ".join(map(c_text, texts)) + "};"
+
+
+def _constants(variant, token):
+    """Names of the layout with AT_ in front, and what this variant is."""
+    places = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, int)}
+    fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
+    defined = {
+        **fractions,
+        "PI": pi,
+        "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
+        "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
+        "FREE_KITE": int(variant in FREE),
+        "WITHOUT_NODES": int(variant in WITHOUT_NODES),
+        "WITHOUT_DAMPING": int(variant in WITHOUT_DAMPING),
+        "VARIANT": c_text(variant),
+        "MAGIC": c_text(saved_state.MAGIC.decode()),
+        "TOKEN": c_text(token),
+        "KERNEL(verb)": f"{library_of(variant)}_##verb",
+    }
+    phases = ("BEFORE", "INITIALIZING", "STEPPING", "TERMINATED")
+    kinds = {name.upper() if name != "parameter" else "PARAMETER_KIND": bit for name, bit in KINDS.items()}
+    return [
+        _enumerated(places),
+        *(f"#define {name} {value}" for name, value in defined.items()),
+        f"typedef {_enumerated({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
+        _enumerated({**kinds, "INDEPENDENT": INDEPENDENT}),
+    ]
+
+
+def _sizes(table, shape_points):
+    """Sizes of the arrays; the linear ones are macros of the number of segments."""
+    parameters_at = layout.INPUTS + layout.outputs_size(shape_points)
+    count = sum(variable.causality == PARAMETER for variable in table)
+    values = count_of_values(table, shape_points)
+    sizes = {"OUTPUTS_AT": layout.INPUTS, "PARAMETERS_AT": parameters_at, "PARAMETERS": count, "SHAPE_POINTS": shape_points}
+    lines = [_enumerated({**sizes, "VALUES": values, "TIME": values})]
+    for name in _SIZES:
+        base = getattr(layout, name)(0)
+        slope = getattr(layout, name)(1) - base
+        lines.append(f"#define {name.upper()}(segments) ({base} + {slope} * (size_t)(segments))")
+    return lines
+
+
+def _parameters(table):
+    """Numbers of the parameters, what is allowed, and where the scalars among them stand in the `parameters` array."""
+    listed = [variable for variable in table if variable.causality == PARAMETER]
+    first = [each for each in listed if not each.name.endswith(("[2]", "[3]"))]
+    numbers = {each.name.removesuffix("[1]").upper(): each.place for each in first}
+    rows = []
+    for each in listed:
+        declared, place = each.quantity, getattr(layout, each.name.upper(), -1)
+        limits = (1, len(declared.choices)) if declared.choices else (declared.minimum, declared.maximum)
+        numbers_of_row = f"{KINDS[each.kind]}, {place}, {limits[0]!r}, {limits[1]!r}"
+        rows.append(f"    {{{c_text(each.name)}, {c_text(declared.range())}, {numbers_of_row}}}")
+    return [
+        _enumerated(numbers),
+        "typedef struct { const char *name, *range; int kind, place; double minimum, maximum; } Parameter;",
+        "static const Parameter PARAMETER[] = {\n" + ",\n".join(rows) + "};",
+    ]
+
+
+def _variables(table, shape_points, widths):
+    """Kind, width and start value by value reference; last the time."""
+    at = references(table, shape_points)
+    count = count_of_values(table, shape_points)
+    kinds, starts = [0] * count, [0.0] * count
+    for reference, variable in zip(at, table, strict=True):
+        starts[reference] = float(variable.start or 0.0)
+        if widths is None or reference in widths:
+            kinds[reference] = KINDS[variable.kind] | KINDS[variable.causality]
+    wide = [(widths or {}).get(reference, 1) for reference in range(count)]
+    return [
+        _numbers("unsigned char KIND", [*kinds, 0 if widths is None else KINDS["Real"] | INDEPENDENT]),
+        _numbers("unsigned short WIDTH", [*wide, 1]),
+        _numbers("double START", starts),
+    ]
+
+
+def _numbers(name, numbers):
+    lines = [", ".join(map(repr, numbers[i : i + 12])) for i in range(0, len(numbers), 12)]
+    return f"static const {name}[] = {{\n    " + ",\n    ".join(lines) + "};"
+
+
+def _with(sentence, known):
+    """A sentence with the numbers that are known now; `!r` of Python is how the C code writes numbers anyway."""
+
+    def filled(match):
+        return match[0].format(**known) if match[1] in known else match[0]
+
+    return re.sub(r"\{(\w+)[^}]*\}", filled, sentence).replace("!r}", "}")
+
+
+def _sentences():
+    """What an FMU says; {name} and {name:format} are filled in by messages.c."""
+    own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
+    own |= {name: getattr(quantities, name) for name in ("OUT_OF_RANGE", "NOT_WHOLE")}
+    own |= {name: getattr(parameters, name) for name in ("ROUGHNESS_TOO_LARGE", "SEGMENTS_TOO_SHORT")}
+    kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]
+    warnings = [_with(plausibility.SENTENCES[kind], plausibility.facts(kind)) for kind in sorted(plausibility.SENTENCES)]
+    return [
+        *(f"#define {name} {c_text(_with(sentence, {}))}" for name, sentence in own.items()),
+        _texts("KERNEL_SENTENCE", kernel),
+        _texts("WARNING_SENTENCE", warnings),
+        _texts("PHASE", refusals.PHASES),
+        _texts("INPUT_NAME", [INPUT_NAMES[place] for place in range(layout.INPUTS)]),
+    ]

@@ -1,0 +1,129 @@
+/* The arrays of the kernels: parameters checked and packed, with the rules and the arithmetic of parameters.py. */
+#include "tether.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int32_t KERNEL(observe)(int64_t, const double *, const double *, int64_t, double *, double *);
+
+static double parameter(const double *values, int number)
+{
+    return values[PARAMETERS_AT + number];
+}
+
+/* Number of segments as the variant knows it, see `variants.effective`. */
+static int64_t effective_segments(const double *values)
+{
+    return WITHOUT_NODES ? 1 : (int64_t)parameter(values, SEGMENTS);
+}
+
+static bool allows(const Parameter *declared, double value)
+{
+    if (declared->kind == ENUMERATION && value != floor(value)) return false;
+    return is_finite(value) && declared->minimum <= value && value <= declared->maximum;
+}
+
+static bool check_one(const Parameter *declared, double value, char *problem)
+{
+    bool is_whole = declared->kind != REAL && is_finite(value) && value == floor(value);
+    Fact fact = is_whole ? whole("value", value) : real("value", value);
+    if (!allows(declared, value)) {
+        fill_in(problem, LONGEST_TEXT, OUT_OF_RANGE, FACTS(word("name", declared->name), fact, word("range", declared->range)));
+        return false;
+    }
+    if (declared->kind != REAL && !is_whole) {
+        fill_in(problem, LONGEST_TEXT, NOT_WHOLE, FACTS(word("name", declared->name), fact));
+        return false;
+    }
+    return true;
+}
+
+/* Whether all parameters are allowed, alone and together; if not, `problem` (of LONGEST_TEXT bytes) says what is wrong. */
+bool check_parameters(const double *values, char *problem)
+{
+    for (int i = 0; i < PARAMETERS; i++)
+        if (!check_one(&PARAMETER[i], parameter(values, i), problem)) return false;
+    double profile = parameter(values, WIND_PROFILE), roughness = parameter(values, SURFACE_ROUGHNESS);
+    double height = parameter(values, WIND_REFERENCE_HEIGHT), length = parameter(values, INITIAL_LENGTH);
+    if ((profile == AT_LOGARITHMIC || profile == AT_EXPLOG) && roughness >= height) {
+        fill_in(problem, LONGEST_TEXT, ROUGHNESS_TOO_LARGE, FACTS(real("roughness", roughness), real("height", height)));
+        return false;
+    }
+    double segments = (double)effective_segments(values);
+    if (length / segments < AT_MIN_SEGMENT_LENGTH) {
+        fill_in(problem, LONGEST_TEXT, SEGMENTS_TOO_SHORT, FACTS(real("length", length), whole("segments", segments)));
+        return false;
+    }
+    return true;
+}
+
+/* Relative tolerance of the solver [-]. */
+static double tolerance_of(const double *values, double importer_tolerance)
+{
+    double own = parameter(values, RELATIVE_TOLERANCE);
+    return own != 0.0 ? own : importer_tolerance != 0.0 ? importer_tolerance : DEFAULT_TOLERANCE;
+}
+
+static void fill(double *parameters, int64_t n, int property, double value)
+{
+    for (int64_t s = 0; s < n; s++) parameters[AT_PARAMETER_SCALARS + property * n + s] = value;
+}
+
+/* The `parameters` array of a uniform tether, with the arithmetic of `parameters.pack`. */
+static void pack(double *flat, int64_t n, const double *values, double tolerance)
+{
+    for (int i = 0; i < PARAMETERS; i++)
+        if (PARAMETER[i].place >= 0) flat[PARAMETER[i].place] = parameter(values, i);
+    double length = parameter(values, INITIAL_LENGTH), diameter = parameter(values, DIAMETER);
+    flat[AT_RELATIVE_TOLERANCE] = tolerance;
+    flat[AT_KITE_IS_FREE] = FREE_KITE;
+    fill(flat, n, AT_SHARE, length / (double)n / length);
+    fill(flat, n, AT_STIFFNESS, parameter(values, AXIAL_STIFFNESS));
+    fill(flat, n, AT_DAMPING, WITHOUT_DAMPING ? 0.0 : parameter(values, AXIAL_DAMPING));
+    fill(flat, n, AT_LINE_DENSITY, parameter(values, DENSITY) * PI * pow(diameter, 2.0) / 4.0);
+    fill(flat, n, AT_DRAG_WIDTH, parameter(values, DRAG_COEFFICIENT) * diameter);
+#if FREE_KITE
+    flat[AT_PARAMETER_SCALARS + AT_SEGMENT_PROPERTIES * n + n] = parameter(values, KITE_MASS);
+#endif
+}
+
+/* The arrays for values whose parameters `check_parameters` allows, in one block; NULL without memory. */
+Chain *make_chain(const double *values, double importer_tolerance)
+{
+    int64_t n = effective_segments(values);
+    size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = WORK_SIZE(n);
+    Chain *chain = calloc(1, sizeof *chain + (parameters + 2 * state + work + VALUES) * sizeof(double));
+    if (!chain) return NULL;
+    chain->segments = n;
+    chain->parameters = (double *)(chain + 1);
+    chain->state = chain->parameters + parameters;
+    chain->before = chain->state + state;
+    chain->work = chain->before + state;
+    chain->values = chain->work + work;
+    memcpy(chain->values, values, VALUES * sizeof(double));
+    pack(chain->parameters, n, values, tolerance_of(values, importer_tolerance));
+    return chain;
+}
+
+void free_chain(Chain *chain)
+{
+    free(chain);
+}
+
+/* Outputs in `values` that belong to the state; returns the kernel's status. */
+int32_t observe(const Chain *chain, double *values)
+{
+    return KERNEL(observe)(
+        chain->segments, chain->parameters, chain->state, SHAPE_POINTS, values + OUTPUTS_AT, chain->work);
+}
+
+/* Motion of a free kite end, which stands in `values` where a driven one has its inputs. */
+void read_free_kite(const Chain *chain, double *values)
+{
+    if (!FREE_KITE) return;
+    const double *velocity = chain->state + STATE_SIZE(chain->segments) - 3;
+    const double *position = velocity - 3 * (chain->segments + 1);
+    memcpy(values + AT_KITE_POSITION, position, 3 * sizeof(double));
+    memcpy(values + AT_KITE_VELOCITY, velocity, 3 * sizeof(double));
+}

@@ -1,0 +1,140 @@
+/* Sentences with {names} or {names:format} that are filled in, numbers as Python writes them. */
+#include "tether.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* `snprintf`, which the Universal C Runtime of Windows has under another name only. */
+static int print(char *text, size_t room, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+#ifdef _WIN32
+    int length = __stdio_common_vsprintf(2, text, room, format, NULL, arguments); /* 2: as the C standard says */
+#else
+    int length = vsnprintf(text, room, format, arguments);
+#endif
+    va_end(arguments);
+    return length;
+}
+
+Fact real(const char *key, double number)
+{
+    return (Fact){key, NULL, number, false};
+}
+
+Fact whole(const char *key, double number)
+{
+    return (Fact){key, NULL, number, true};
+}
+
+Fact word(const char *key, const char *text)
+{
+    return (Fact){key, text, 0.0, false};
+}
+
+typedef struct {
+    char *next, *last;
+} Writer;
+
+static void put(Writer *writer, char character)
+{
+    if (writer->next < writer->last) *writer->next++ = character;
+}
+
+static void put_text(Writer *writer, const char *text)
+{
+    while (*text) put(writer, *text++);
+}
+
+/* Shortest decimal digits that read back to a positive finite number; returns its decimal exponent. */
+static int shortest_digits(double number, char *digits)
+{
+    char text[32];
+    for (int precision = 0; precision < 17; precision++) {
+        print(text, sizeof text, "%.*e", precision, number);
+        if (strtod(text, NULL) == number) break;
+    }
+    const char *exponent = strchr(text, 'e');
+    for (const char *each = text; each < exponent; each++)
+        if (*each >= '0' && *each <= '9') *digits++ = *each; /* whatever the decimal point of the locale is */
+    *digits = '\0';
+    return (int)strtol(exponent + 1, NULL, 10);
+}
+
+/* A number as Python's `repr` writes it. */
+static void put_real(Writer *writer, double number)
+{
+    char digits[32], power[16];
+    if (number != number) {
+        put_text(writer, "nan");
+        return;
+    }
+    if (copysign(1.0, number) < 0.0) put(writer, '-');
+    if (!is_finite(number)) {
+        put_text(writer, "inf");
+        return;
+    }
+    int exponent = shortest_digits(fabs(number), digits), count = (int)strlen(digits);
+    bool fixed = -4 <= exponent && exponent < 16;
+    int before_point = fixed ? exponent + 1 : 1;
+    if (before_point < 1) put(writer, '0');
+    for (int i = 0; i < before_point; i++) put(writer, i < count ? digits[i] : '0');
+    if (fixed || count > 1) put(writer, '.');
+    for (int i = before_point; i < 0; i++) put(writer, '0');
+    put_text(writer, before_point >= count ? (fixed ? "0" : "") : digits + (before_point > 0 ? before_point : 0));
+    if (!fixed) {
+        print(power, sizeof power, "e%+03d", exponent);
+        put_text(writer, power);
+    }
+}
+
+static void put_fact(Writer *writer, const Fact *fact, const char *format, size_t length)
+{
+    char text[64], pattern[16] = "%";
+    if (fact->text) {
+        put_text(writer, fact->text);
+    } else if (length > 0 && length < sizeof pattern - 1) {
+        memcpy(pattern + 1, format, length);
+        print(text, sizeof text, pattern, fact->number);
+        put_text(writer, text);
+    } else if (fact->whole) {
+        print(text, sizeof text, "%.0f", fact->number);
+        put_text(writer, text);
+    } else {
+        put_real(writer, fact->number);
+    }
+}
+
+/* Write a sentence into `text`; `facts` ends with one without a key. What does not fit is cut off. */
+void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
+{
+    Writer writer = {text, text + room - 1};
+    while (*sentence) {
+        if (*sentence != '{') {
+            put(&writer, *sentence++);
+            continue;
+        }
+        size_t length = strcspn(++sentence, "}"), key = strcspn(sentence, ":}");
+        const Fact *fact = facts;
+        while (fact && fact->key && (strlen(fact->key) != key || memcmp(fact->key, sentence, key))) fact++;
+        if (fact && fact->key) put_fact(&writer, fact, sentence + key + 1, key < length ? length - key - 1 : 0);
+        sentence += length + (sentence[length] == '}');
+    }
+    *writer.next = '\0';
+}
+
+/* Pass a sentence to the importer, with the name of the call in front; returns the status. */
+Status say(const Tether *tether, Status status, const char *sentence, const Fact *facts)
+{
+    char text[LONGEST_TEXT];
+    size_t length = strlen(tether->call);
+    memcpy(text, tether->call, length); /* the name of an FMI function is short */
+    memcpy(text + length, ": ", 2);
+    fill_in(text + length + 2, sizeof text - length - 2, sentence, facts);
+    if (tether->importer_log) tether->log(tether, status, text);
+    return status;
+}

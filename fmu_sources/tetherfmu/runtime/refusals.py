@@ -1,0 +1,40 @@
+"""Sentences of an FMU on calls that it refuses or warns of; what the kernels say is in `status.py` and `plausibility.py`.
+
+The PythonFMU slave fills them in with `str.format`, the native one with the same names (`native/messages.c`).
+"""
+
+from .plausibility import STATE_IMPOSSIBLE  # noqa: F401
+
+PHASES = ("before the initialization", "in initialization mode", "after the initialization", "after the termination")
+
+CANNOT_BE_SET_UP = "the experiment cannot be set up {phase}"
+CANNOT_BE_ENTERED = "initialization mode cannot be entered {phase}"
+CANNOT_BE_LEFT = "initialization mode cannot be left {phase}"
+CANNOT_BE_TERMINATED = "the FMU cannot be terminated {phase}"
+NO_STEP_NOW = "a step cannot be done {phase}"
+TOLERANCE_NOT_USED = "the importer's tolerance {tolerance} is not used; allowed is up to {largest}"
+TIME_NOT_FINITE = "the communication point is {time}; it must be a finite number"
+TIME_JUMPS = "the communication point is {time} s, the last step ended at {end} s; the FMU goes on from there"
+PAST_THE_END = "a step of {step} s from {time} s would go beyond the stop time of {stop} s"
+
+CANNOT_BE_READ = "value reference {reference} cannot be read: it is no variable of this type"
+CANNOT_BE_SET = "value reference {reference} cannot be set to {value}: it is no input or parameter of this type"
+IS_FIXED = "{name} cannot be set to {value} now; it is fixed when the initialization ends"
+
+STATE_REFUSED = "the FMU state that was set {problem}; the state of before is kept"
+NO_STATE = "is no state of a tether, or of another version"
+STATE_DAMAGED = "is damaged"
+STATE_OF_ANOTHER = "belongs to another tether FMU"
+STATE_WRONG_PARAMETER = "has a wrong parameter ({problem})"
+NO_INTEGER = "{name} is {value}; it must be an integer"
+
+# of the native FMU only: PythonFMU's library lets no slave answer these
+IS_NULL = "the argument {argument} is NULL"
+WRONG_TOKEN = "the guid or token is {token}; that of this FMU is {expected}"
+NO_CO_SIMULATION = "this FMU is for co-simulation only"
+NOT_OFFERED = "this FMU does not offer that; see the capability flags of its model description"
+NO_SUCH_CATEGORY = "no log category is called {category}"
+WRONG_COUNT = "{count} values were passed for variables that have {needed}"
+NO_FMU_STATE = "this is no FMU state of this FMU"
+SHORT_BUFFER = "the buffer has {count} bytes; the state has {needed}"
+NO_MEMORY = "there is not enough memory"

@@ -1,0 +1,74 @@
+"""What the tests of native FMUs do with an FMU; each function runs in a process of its own."""
+
+from contextlib import suppress
+
+from fmpy.fmi1 import FMICallException
+
+from runtime.host import Host
+from runtime.test_rollback import blob_of, fly, restore, started
+
+STEP, GAIN, HOME = 0.02, 40.0, (300.0, 0.0, 420.0)  # [s], [N/m], [m]
+
+
+def closed_loop(path, steps):
+    """A free kite that a load pulls home, as the kite's position says: all outputs after each step."""
+    host = Host(path).start()
+    rows = []
+    for _ in range(steps):
+        host.step(STEP, kite_load=[GAIN * (home - here) for home, here in zip(HOME, host.get("kite_position"), strict=True)])
+        rows.append(host.all_outputs())
+    return rows
+
+
+def first_half(path):
+    """A flight up to its half: the state there, and the outputs of the second half."""
+    host = started(path)
+    fly(host, 0, 20)
+    blob = blob_of(host)
+    return blob, fly(host, 20, 40)
+
+
+def second_half(path, blob):
+    """The second half from a state that another FMU has saved; the state before it, and its outputs."""
+    host = Host(path)
+    restore(host, blob)
+    return blob_of(host), fly(host, 20, 40)
+
+
+MISUSES = (  # start values, values of a step, its size
+    ({"segments": 0}, {}, STEP),
+    ({"segments": 301}, {}, STEP),
+    ({"diameter": -0.004}, {}, STEP),
+    ({"density": 1e-320}, {}, STEP),
+    ({"axial_stiffness": 1.2345678901234567e300}, {}, STEP),
+    ({"damping_law": 3}, {}, STEP),
+    ({"initial_length": 0.1}, {}, STEP),
+    ({"wind_profile": 3, "surface_roughness": 10.1}, {}, STEP),
+    ({"relative_tolerance": 0.1 + 1e-16}, {"reel_out_speed": 1e16}, STEP),
+    ({"gravity": 123456789012345680.0}, {}, STEP),
+    ({}, {"wind_velocity[1]": float("nan")}, STEP),
+    ({}, {"ground_position[2]": -float("inf")}, STEP),
+    ({}, {"ground_velocity[3]": 1.0000000000000002e9}, STEP),
+    ({}, {}, 0.0),
+    ({}, {}, -0.1 - 0.2),
+    ({}, {}, 1e22),
+    ({}, {"reel_out_speed": -505.0}, 1.0),
+    ({"fixed_step": 1e-5}, {}, 1e5),
+    ({"initial_length": 100.0}, {}, STEP),
+    ({"initial_length": 123.456}, {"ground_velocity[1]": 5e5}, STEP),
+)
+
+
+def said(path):
+    """What is said to each of the misuses, without the name of the instance or of the call in front.
+
+    Without what PythonFMU's library says of its own.
+    """
+    folder, texts = Host(path).folder, []
+    for start, values, step in MISUSES:
+        host = Host(folder)
+        with suppress(FMICallException):
+            host.start(**start)
+            host.step(step, **values)
+        texts.append([text.partition(": ")[2] for text in host.messages if "PyObject" not in text])
+    return texts

@@ -1,0 +1,215 @@
+"""FMI 3: a valid description with arrays and terminals, the numbers and states of FMI 2, answers as the standard asks."""
+
+import math
+import re
+import zipfile
+from ctypes import CDLL
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi3 import FMU3Model
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from isolation import in_own_process
+from native.host3 import Host3
+from runtime.host import Host
+from scenes import circle, kite_at_start, kite_inputs
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.native import HEADERS
+
+SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
+STEP = 0.02
+every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+
+
+def read(path, file):
+    with zipfile.ZipFile(path) as archive:
+        return etree.fromstring(archive.read(file))
+
+
+def started(kind, path, **more):
+    kite = {key: list(value) for key, value in kite_at_start(path.stem, *circle(0.0)).items()}
+    return kind(path).start(initial_length=525.0, wind_velocity=[5.0, 1.0, 0.0], **kite, **more)
+
+
+def fly(host, name, begin, end):
+    for k in range(begin, end):
+        host.time = k * STEP
+        inputs = {key: list(value) for key, value in kite_inputs(name, *circle(k * STEP)).items()}
+        host.step(STEP, **inputs, reel_out_speed=0.5 * math.sin(k))
+
+
+def bytes_of(host):
+    return host.fmu.serializeFMUState(host.fmu.getFMUState())
+
+
+@every_fmu
+def test_checkers_find_no_problem(fmi3_folder, name):
+    path = fmi3_folder / f"{name}.fmu"
+    assert validate_fmu(str(path)) == []
+    for file, schema in (
+        ("modelDescription.xml", "fmi3ModelDescription.xsd"),
+        ("terminalsAndIcons/terminalsAndIcons.xml", "fmi3TerminalsAndIcons.xsd"),
+    ):
+        etree.XMLSchema(etree.parse(str(SCHEMAS / schema))).assertValid(read(path, file))
+
+
+@every_fmu
+def test_variables_are_those_of_fmi2(native_folder, fmi3_folder, name):
+    """An array has the value reference, unit and start values of the scalars that it stands for."""
+    scalars = read(native_folder / f"{name}.fmu", "modelDescription.xml").findall("ModelVariables/ScalarVariable")
+    listed = read(fmi3_folder / f"{name}.fmu", "modelDescription.xml").find("ModelVariables")
+    found = {each.get("name"): each for each in listed}
+    assert found.pop("time").get("causality") == "independent"
+    elements = {}
+    for scalar in scalars:
+        elements.setdefault(scalar.get("name").partition("[")[0], []).append(scalar)
+    assert list(found) == list(elements)
+    for each, parts in elements.items():
+        variable, first = found[each], parts[0]
+        size = math.prod(int(dimension.get("start")) for dimension in variable.findall("Dimension"))
+        assert size == len(parts)
+        for attribute in ("valueReference", "causality", "variability", "initial"):
+            assert variable.get(attribute) == first.get(attribute)
+        for attribute in ("unit", "quantity", "nominal", "min", "max", "displayUnit", "declaredType"):
+            assert variable.get(attribute) == first[0].get(attribute)
+        starts = [part[0].get("start") for part in parts if part[0].get("start")]
+        assert (variable.get("start") or "").split() == starts
+        references = [int(part.get("valueReference")) for part in parts]
+        assert references == list(range(references[0], references[0] + size))
+
+
+@every_fmu
+def test_terminals_name_variables(fmi3_folder, name):
+    path = fmi3_folder / f"{name}.fmu"
+    known = {each.get("name") for each in read(path, "modelDescription.xml").find("ModelVariables")}
+    terminals = read(path, "terminalsAndIcons/terminalsAndIcons.xml").findall("Terminals/Terminal")
+    members = {each.get("name"): [member.get("memberName") for member in each] for each in terminals}
+    assert members["ground"] == ["position", "velocity", "force"]
+    assert members["kite"] == ["position", "velocity", "force", *(["load"] if name.endswith("Free") else [])]
+    assert all(member.get("variableName") in known for each in terminals for member in each)
+
+
+@every_fmu
+@in_own_process
+def test_numbers_and_states_of_fmi2(native_folder, fmi3_folder, name):
+    """To the last bit, and a state of one goes on in the other."""
+    two, three = (started(kind, folder / f"{name}.fmu") for kind, folder in ((Host, native_folder), (Host3, fmi3_folder)))
+    fly(two, name, 0, 30)
+    fly(three, name, 0, 30)
+    blob = two.fmu.serializeFMUstate(two.fmu.getFMUState())
+    assert bytes_of(three) == blob
+    other = Host3(three.folder, "other")
+    other.fmu.setFMUState(other.fmu.deserializeFMUState(blob))
+    fly(two, name, 30, 50)
+    fly(other, name, 30, 50)
+    for output, value in other.outputs().items():
+        size = other.size(output)
+        names = [f"{output}[{i}]" for i in range(1, 4)] if size == 3 else [output]
+        if output == "shape":
+            names = [f"shape[{k},{i}]" for k in range(1, 22) for i in range(1, 4)]
+        assert np.ravel(value).tolist() == [two.get(each) for each in names]
+
+
+@in_own_process
+def test_steps(fmi3_folder):
+    """No event, no early return, no end; a discarded step has got nowhere, and the next one is done."""
+    host = Host3(fmi3_folder / "TetherDynamic.fmu").start()
+    assert host.get("time") == 0.0
+    host.step(STEP)
+    assert host.flags == (False, False, False, STEP)
+    assert host.get("time") == STEP
+    before = host.outputs()
+    with pytest.raises(FMICallException, match="discard"):
+        host.step(STEP, wind_velocity=[0.0, math.nan, 0.0])
+    assert "tether: fmi3DoStep: the input wind_velocity[2] is nan" in host.messages[-1]
+    assert host.outputs() == before
+    host.step(STEP, wind_velocity=[0.0, 0.0, 0.0])
+    assert host.flags == (False, False, False, 2.0 * STEP)
+
+
+@in_own_process
+def test_arrays_are_set_as_a_whole(fmi3_folder):
+    host = Host3(fmi3_folder / "TetherDynamic.fmu")
+    reference = host.variables["kite_position"].valueReference
+    for values in ([1.0], [1.0, 2.0], [1.0, 2.0, 3.0, 4.0]):
+        with pytest.raises(FMICallException):
+            host.fmu.setFloat64([reference], values)
+        assert f"{len(values)} values were passed for variables that have 3" in host.messages[-1]
+    for wrong in (reference + 1, host.variables["time"].valueReference, host.variables["sag"].valueReference):
+        with pytest.raises(FMICallException):
+            host.fmu.setFloat64([wrong], [1.0])
+        assert f"value reference {wrong} cannot be set" in host.messages[-1]
+    assert host.get("kite_position") == [300.0, 0.0, 400.0]
+    with pytest.raises(FMICallException):
+        host.fmu.setInt64([host.variables["segments"].valueReference], [5])
+    host.set(kite_position=[1.0, 2.0, 3.0], segments=5, wind_profile=2)
+    assert (host.get("kite_position"), host.get("segments"), host.get("wind_profile")) == ([1.0, 2.0, 3.0], 5, 2)
+
+
+@in_own_process
+def test_every_function_is_there(fmi3_folder, native_folder):
+    for folder, version in ((native_folder, 2), (fmi3_folder, 3)):
+        host = (Host if version == 2 else Host3)(folder / "TetherStraight.fmu")
+        text = (HEADERS / f"fmi{version}FunctionTypes.h").read_text()
+        names = set(re.findall(rf"fmi{version}\w+(?=TYPE)", text)) - {f"fmi{version}Callback", f"fmi{version}CallbackLogger"}
+        library = CDLL(host.fmu.dll._name)
+        missing = [name for name in names if not hasattr(library, name) and "Callback" not in name]
+        assert [name for name in missing if name not in ("fmi2StepFinished",)] == []
+
+
+@in_own_process
+def test_what_is_not_offered_is_refused(fmi3_folder):
+    host = Host3(fmi3_folder / "TetherDynamic.fmu").start()
+    before = bytes_of(host)
+    calls = (
+        host.fmu.enterEventMode,
+        host.fmu.enterStepMode,
+        host.fmu.enterConfigurationMode,
+        host.fmu.updateDiscreteStates,
+        lambda: host.fmu.getDirectionalDerivative([19], [0], [1.0]),
+        lambda: host.fmu.getClock([0]),
+        lambda: host.fmu.setFloat32([0], [1.0]),
+        lambda: host.fmu.getBoolean([0]),
+    )
+    for call in calls:
+        host.messages.clear()
+        with pytest.raises(FMICallException, match="error"):
+            call()
+        assert len(host.messages) == 1
+    assert bytes_of(host) == before
+
+
+@in_own_process
+def test_instances_that_are_refused(fmi3_folder):
+    host = Host3(fmi3_folder / "TetherDynamic.fmu")
+    for wrong in ({"eventModeUsed": True}, {"requiredIntermediateVariables": [19]}):
+        with pytest.raises(Exception, match="Failed to instantiate"):
+            host.fmu.instantiate(logMessage=host._hear, **wrong)
+        assert "this FMU does not offer that" in host.messages[-1]
+    host.fmu.guid = "{another}"
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        host.fmu.instantiate(logMessage=host._hear)
+    assert "the guid or token is {another}; that of this FMU is {" in host.messages[-1]
+    facts = {"unzipDirectory": host.folder, "modelIdentifier": "TetherDynamic", "guid": host.description.guid}
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        FMU3Model(instanceName="model", **facts).instantiate(logMessage=host._hear)
+    assert "this FMU is for co-simulation only" in host.messages[-1]
+
+
+@in_own_process
+def test_simulate_fmu(fmi3_folder):
+    """FMPy's own loop with arrays as start values and as outputs."""
+    path = fmi3_folder / "TetherDynamic.fmu"
+    start = {"initial_length": 525.0, "kite_position": [0.0, 300.0, 400.0]}
+    options = {"stop_time": 1.0, "output_interval": STEP, "output": ["kite_force", "sag"]}
+    result = fmpy.simulate_fmu(str(path), start_values=start, **options)
+    assert result["time"][-1] == pytest.approx(1.0)
+    host = Host3(path).start(initial_length=525.0, kite_position=[0.0, 300.0, 400.0])
+    for step in np.diff(result["time"]):
+        host.step(float(step))
+    assert result["kite_force"][-1].tolist() == host.get("kite_force")
