@@ -129,14 +129,14 @@ def formula(way, tether, kite_mass, step):
     return (late * 0.5 * k * step * applied / moving - c) / (2.0 * moving)
 
 
-def growths(steps=GROWTH_STEPS):
+def growths(steps=GROWTH_STEPS, duration=6.0):
     """Table: way, step [s], growth rates [1/s] as measured, by the theory of the chain, by the formula."""
     tether, rows = Tether(), []
     chain = AxialChain(tether, MASS)
     for way in DRIVEN:
         for step in steps:
             theory = np.log(chain.factor(way, step)) / step
-            measured = measured_growth(way, tether, MASS, step)
+            measured = measured_growth(way, tether, MASS, step, duration)
             rows.append((way, step, measured, theory, formula(way, tether, MASS, step)))
     return pd.DataFrame(rows, columns=["way", "step", "measured", "theory", "formula"])
 
@@ -211,10 +211,10 @@ def main(arguments=None):
     parser.add_argument("--quick", action="store_true", help="a few points only, to see that it runs")
     given = parser.parse_args(arguments)
     tables = {
-        "errors": errors((0.01, 0.02), 0.4) if given.quick else errors(),
-        "growth": growths((0.01,)) if given.quick else growths(),
-        "knots": knots((0.002, 0.01), 0.1) if given.quick else knots(),
-        "limits": limits((100.0,), (1.0, 10.0)) if given.quick else limits(),
+        "errors": errors((0.02,), 0.2) if given.quick else errors(),
+        "growth": growths((0.01,), 1.0) if given.quick else growths(),
+        "knots": knots((0.01,), 0.04) if given.quick else knots(),
+        "limits": limits((100.0,), (10.0,)) if given.quick else limits(),
     }
     print(f"Error of the tether force in steps of {1e3 * PRINTED:g} ms [%]", percent_table(tables["errors"]), sep="\n\n")
     print("\nError of the forces on a knot [%]", knot_table(tables["knots"]), sep="\n\n")
