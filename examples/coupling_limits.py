@@ -10,6 +10,7 @@ stable, for light and heavy kites on short and long tethers. docs/coupling.md ex
 """
 
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ from tetherfmu import TetherDynamic
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
-from tetherfmu.results import StepRefused
+from tetherfmu.results import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 
 WIND, MASS, DURATION = np.array([8.0, 0.0, 0.0]), 10.0, 4.0  # m/s, kg, s
@@ -32,7 +33,7 @@ UPWARDS = np.array([0.58, 0.15, 0.8]) / np.linalg.norm([0.58, 0.15, 0.8])  # fro
 STEPS = (0.001, 0.002, 0.004, 0.008, 0.01, 0.016, 0.02, 0.04, 0.08)  # parts of the last one [s]
 PRINTED = 0.02  # step of the table [s]
 LENGTHS, MASSES = (30.0, 100.0, 300.0, 500.0), (1.0, 3.0, 10.0, 30.0, 100.0)  # of the tether [m], of the kite [kg]
-GROWTH_STEPS = (0.001, 0.002, 0.004, 0.006, 0.008, 0.01, 0.012, 0.015)  # [s]
+GROWTH_STEPS = (0.001, 0.002, 0.004, 0.007, 0.01, 0.015)  # [s]
 SAFE = {"parallel, linear": 0.1, "sequential": 0.2, "sequential, linear": 0.2, "two iterations": 0.2}  # of sqrt(M/k)
 KNOT, KNOT_STEPS = 5.0, (0.001, 0.002, 0.005, 0.01, 0.02)  # [kg], parts of the last one [s]
 LIFT, PLUCKED = 500.0, 0.01  # [N], [m]
@@ -54,10 +55,12 @@ def scenes(duration=DURATION):
 
 def error_of(way, scene, step, forces, times):
     """`force_error` of a way against the exact forces at times [s]; not a number where a tether refuses a step."""
-    try:
-        return force_error(fly(way, scene, step), forces, step, times)
-    except StepRefused:
-        return np.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PlausibilityWarning)  # unstable flights are part of the question
+        try:
+            return force_error(fly(way, scene, step), forces, step, times)
+        except StepRefused:
+            return np.nan
 
 
 def errors(steps=STEPS, duration=DURATION):
@@ -82,7 +85,7 @@ def in_series(duration):
     return Scene((Leg(tethers[0]), Leg(tethers[1], tuple(kite))), KNOT, start, lambda _x, _v: np.zeros(3), WIND, duration)
 
 
-def knots(steps=KNOT_STEPS, duration=1.6):
+def knots(steps=KNOT_STEPS, duration=0.8):
     """Table: scene, way, step [s], error of the forces on the knot [-]."""
     times, rows = np.arange(0.0, duration + 0.5 * steps[-1], steps[-1]), []
     for name, scene in (("series", in_series(duration)), ("bridle", bridle(duration))):
@@ -173,7 +176,7 @@ def knot_table(table):
 
 def shown(percent):
     """An error [%] in two digits; beyond 100 it says nothing more."""
-    return f"{percent:.2g}" if percent < 100.0 else "unstable"
+    return f"{percent:.2g}" if percent < 99.5 else "unstable"
 
 
 def limit_table(table):

@@ -104,7 +104,8 @@ def write_package(resources, name, script, kernels=(), modules=()):
         text = path.read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
         sources[path.name] = text.replace("from tetherfmu.runtime import", "from . import")
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
-    content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8") + b"".join(each.read_bytes() for each in kernels)
+    content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
+    content += b"".join(each.read_bytes() for each in kernels)
     digest = hashlib.sha256(content).hexdigest()[:12]
     package, module = resources / f"tetherfmu_{digest}", script.stem
     package.mkdir(parents=True)
