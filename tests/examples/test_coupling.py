@@ -221,3 +221,16 @@ def test_the_rules_with_a_tenth_of_the_damping(way):
     rule = limits.SAFE[way] * np.sqrt(chain.mass / stiffness) if way in limits.SAFE else 2.0 * 47.3 / tether.axial_stiffness
     assert chain.largest_step(way) > 0.5 * rule
     assert AxialChain(Tether(axial_damping=0.0), 10.0).largest_step(way) < 0.25 * rule
+
+
+@pytest.mark.parametrize("way", ["parallel, linear", "sequential, linear", "two iterations", "free end, linear"])
+def test_a_knot_in_steps_well_below_the_rule(way, knot):
+    """Two tethers of their own against the whole system: steps of 2 ms, a third of the rule; second order, so below 0.5 %."""
+    scene, times, forces = knot
+    assert force_error(fly(way, scene, 0.002), forces, 0.002, times) < 0.005
+
+
+@pytest.fixture(scope="module")
+def knot():
+    scene, times = limits.in_series(0.4), np.arange(0.0, 0.41, 0.02)
+    return scene, times, exact(scene, times, 1e-8)[0]
