@@ -1,21 +1,20 @@
 """A soft kite as a point with a heading: lift and drag in the apparent wind, a turn rate from the steering.
 
-Apparent wind v_a = f(z) v_w - v, dynamic pressure q = rho(z) |v_a|^2/2, both at the height of the kite. The heading x is a
-unit vector across the direction r from the ground station to the kite, the span of the wing y = r x x.
+Apparent wind v_a = f(z) v_w - v, dynamic pressure q = rho(z) |v_a|^2/2, both at the height of the kite. The heading x is
+a unit vector across the direction r from the ground station to the kite, the span of the wing y = r x x.
 
     lift      q S C_L  along y x v_a: across the apparent wind, away from the ground station
     drag      q S C_D (1 + k |u|)  along v_a
     turning   the heading turns about r by c1 |v_a| u + (c2/|v_a|) sin(psi) cos(beta)
 
-u steering, positive turns right as seen from the ground station; psi heading from the direction to the zenith, positive to
-the right; beta elevation. C_L and C_D go linearly from powered to depowered with `depower`. If the wing slips, the lift
-tilts with its span, and pulls the motion towards the heading.
+u steering, positive turns right as seen from the ground station; psi heading from the direction to the zenith, positive
+to the right; beta elevation. C_L and C_D go linearly from powered to depowered with `depower`. If the wing slips, the
+lift tilts with its span, and pulls the motion towards the heading.
 
 Sources. Wing: the 25 m2 kite V2 of TU Delft in the quasi-steady model of van der Vlugt, Bley, Noom and Schmehl (Renewable
-Energy 131, 2019; arXiv 1705.04133). Turn rate law: Erhard and Strauch (arXiv 1202.3641), Jehle and Schmehl (J. Guidance,
-Control and Dynamics 37, 2014). c1, c2: settings of KiteControllers.jl for the kite of 20 m2 (`fpc_settings_hydra20.yaml`).
-k: one-point kite of Fechner et al. (Renewable Energy 83, 2015) in KiteModels.jl.
-"""
+Energy 131, 2019; arXiv 1705.04133), with its mass of 19.6 kg. Turn rate law: Erhard and Strauch (arXiv 1202.3641), Jehle
+and Schmehl (J. Guidance, Control and Dynamics 37, 2014). c1, c2: settings of KiteControllers.jl for the kite of 20 m2
+(`fpc_settings_hydra20.yaml`). k: one-point kite of Fechner et al. (Renewable Energy 83, 2015) in KiteModels.jl."""
 
 from dataclasses import dataclass
 from math import atan2, cos, pi, sin, sqrt

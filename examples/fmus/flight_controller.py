@@ -11,8 +11,8 @@ T tension at the ground. A kite whose pull is C (w - s)^2 in a wind w along the 
 J. Energy 4, 1980), which is K = 4 C. Reeling in is slower where the kite is high, or it would fly over the ground station.
 It begins at `longest_length` and ends at `shortest_length`; depower and speed change over together.
 
-Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is the speed of the control
-unit of KiteModels.jl, 0.075 of its range in a second, of which 0.257 are used. All else is chosen for that kite.
+Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is that of the control unit
+of KiteModels.jl, 0.075 of its range in a second, of which a quarter is used. All else is chosen for the kite of TU Delft.
 """
 
 from dataclasses import dataclass

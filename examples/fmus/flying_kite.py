@@ -1,8 +1,10 @@
 """PythonFMU slave: the soft kite with a mass of its own, moved by the force of a tether with a driven kite end."""
 
+from dataclasses import dataclass
 from math import ceil
 
-from tetherfmu.runtime.parameters import Environment, FreeKite
+from tetherfmu.runtime.parameters import Environment
+from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
 
 from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, speed_of, turn_rate, turned, unit
@@ -12,6 +14,16 @@ from .point_mass_kite import CONTROL, flight_outputs
 LONGEST = 0.01  # internal step [s]
 POSITION = vector(PARAMETER, "initial_kite_position", "m", "position of the kite at the start", (300.0, 0.0, 400.0))
 VELOCITY = vector(PARAMETER, "initial_kite_velocity", "m/s", "velocity of the kite at the start", (0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Mass:
+    """What the kite weighs."""
+
+    kite_mass: float = quantity(19.6, "kg", "mass of the kite", 1e-3, 1e9)
+
+    def __post_init__(self):
+        check(self)
 
 
 def moved(position, velocity, before, after, step):
@@ -37,7 +49,7 @@ class FlyingKite(ModelSlave):
         ),
         *flight_outputs(*names(POSITION, VELOCITY)),
     )
-    records = (FreeKite, Wing, Environment)
+    records = (Mass, Wing, Environment)
     vectors = (POSITION, VELOCITY)
     memory = 3  # heading
 
