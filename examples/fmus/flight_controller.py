@@ -16,7 +16,7 @@ of KiteModels.jl, 0.075 of its range in a second, of which a quarter is used. Al
 """
 
 from dataclasses import dataclass
-from math import asin, atan2, cos, hypot, pi, radians, sin, sqrt
+from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT
@@ -78,8 +78,7 @@ def angle_between(a, b):
 
 def steering_to(target, direction, heading, speed, flight):
     """Steering that turns the kite towards a target; target, direction : unit vectors from the ground station."""
-    wanted = angle_of([t - dot(target, direction) * d for t, d in zip(target, direction, strict=True)], direction)
-    error = (wanted - heading + pi) % (2.0 * pi) - pi
+    error = (angle_of(target, direction) - heading + pi) % (2.0 * pi) - pi
     speed = max(speed, SLOWEST)
     by_weight = flight.turning_by_weight / speed * sin(heading) * hypot(direction[0], direction[1])
     return (flight.course_gain * error - by_weight) / (flight.turning * speed)
@@ -100,7 +99,7 @@ class FlightController(ModelSlave):
         scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0),
         scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0),
     )
-    outputs_declared = (
+    outputs = (
         scalar(OUTPUT, "steering", "", "steering, limited to what the kite can do", -1.0, 1.0),
         scalar(OUTPUT, "depower", "", "0: full lift, 1: depowered", 0.0, 1.0),
         scalar(OUTPUT, "set_speed", "m/s", "reel-out speed that is wanted"),
@@ -133,7 +132,7 @@ class FlightController(ModelSlave):
         steering = steering_to(target, direction, heading, wind, flight)
         out = sqrt(max(tension, 0.0) / flight.tension_over_squared_speed)
         back = flight.reel_in_speed * max(0.0, 1.0 - tension / flight.reel_in_tension)
-        back *= min(1.0, max(0.0, (flight.steepest - asin(direction[2])) / FADING))
+        back *= min(1.0, max(0.0, (flight.steepest - atan2(direction[2], hypot(*direction[:2]))) / FADING))
         set_speed = (1.0 - depower) * out - depower * back
         return (min(max(steering, -1.0), 1.0), depower, set_speed, phase), (phi % (2.0 * pi),)
 
