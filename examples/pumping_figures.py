@@ -33,9 +33,8 @@ def plot_series(flight):
             axes.axvline(flight.time[row], color="black", linestyle="--", linewidth=0.8)
         axes.set(ylabel=label, xlim=(0.0, flight.time[-1]))
         axes.grid(alpha=0.4)
-    panels[2].axhline(mean, color="tab:green", linestyle=":", label=f"mean of the cycles: {mean:.2f} kW")
-    panels[2].legend(loc="upper right")
-    panels[0].set_title("Pumping cycles (shaded: depowered; dashed: a cycle begins)")
+    panels[2].axhline(mean, color="tab:green", linestyle=":")
+    panels[0].set_title(f"Pumping cycles: mean {mean:.2f} kW (dotted), depowered (shaded), a cycle begins (dashed)")
     panels[-1].set_xlabel("time [s]")
     return figure
 
@@ -50,7 +49,8 @@ def plot_path(flight):
     axes.plot(*np.zeros((3, 1)), "s", color="black", label="ground station")
     axes.set(title="Path of the kite, whole cycles", xlabel="x, downwind [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_aspect("equal")
-    axes.view_init(elev=18.0, azim=-60.0)
+    axes.locator_params(axis="y", nbins=4)
+    axes.view_init(elev=15.0, azim=-125.0)
     axes.legend(loc="upper left")
     figure.colorbar(dots, ax=axes, label="force at the ground [kN]", shrink=0.6, pad=0.1)
     return figure

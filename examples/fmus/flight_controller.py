@@ -5,14 +5,14 @@ reeling in, to a point high above. A course error e asks for the turn rate `cour
 `aerodynamics`), solved for the steering, says what gives it.
 
     traction     s = sqrt(T/K)
-    reeling in   s = -s0 max(0, 1 - T/T0)
+    reeling in   s = -s0 max(0, 1 - T/T0) min(1, (steepest - elevation)/20 deg)
 
 T tension at the ground. A kite whose pull is C (w - s)^2 in a wind w along the tether gives most power at s = w/3 (Loyd,
-J. Energy 4, 1980), which is K = 4 C. Reeling in begins at `longest_length` and ends at `shortest_length`; depower and speed
-change over together.
+J. Energy 4, 1980), which is K = 4 C. Reeling in is slower where the kite is high, or it would fly over the ground station.
+It begins at `longest_length` and ends at `shortest_length`; depower and speed change over together.
 
-Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is the speed of the control
-unit of KiteModels.jl, 0.075 of its range in a second, of which 0.257 are used. All else is chosen for that kite.
+Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is that of the control unit
+of KiteModels.jl, 0.075 of its range in a second, of which a quarter is used. All else is chosen for the kite of TU Delft.
 """
 
 from dataclasses import dataclass
@@ -26,6 +26,8 @@ from .kite_on_path import DEGREES, frame
 from .model_slave import ModelSlave, scalar, vector
 
 TRACTION, REEL_IN = 1, 2
+UPWARD = radians(100.0)  # elevation of the target while reeling in: beyond the zenith, which the kite stays below [rad]
+FADING = radians(20.0)  # below `steepest`, where reeling in becomes slower [rad]
 ENTRY = 0.5 * pi  # point of the figure of eight that is flown to after reeling in [rad]
 SLOWEST = 3.0  # apparent wind for which the steering is computed at least [m/s]
 
@@ -49,9 +51,7 @@ class Flight:
     )
     reel_in_speed: float = quantity(8.0, "m/s", "speed of reeling in a tether without tension", 0.0, 100.0)
     reel_in_tension: float = quantity(1800.0, "N", "tension at which reeling in comes to rest", 1.0, 1e9)
-    reel_in_elevation: float = quantity(
-        radians(85.0), "rad", "elevation of the target while reeling in", 0.0, 1.57, display=DEGREES
-    )
+    steepest: float = quantity(radians(85.0), "rad", "elevation at which reeling in rests", 0.1, 1.57, display=DEGREES)
     depower_rate: float = quantity(0.3, "1/s", "rate of depower", 1e-3, 1e3)
 
     def __post_init__(self):
@@ -78,8 +78,7 @@ def angle_between(a, b):
 
 def steering_to(target, direction, heading, speed, flight):
     """Steering that turns the kite towards a target; target, direction : unit vectors from the ground station."""
-    wanted = angle_of([t - dot(target, direction) * d for t, d in zip(target, direction, strict=True)], direction)
-    error = (wanted - heading + pi) % (2.0 * pi) - pi
+    error = (angle_of(target, direction) - heading + pi) % (2.0 * pi) - pi
     speed = max(speed, SLOWEST)
     by_weight = flight.turning_by_weight / speed * sin(heading) * hypot(direction[0], direction[1])
     return (flight.course_gain * error - by_weight) / (flight.turning * speed)
@@ -100,7 +99,7 @@ class FlightController(ModelSlave):
         scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0),
         scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0),
     )
-    outputs_declared = (
+    outputs = (
         scalar(OUTPUT, "steering", "", "steering, limited to what the kite can do", -1.0, 1.0),
         scalar(OUTPUT, "depower", "", "0: full lift, 1: depowered", 0.0, 1.0),
         scalar(OUTPUT, "set_speed", "m/s", "reel-out speed that is wanted"),
@@ -126,13 +125,14 @@ class FlightController(ModelSlave):
         heading, wind, tension, _ = inputs[3:]
         target, rate = point_of_eight(flight, phi)
         if phase == REEL_IN:
-            target = frame(flight.downwind, flight.reel_in_elevation)[0]
+            target = frame(flight.downwind, UPWARD)[0]
         else:
             phi += max(0.0, flight.look_ahead - angle_between(direction, target)) / max(rate, flight.half_height)
             target, _ = point_of_eight(flight, phi)
         steering = steering_to(target, direction, heading, wind, flight)
         out = sqrt(max(tension, 0.0) / flight.tension_over_squared_speed)
         back = flight.reel_in_speed * max(0.0, 1.0 - tension / flight.reel_in_tension)
+        back *= min(1.0, max(0.0, (flight.steepest - atan2(direction[2], hypot(*direction[:2]))) / FADING))
         set_speed = (1.0 - depower) * out - depower * back
         return (min(max(steering, -1.0), 1.0), depower, set_speed, phase), (phi % (2.0 * pi),)
 

@@ -38,7 +38,7 @@ class PointMassKite(ModelSlave):
         "depower. Out: the load on the kite, which TetherDynamicFree moves."
     )
     inputs = (*MOTION, *CONTROL)
-    outputs_declared = (
+    outputs = (
         vector(OUTPUT, "kite_load", "N", "lift and drag", depends_on=(*names(*MOTION, *CONTROL), *AIR, *WING)),
         *flight_outputs(*names(*MOTION)),
     )

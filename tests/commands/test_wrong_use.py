@@ -115,6 +115,11 @@ WRONG = [  # what is typed, status, what must be said
     ("catenary 7", 2, ("unrecognized arguments: 7",)),
     ("forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
     ("forces_over_wind_and_slack --wind 3", 2, ("unrecognized arguments: --wind 3",)),
+    ("build --examples --scene key.toml", 2, ("--scene", "--examples")),
+    ("pumping_cycle --cycles 0", 2, ("--cycles", "'0'", "whole number, at least 1")),
+    ("pumping_cycle --step 1", 2, ("--step", "'1'", "at most 0.03 s")),
+    ("pumping_cycle --wind nan", 2, ("--wind", "'nan'", "m/s")),
+    ("pumping_cycle --master newton", 2, ("--master", "'newton'", "gauss_seidel")),
 ]
 
 
@@ -145,7 +150,7 @@ def place(tmp_path_factory):
 def run(name, *arguments):
     """Exit status of a command, or of an example by its name."""
     try:
-        if name.startswith(("catenary", "forces")):
+        if name.startswith(("catenary", "forces", "pumping")):
             return importlib.import_module(name).main(list(arguments))
         return tetherfmu([name, *arguments])
     except SystemExit as end:

@@ -7,7 +7,7 @@ from tetherfmu import TetherDynamicFree
 from tetherfmu.energy import POWERS, EnergyAudit
 from tetherfmu.export.example_fmus import slave
 
-STEP = 0.02
+STEP = 0.01
 CONTROL = ("steering", "depower")
 FELT = ("heading", "apparent_wind_speed")
 
@@ -58,7 +58,7 @@ def test_a_pumping_cycle_keeps_its_energy():
     work = {name: end[name] - start[name] for name in POWERS}
     harvest = drum_now - drum
     assert harvest > 20e3  # J
-    # trapezoidal rule of 20 ms steps, while the depowered kite lets the tether swing with 1 Hz and more: some 0.1 %
+    # the audit takes load and speed as held over a step, the tether continues them: 1.0 % at 20 ms, 0.5 % at 10, 0.25 % at 5
     assert abs(last - first) < 0.01 * harvest
     assert abs(stored_now - stored) < 0.05 * harvest  # a cycle ends as it began
     # what the winch and the material take is the work at the drum, T ds, up to strains of 0.5 %

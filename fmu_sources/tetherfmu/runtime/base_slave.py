@@ -57,7 +57,7 @@ class BaseSlave(Fmi2Slave):
         self._reals = self._all(lambda variable: variable.kind == "Real")
         self._integers = frozenset(references) - self._reals
         self._inputs = self._all(lambda variable: variable.causality == "input")
-        self.outputs = self._all(lambda variable: variable.causality == "output")
+        self.output_places = self._all(lambda variable: variable.causality == "output")
 
     def _all(self, chosen):
         return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))
@@ -193,7 +193,7 @@ class BaseSlave(Fmi2Slave):
             unknown = [reference for reference in vrs if reference not in allowed]
             self.refuse(f"value references {unknown} cannot be read: they are no variables of this type")
             return [0.0 if reference in unknown else self.values[reference] for reference in vrs]
-        if self.phase == INITIALIZING and not self.outputs.isdisjoint(vrs):
+        if self.phase == INITIALIZING and not self.output_places.isdisjoint(vrs):
             problem = self.start()
             if problem:
                 self.say(problem, WARNING)
@@ -202,7 +202,7 @@ class BaseSlave(Fmi2Slave):
 
     def _set_parameters(self, vrs, values, allowed):
         for reference, value in zip(vrs, values, strict=True):
-            if reference not in allowed or reference in self.outputs:
+            if reference not in allowed or reference in self.output_places:
                 self.refuse(
                     f"value reference {reference} cannot be set to {value!r}: it is no input or parameter of this type"
                 )

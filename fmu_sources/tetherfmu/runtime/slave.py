@@ -128,7 +128,7 @@ class TetherSlave(BaseSlave):
         """
         for reference, variable in zip(self.references, self.table, strict=True):
             value = saved.values[reference]
-            if variable.kind != "Real" and reference not in self.outputs and not abs(value) <= layout.LARGEST_INTEGER:
+            if variable.kind != "Real" and reference not in self.output_places and not abs(value) <= layout.LARGEST_INTEGER:
                 raise ValueError(f"has a wrong parameter ({variable.name} is {value}; it must be an integer)")
         records = self._records_of_state(saved) if saved.phase >= STEPPING else None
         self.phase, self._importer_tolerance, self.time = saved.phase, saved.tolerance, saved.time
