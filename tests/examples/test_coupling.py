@@ -225,7 +225,7 @@ def test_the_rules_with_a_tenth_of_the_damping(way):
 
 @pytest.mark.parametrize("way", ["parallel, linear", "sequential, linear", "two iterations", "free end, linear"])
 def test_a_knot_in_steps_well_below_the_rule(way, knot):
-    """Two tethers of their own against the whole system: steps of 2 ms, a third of the rule; second order, so below 0.5 %."""
+    """Two tethers of their own against the whole system: 2 ms, a third of the rule; second order, so below 0.5 %."""
     scene, times, forces = knot
     assert force_error(fly(way, scene, 0.002), forces, 0.002, times) < 0.005
 
