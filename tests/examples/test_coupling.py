@@ -1,4 +1,4 @@
-"""Coupling a kite of finite mass with its tether: errors, orders, growth and limits, see examples/coupling_limits.py.
+"""Coupling a kite of finite mass with its tether: errors, orders, growth and limits, see examples/coupling_study.py.
 
 They are judged by the motion of kite and tether as one set of equations, written in numpy and integrated by DOP853 of scipy,
 and by the linear theory of a taut tether: exact map of a communication step, and the formula of first order in the step h
@@ -18,10 +18,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "examples"))
 
-import coupling_limits as limits  # noqa: E402
+import coupling_study as limits  # noqa: E402
 from axial_chain import STEPS, AxialChain  # noqa: E402
-from monolithic import Leg, Scene, exact  # noqa: E402
-from ways_of_coupling import DRIVEN, WAYS, fly, force_error, inputs_towards, started  # noqa: E402
+from monolithic import exact  # noqa: E402
+from ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started  # noqa: E402
 
 from tetherfmu import TetherDynamic, TetherDynamicFree  # noqa: E402
 from tetherfmu.results import StepRefused  # noqa: E402
