@@ -23,7 +23,7 @@ from tetherfmu.runtime.variables import INPUT, OUTPUT
 
 from .aerodynamics import angle_of, cross, dot, speed_of, unit
 from .kite_on_path import DEGREES, frame
-from .model_slave import ModelSlave, scalar, vector
+from .model_slave import ModelSlave, names, scalar, vector
 
 TRACTION, REEL_IN = 1, 2
 UPWARD = radians(100.0)  # elevation of the target while reeling in: beyond the zenith, which the kite stays below [rad]
@@ -63,6 +63,16 @@ class Flight:
             )
 
 
+COURSE = ("elevation", "downwind", "half_width", "half_height", "look_ahead", "course_gain", "turning", "turning_by_weight")
+MOTION = (
+    vector(INPUT, "kite_position", "m", "position of the kite", (300.0, 0.0, 400.0)),
+    scalar(INPUT, "heading", "rad", "heading of the kite, from the zenith to the right", start=0.0),
+    scalar(INPUT, "apparent_wind_speed", "m/s", "wind that the kite feels", start=0.0),
+)
+TRACTION_LAW = "tension_over_squared_speed"
+TENSION = scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0)
+
+
 def point_of_eight(flight, phi):
     """Direction to the point phi [rad] of the figure of eight, flown downwards at its sides, and its rate over phi."""
     azimuth = flight.downwind + flight.half_width * sin(phi)
@@ -92,17 +102,11 @@ class FlightController(ModelSlave):
         "In: position, heading and apparent wind speed of the kite, tension and length of the tether. "
         "Out: steering, depower, reel-out speed."
     )
-    inputs = (
-        vector(INPUT, "kite_position", "m", "position of the kite", (300.0, 0.0, 400.0)),
-        scalar(INPUT, "heading", "rad", "heading of the kite, from the zenith to the right", start=0.0),
-        scalar(INPUT, "apparent_wind_speed", "m/s", "wind that the kite feels", start=0.0),
-        scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0),
-        scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0),
-    )
+    inputs = (*MOTION, TENSION, scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0))
     outputs = (
-        scalar(OUTPUT, "steering", "", "steering, limited to what the kite can do", -1.0, 1.0),
+        scalar(OUTPUT, "steering", "", "limited to what the kite can do", -1.0, 1.0, depends_on=(*names(*MOTION), *COURSE)),
         scalar(OUTPUT, "depower", "", "0: full lift, 1: depowered", 0.0, 1.0),
-        scalar(OUTPUT, "set_speed", "m/s", "reel-out speed that is wanted"),
+        scalar(OUTPUT, "set_speed", "m/s", "wanted reel-out speed", depends_on=(*names(TENSION), TRACTION_LAW)),
         scalar(OUTPUT, "phase", "", "1: traction, 2: reeling in", 1, 2, kind="Integer"),
     )
     records = (Flight,)

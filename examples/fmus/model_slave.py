@@ -151,10 +151,9 @@ class ModelSlave(BaseSlave):
         return inputs, [now + (now - before) * ratio for now, before in zip(inputs, last, strict=True)]
 
     def _problem_of_inputs(self, inputs):
-        if not all(map(isfinite, inputs)):
-            for variable, value in zip(self.table, inputs, strict=False):
-                if not isfinite(value):
-                    return f"the input {variable.name} is {value}; it must be a finite number"
+        for k, value in enumerate(inputs):
+            if not -layout.LARGEST_INPUT <= value <= layout.LARGEST_INPUT:  # also if it is no number
+                return status.sentence(status.INPUT_NOT_FINITE, name=self.table[k].name, value=value)
         for k, variable in self._limited:
             if not variable.quantity.allows(inputs[k]):
                 return f"the input {variable.name} is {inputs[k]}; it must be {variable.quantity.range()}"
