@@ -54,14 +54,10 @@ accelerated beyond 1000 g or faster than sound, or positions contradict velociti
 
 ## Coupling by force
 
-A kite model that is moved by `kite_force` has only the force from the end of the step before, and holds it over the step.
-That acts like a negative damping of about kite_stiffness h/2 on its motion along the tether. So for a kite without damping
-of its own
-
-    h < 2 kite_damping / kite_stiffness
-
-or the motion along a taut tether grows: 1.5 ms for the default material, whatever the length. A kite whose motion is
-prescribed has no such limit, and `TetherDynamicFree.fmu` has none: it moves the kite itself.
+A kite model that is moved by `kite_force` gets it one step late, which drives its motion along a taut tether: a force that
+is held needs steps shorter than 2 `kite_damping`/`kite_stiffness`, 1.5 ms for the default material. Other ways of exchange
+allow ten times as much, and `TetherDynamicFree.fmu`, which moves the kite itself, has no such limit:
+[Coupling](coupling.md).
 
 ## Inputs
 

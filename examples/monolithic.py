@@ -1,40 +1,16 @@
 """How does a mass on tethers move, exactly? One set of equations for all of it, integrated by scipy. Helper of the examples.
 
-A point mass (a kite, a knot) hangs on one or more legs; each is a chain of lumped masses and spring-dampers. Nothing is
-exchanged, so nothing is late: what the ways of coupling are judged by. The equations are those of docs/theory.md, "One
-segment" and "The chain", for uniform tethers in a uniform wind and air, written anew in numpy.
+A point mass (a kite, a knot) hangs on one or more legs (`Scene` in `ways_of_coupling.py`); each is a chain of lumped masses
+and spring-dampers. Nothing is exchanged, so nothing is late: what the ways of coupling are judged by. The equations are
+those of docs/theory.md, "One segment" and "The chain", for uniform tethers in a uniform wind and air, written anew in numpy.
 """
-
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from tetherfmu import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Tether
 
 TOLERANCE = 1e-9  # relative, of DOP853; absolute: a tenth of it, in m and m/s
-
-
-class Leg(NamedTuple):
-    """A tether from a fixed anchor [m] to the mass, which reels out at a constant speed [m/s]."""
-
-    tether: Tether
-    anchor: tuple = (0.0, 0.0, 0.0)
-    reel_out_speed: float = 0.0
-
-
-class Scene(NamedTuple):
-    """A point mass on its legs, at rest at the start."""
-
-    legs: tuple  # of Leg
-    mass: float  # [kg], beside the half segments that end at it
-    position: np.ndarray  # (3,) [m], at the start
-    load: Callable  # position, velocity of the mass -> force [N] on it, beside weight and tethers
-    wind: np.ndarray  # (3,) [m/s]
-    duration: float  # [s]
-    environment: Environment = Environment()  # uniform wind and air
 
 
 def segment_forces(tether, x, v, rest, rest_rate, scene):

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from fmu_tools import description_of, find_fmu, running
 from kite_power_system import FMUS, START, given_by, starts_for, wanted_by
-from tqdm import tqdm
 
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder, number
@@ -129,6 +128,8 @@ def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False):
 
     step [s] : communication step.  master : of `MASTERS`.  start : start values.  frames : whether to keep shapes.
     """
+    from tqdm import tqdm
+
     exchange, rows, bounds, kept = MASTERS[master], [], [], []
     with system(start, master) as (parts, signals, places, stop_if_pressed):
         read, depower = [places[name] for name in READ], places["depower"]
@@ -181,7 +182,7 @@ def parse(arguments, prog):
     option("--cycles", type=number(1, 1000, whole=True), default=2, metavar="N", help="whole cycles (default: 2)")
     option("--step", type=number(1e-4, 0.03, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
     option("--master", choices=MASTERS, default="jacobi", help="way of exchange (default: jacobi)")
-    option("--wind", type=number(5.0, 20.0, "m/s"), default=8.0, metavar="W", help="at 10 m [m/s] (default: 8)")
+    option("--wind", type=number(5.0, 14.0, "m/s"), default=8.0, metavar="W", help="at 10 m [m/s] (default: 8)")
     option("--segments", type=number(1, 300, whole=True), default=10, metavar="N", help="of the tether (default: 10)")
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
     option("--html", action="store_true", help="also write an animated page (needs plotly)")

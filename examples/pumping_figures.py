@@ -34,7 +34,7 @@ def plot_series(flight):
         axes.set(ylabel=label, xlim=(0.0, flight.time[-1]))
         axes.grid(alpha=0.4)
     panels[2].axhline(mean, color="tab:green", linestyle=":")
-    panels[0].set_title(f"Pumping cycles of {mean:.2f} kW (dotted; shaded: depowered; dashed: a cycle begins)")
+    panels[0].set_title(f"Pumping cycles: mean {mean:.2f} kW (dotted), depowered (shaded), a cycle begins (dashed)")
     panels[-1].set_xlabel("time [s]")
     return figure
 

@@ -1,6 +1,6 @@
 """In which ways can a mass on tethers be flown in communication steps? Helper of the examples.
 
-A `Scene` of `monolithic.py` is flown with the tethers of the Python API, one model for each leg. Where the kite end is
+A `Scene` is flown with the tethers of the Python API, one model for each leg. Where the kite end is
 driven, the mass is moved here, by the forces that the tethers give; where it is free, the first leg carries the mass and
 gets the forces of the other legs, and the load, as its `kite_load`. In each communication step from t to t + h:
 
@@ -14,13 +14,35 @@ free end, held             the first leg moves the mass; load and other forces a
 free end, linear           the same; they go on linearly from their last two values
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from tetherfmu import TetherDynamic, TetherDynamicFree
+from tetherfmu.runtime.parameters import Environment, Tether
 
 UP = np.array([0.0, 0.0, 1.0])
+
+
+class Leg(NamedTuple):
+    """A tether from a fixed anchor [m] to the mass, which reels out at a constant speed [m/s]."""
+
+    tether: Tether
+    anchor: tuple = (0.0, 0.0, 0.0)
+    reel_out_speed: float = 0.0
+
+
+class Scene(NamedTuple):
+    """A point mass on its legs, at rest at the start."""
+
+    legs: tuple  # of Leg
+    mass: float  # [kg], beside the half segments that end at it
+    position: np.ndarray  # (3,) [m], at the start
+    load: Callable  # position, velocity of the mass -> force [N] on it, beside weight and tethers
+    wind: np.ndarray  # (3,) [m/s]
+    duration: float  # [s]
+    environment: Environment = Environment()  # uniform wind and air
 
 
 class Flown(NamedTuple):

@@ -63,6 +63,18 @@ def folder_of(built_once, flavour):
 
 
 @pytest.fixture(scope="session")
+def example_folder(built_once):
+    """Folder with all FMUs of the examples."""
+    from tetherfmu.export import example_fmus
+
+    def build(folder):
+        for name in example_fmus.SLAVES:
+            example_fmus.build(name, folder)
+
+    return built_once("example_fmus", build)
+
+
+@pytest.fixture(scope="session")
 def built_once(tmp_path_factory):
     """Function of (name, make): a folder that all workers share, which make(folder) fills in the first one that asks."""
     shared = tmp_path_factory.getbasetemp()

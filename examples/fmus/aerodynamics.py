@@ -1,20 +1,20 @@
 """A soft kite as a point with a heading: lift and drag in the apparent wind, a turn rate from the steering.
 
-Apparent wind v_a = f(z) v_w - v, dynamic pressure q = rho(z) |v_a|^2/2, both at the height of the kite. The heading x is a
-unit vector across the direction r from the ground station to the kite, the span of the wing y = r x x.
+Apparent wind v_a = f(z) v_w - v, dynamic pressure q = rho(z) |v_a|^2/2, both at the height of the kite. The heading x is
+a unit vector across the direction r from the ground station to the kite, the span of the wing y = r x x.
 
     lift      q S C_L  along y x v_a: across the apparent wind, away from the ground station
     drag      q S C_D (1 + k |u|)  along v_a
     turning   the heading turns about r by c1 |v_a| u + (c2/|v_a|) sin(psi) cos(beta)
 
-u steering, positive turns right as seen from the ground station; psi heading from the direction to the zenith, positive to
-the right; beta elevation. C_L and C_D go linearly from powered to depowered with `depower`. If the wing slips, the lift
-tilts with its span, and pulls the motion towards the heading.
+u steering, positive turns right as seen from the ground station; psi heading from the direction to the zenith, positive
+to the right; beta elevation. C_L and C_D go linearly from powered to depowered with `depower`. If the wing slips, the
+lift tilts with its span, and pulls the motion towards the heading.
 
 Sources. Wing: the 25 m2 kite V2 of TU Delft in the quasi-steady model of van der Vlugt, Bley, Noom and Schmehl (Renewable
-Energy 131, 2019; arXiv 1705.04133). Turn rate law: Erhard and Strauch (arXiv 1202.3641), Jehle and Schmehl (J. Guidance,
-Control and Dynamics 37, 2014). c1, c2: settings of KiteControllers.jl for the kite of 20 m2 (`fpc_settings_hydra20.yaml`).
-k: one-point kite of Fechner et al. (Renewable Energy 83, 2015) in KiteModels.jl.
+Energy 131, 2019; arXiv 1705.04133), with its mass of 19.6 kg. Turn rate law: Erhard and Strauch (arXiv 1202.3641), Jehle
+and Schmehl (J. Guidance, Control and Dynamics 37, 2014). c1, c2: settings of KiteControllers.jl for the kite of 20 m2
+(`fpc_settings_hydra20.yaml`). k: one-point kite of Fechner et al. (Renewable Energy 83, 2015) in KiteModels.jl.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,7 @@ from math import atan2, cos, pi, sin, sqrt
 from tetherfmu.runtime.quantities import check, quantity
 
 from .air import density, wind_factor
+from .model_slave import Refused
 
 SLOWEST = 1.0  # apparent wind below which the weight does not turn the kite faster [m/s]
 
@@ -56,20 +57,20 @@ def cross(a, b):
 
 
 def unit(a):
-    """A vector over its length; ValueError if it has none."""
+    """A vector over its length; Refused if it has none."""
     length = sqrt(dot(a, a))
     if length == 0.0:
-        raise ValueError("the kite is at the ground station, or its heading points away from there: no direction is left")
+        raise Refused("the kite is at the ground station, or its heading points away from there: no direction is left")
     return a[0] / length, a[1] / length, a[2] / length
 
 
 def angle_of(direction, r):
-    """Angle from the zenith to the right, as seen from the ground station, of a vector across r [rad]."""
-    return atan2(_right(direction, r), direction[2])
+    """Angle from the zenith to the right, as seen from the ground station, of what a vector has across r [rad]."""
+    return atan2(rightward(direction, r), direction[2] - dot(direction, r) * r[2])
 
 
-def _right(direction, r):
-    """Component along r x z, which points to the right and is cos(beta) long, as the one along z of what is across r."""
+def rightward(direction, r):
+    """Component along r x z, which points to the right and is cos(beta) long: of a heading sin(psi) cos(beta)."""
     return direction[0] * r[1] - direction[1] * r[0]
 
 
@@ -105,7 +106,7 @@ def speed_of(velocity):
 def turn_rate(r, heading, felt, steering, wing):
     """Turn rate of the heading about the direction r to the kite [rad/s]; felt : apparent wind [m/s]."""
     speed = max(speed_of(felt), SLOWEST)
-    return wing.turning * speed * steering + wing.turning_by_weight / speed * _right(heading, r)
+    return wing.turning * speed * steering + wing.turning_by_weight / speed * rightward(heading, r)
 
 
 def load(position, heading, felt, steering, depower, known):

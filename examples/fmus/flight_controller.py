@@ -11,19 +11,19 @@ T tension at the ground. A kite whose pull is C (w - s)^2 in a wind w along the 
 J. Energy 4, 1980), which is K = 4 C. Reeling in is slower where the kite is high, or it would fly over the ground station.
 It begins at `longest_length` and ends at `shortest_length`; depower and speed change over together.
 
-Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is the speed of the control
-unit of KiteModels.jl, 0.075 of its range in a second, of which 0.257 are used. All else is chosen for that kite.
+Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is that of the control unit
+of KiteModels.jl, 0.075 of its range in a second, of which a quarter is used. All else is chosen for the kite of TU Delft.
 """
 
 from dataclasses import dataclass
-from math import asin, atan2, cos, hypot, pi, radians, sin, sqrt
+from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT
 
 from .aerodynamics import angle_of, cross, dot, speed_of, unit
 from .kite_on_path import DEGREES, frame
-from .model_slave import ModelSlave, scalar, vector
+from .model_slave import ModelSlave, names, scalar, vector
 
 TRACTION, REEL_IN = 1, 2
 UPWARD = radians(100.0)  # elevation of the target while reeling in: beyond the zenith, which the kite stays below [rad]
@@ -63,6 +63,16 @@ class Flight:
             )
 
 
+COURSE = ("elevation", "downwind", "half_width", "half_height", "look_ahead", "course_gain", "turning", "turning_by_weight")
+MOTION = (
+    vector(INPUT, "kite_position", "m", "position of the kite", (300.0, 0.0, 400.0)),
+    scalar(INPUT, "heading", "rad", "heading of the kite, from the zenith to the right", start=0.0),
+    scalar(INPUT, "apparent_wind_speed", "m/s", "wind that the kite feels", start=0.0),
+)
+TRACTION_LAW = "tension_over_squared_speed"
+TENSION = scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0)
+
+
 def point_of_eight(flight, phi):
     """Direction to the point phi [rad] of the figure of eight, flown downwards at its sides, and its rate over phi."""
     azimuth = flight.downwind + flight.half_width * sin(phi)
@@ -78,8 +88,7 @@ def angle_between(a, b):
 
 def steering_to(target, direction, heading, speed, flight):
     """Steering that turns the kite towards a target; target, direction : unit vectors from the ground station."""
-    wanted = angle_of([t - dot(target, direction) * d for t, d in zip(target, direction, strict=True)], direction)
-    error = (wanted - heading + pi) % (2.0 * pi) - pi
+    error = (angle_of(target, direction) - heading + pi) % (2.0 * pi) - pi
     speed = max(speed, SLOWEST)
     by_weight = flight.turning_by_weight / speed * sin(heading) * hypot(direction[0], direction[1])
     return (flight.course_gain * error - by_weight) / (flight.turning * speed)
@@ -93,17 +102,11 @@ class FlightController(ModelSlave):
         "In: position, heading and apparent wind speed of the kite, tension and length of the tether. "
         "Out: steering, depower, reel-out speed."
     )
-    inputs = (
-        vector(INPUT, "kite_position", "m", "position of the kite", (300.0, 0.0, 400.0)),
-        scalar(INPUT, "heading", "rad", "heading of the kite, from the zenith to the right", start=0.0),
-        scalar(INPUT, "apparent_wind_speed", "m/s", "wind that the kite feels", start=0.0),
-        scalar(INPUT, "ground_tension", "N", "tension of the tether at the ground", start=0.0),
-        scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0),
-    )
-    outputs_declared = (
-        scalar(OUTPUT, "steering", "", "steering, limited to what the kite can do", -1.0, 1.0),
+    inputs = (*MOTION, TENSION, scalar(INPUT, "tether_length", "m", "unstretched length of the tether", start=505.0))
+    outputs = (
+        scalar(OUTPUT, "steering", "", "limited to what the kite can do", -1.0, 1.0, depends_on=(*names(*MOTION), *COURSE)),
         scalar(OUTPUT, "depower", "", "0: full lift, 1: depowered", 0.0, 1.0),
-        scalar(OUTPUT, "set_speed", "m/s", "reel-out speed that is wanted"),
+        scalar(OUTPUT, "set_speed", "m/s", "wanted reel-out speed", depends_on=(*names(TENSION), TRACTION_LAW)),
         scalar(OUTPUT, "phase", "", "1: traction, 2: reeling in", 1, 2, kind="Integer"),
     )
     records = (Flight,)
@@ -133,7 +136,7 @@ class FlightController(ModelSlave):
         steering = steering_to(target, direction, heading, wind, flight)
         out = sqrt(max(tension, 0.0) / flight.tension_over_squared_speed)
         back = flight.reel_in_speed * max(0.0, 1.0 - tension / flight.reel_in_tension)
-        back *= min(1.0, max(0.0, (flight.steepest - asin(direction[2])) / FADING))
+        back *= min(1.0, max(0.0, (flight.steepest - atan2(direction[2], hypot(*direction[:2]))) / FADING))
         set_speed = (1.0 - depower) * out - depower * back
         return (min(max(steering, -1.0), 1.0), depower, set_speed, phase), (phi % (2.0 * pi),)
 

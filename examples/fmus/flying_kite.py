@@ -1,17 +1,30 @@
 """PythonFMU slave: the soft kite with a mass of its own, moved by the force of a tether with a driven kite end."""
 
+from dataclasses import dataclass
 from math import ceil
 
-from tetherfmu.runtime.parameters import Environment, FreeKite
+from tetherfmu.runtime.parameters import Environment
+from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
 
 from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, speed_of, turn_rate, turned, unit
-from .model_slave import ModelSlave, names, vector
+from .model_slave import ModelSlave, Refused, names, vector
 from .point_mass_kite import CONTROL, flight_outputs
 
 LONGEST = 0.01  # internal step [s]
+MOST = 100_000  # internal steps in a communication step
 POSITION = vector(PARAMETER, "initial_kite_position", "m", "position of the kite at the start", (300.0, 0.0, 400.0))
 VELOCITY = vector(PARAMETER, "initial_kite_velocity", "m/s", "velocity of the kite at the start", (0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Mass:
+    """What the kite weighs."""
+
+    kite_mass: float = quantity(19.6, "kg", "mass of the kite", 1e-3, 1e9)
+
+    def __post_init__(self):
+        check(self)
 
 
 def moved(position, velocity, before, after, step):
@@ -30,14 +43,14 @@ class FlyingKite(ModelSlave):
         "Out: position and velocity of the kite, which lead a tether with a driven kite end."
     )
     inputs = (vector(INPUT, "kite_force", "N", "force of the tether on the kite", (0.0, 0.0, 0.0)), *CONTROL)
-    outputs_declared = (
+    outputs = (
         *(
             vector(OUTPUT, f"kite_{name}", unit, f"{name} of the kite", depends_on=names(parameter))
             for name, unit, parameter in (("position", "m", POSITION), ("velocity", "m/s", VELOCITY))
         ),
         *flight_outputs(*names(POSITION, VELOCITY)),
     )
-    records = (FreeKite, Wing, Environment)
+    records = (Mass, Wing, Environment)
     vectors = (POSITION, VELOCITY)
     memory = 3  # heading
 
@@ -50,6 +63,8 @@ class FlyingKite(ModelSlave):
         """Predictor and corrector in steps of at most 10 ms; force, wind and steering go linearly from begin to end."""
         position, velocity, heading = outputs[:3], outputs[3:6], memory
         count = ceil(step / LONGEST - 1e-6)
+        if count > MOST:
+            raise Refused(f"the communication step is {step} s; it must be at most {MOST * LONGEST:g} s")
         h, slope = step / count, [(b - a) / count for a, b in zip(begin, end, strict=True)]
         before = begin
         for k in range(count):

@@ -68,7 +68,7 @@ class KiteOnPath(ModelSlave):
         "A kite that is led along a circle or a figure of eight. It feels no force. "
         "Out: its position and velocity, which lead a tether with a driven kite end."
     )
-    outputs_declared = (
+    outputs = (
         vector(OUTPUT, "kite_position", "m", "position of the kite", depends_on=tuple(Path.__dataclass_fields__)[:6]),
         vector(OUTPUT, "kite_velocity", "m/s", "velocity of the kite", depends_on=tuple(Path.__dataclass_fields__)),
     )

@@ -11,7 +11,7 @@ how the inputs go on within the step:
 
 from array import array
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import isfinite, nan
 from types import SimpleNamespace
 
 from tetherfmu.runtime import layout, saved_state, status
@@ -23,6 +23,10 @@ from tetherfmu.runtime.variables import Variable, parameters_of
 
 LINEAR, HELD, INTERPOLATED = 1, 2, 3
 SHORTEST_LAST_STEP = 0.25  # of the present step: a shorter one before it would make slopes of noise
+
+
+class Refused(ValueError):
+    """Why a model cannot do a step, or cannot start."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +67,8 @@ def names(*variables):
 class ModelSlave(BaseSlave):
     """An FMU of the examples. A model sets the attributes, and has `first` and `next`."""
 
-    inputs = ()  # lists of variables
-    outputs_declared = ()
+    inputs = ()
+    outputs = ()  # lists of variables
     records = ()  # classes of parameters; their quantities are looked up in `self.parameters`
     left_out = ()  # parameters in them that this model does not have
     vectors = ()  # lists of further parameters
@@ -73,7 +77,7 @@ class ModelSlave(BaseSlave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         given = [variable for each in self.inputs for variable in each]
-        found = [variable for each in self.outputs_declared for variable in each]
+        found = [variable for each in self.outputs for variable in each]
         self._classes = (*self.records, Coupling)
         known = [each for each in parameters_of(self._classes) if each.name not in self.left_out]
         known += [variable for each in self.vectors for variable in each]
@@ -95,7 +99,7 @@ class ModelSlave(BaseSlave):
     def next(self, begin, end, step, outputs, memory):
         """Outputs and memory (tuples) at the end of a step [s], from the inputs at its begin and end (lists).
 
-        outputs, memory : of the end of the step before. ValueError says why the step cannot be done.
+        outputs, memory : of the end of the step before. Refused says why the step cannot be done.
         """
         raise NotImplementedError
 
@@ -147,10 +151,9 @@ class ModelSlave(BaseSlave):
         return inputs, [now + (now - before) * ratio for now, before in zip(inputs, last, strict=True)]
 
     def _problem_of_inputs(self, inputs):
-        if not all(map(isfinite, inputs)):
-            for variable, value in zip(self.table, inputs, strict=False):
-                if not isfinite(value):
-                    return f"the input {variable.name} is {value}; it must be a finite number"
+        for k, value in enumerate(inputs):
+            if not -layout.LARGEST_INPUT <= value <= layout.LARGEST_INPUT:  # also if it is no number
+                return status.sentence(status.INPUT_NOT_FINITE, name=self.table[k].name, value=value)
         for k, variable in self._limited:
             if not variable.quantity.allows(inputs[k]):
                 return f"the input {variable.name} is {inputs[k]}; it must be {variable.quantity.range()}"
@@ -160,9 +163,11 @@ class ModelSlave(BaseSlave):
         """Take the outputs and the memory that a model computes. Returns what is wrong, with nothing taken, or None."""
         try:
             outputs, memory = compute()
-        except (ArithmeticError, ValueError) as error:
-            return str(error)
-        if not all(map(isfinite, outputs)) or not all(map(isfinite, memory)):
+        except Refused as problem:
+            return str(problem)
+        except (ArithmeticError, ValueError):  # of the functions of `math`
+            outputs, memory = (nan,), ()
+        if not all(map(isfinite, (*outputs, *memory))):
             return f"the motion leaves the range of numbers; check the inputs {', '.join(self._large())}"
         self.values[self._given : self._found] = array("d", outputs)
         self.values[self._declared + self._given + 1 :] = array("d", memory)
@@ -205,6 +210,9 @@ class ModelSlave(BaseSlave):
             computed = (*saved.values[self._given : self._found], *saved.values[self._declared + self._given :])
             if not all(map(isfinite, computed)):
                 raise ValueError("has numbers that no model has")
-            self.parameters = self._parameters(saved.values)
+            try:
+                self.parameters = self._parameters(saved.values)
+            except ValueError as error:
+                raise ValueError(f"has a wrong parameter ({error})") from None
         self.phase, self.time = saved.phase, saved.time
         self.values[:] = saved.values

@@ -21,7 +21,7 @@ AIR = tuple(name for name in Environment.__dataclass_fields__ if name != "gravit
 
 def flight_outputs(*motion):
     """Outputs of a kite; motion : names of what says where it is and how fast."""
-    felt = (*motion, *names(CONTROL[0]), *AIR)
+    felt = (*motion, *names(CONTROL[0]), *(name for name in AIR if not name.startswith("air_density")))
     return (
         scalar(
             OUTPUT, "heading", "rad", "heading, from the zenith to the right", depends_on=(*motion[:3], "initial_heading")
@@ -38,7 +38,7 @@ class PointMassKite(ModelSlave):
         "depower. Out: the load on the kite, which TetherDynamicFree moves."
     )
     inputs = (*MOTION, *CONTROL)
-    outputs_declared = (
+    outputs = (
         vector(OUTPUT, "kite_load", "N", "lift and drag", depends_on=(*names(*MOTION, *CONTROL), *AIR, *WING)),
         *flight_outputs(*names(*MOTION)),
     )

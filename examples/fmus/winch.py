@@ -12,12 +12,12 @@ from the 8000 N of its larger kite.
 """
 
 from dataclasses import dataclass
-from math import copysign, exp, sqrt
+from math import copysign, expm1, sqrt
 
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT
 
-from .model_slave import ModelSlave, scalar
+from .model_slave import ModelSlave, Refused, scalar
 
 SPEED, FORCE = 1, 2
 STOPPING = 0.2  # the last centimetres of the tether are reeled in no less than this time [s]
@@ -48,6 +48,11 @@ class Drum:
             )
 
 
+def relaxation(x):
+    """(1 - exp(-x))/x, 1 at x = 0: how far a decay at rate x goes in a unit of time, over what its first slope would."""
+    return -expm1(-x) / x if x > 0.0 else 1.0
+
+
 class Winch(ModelSlave):
     """A winch between the tension of a tether and its reel-out speed."""
 
@@ -61,7 +66,7 @@ class Winch(ModelSlave):
         scalar(INPUT, "set_speed", "m/s", "reel-out speed that is wanted, in speed control", start=0.0),
         scalar(INPUT, "set_force", "N", "pull of the motor that is wanted, in force control", start=0.0),
     )
-    outputs_declared = (
+    outputs = (
         scalar(OUTPUT, "reel_out_speed", "m/s", "rate of the unstretched length", depends_on=("initial_speed",)),
         scalar(OUTPUT, "motor_torque", "N.m", "torque of the motor at the drum, positive pulls in"),
         scalar(OUTPUT, "power", "W", "tension times reel-out speed", depends_on=("ground_tension", "initial_speed")),
@@ -78,44 +83,41 @@ class Winch(ModelSlave):
     def next(self, begin, end, step, outputs, memory):
         """Exact solution with the mean of the inputs, torque and friction coefficient of the begin."""
         drum, speed = self.parameters, outputs[0]
-        mass = drum.inertia / drum.drum_radius**2
         tension, length, wanted, force = (0.5 * (a + b) for a, b in zip(begin, end, strict=True))
-        target = self._target(wanted, memory[0], length, speed, step)
-        largest, resistance = drum.torque_limit / drum.drum_radius, drum.viscous_friction
-        resistance += drum.coulomb_friction / sqrt(speed * speed + CRAWL * CRAWL)
-        following = drum.control == SPEED or target != wanted
+        target, following = self._target(wanted, memory[0], length, speed, step)
         pull = tension + drum.speed_gain * (speed - target) if following else force
+        largest = drum.torque_limit / drum.drum_radius
         if abs(pull) > largest:
             pull, following = copysign(largest, pull), False
-        # m ds/dt = drive - total s
-        total = resistance + (drum.speed_gain if following else 0.0)
-        drive = drum.speed_gain * target if following else tension - pull
-        decay = exp(-total * step / mass)
-        final = speed * decay + (drive / total if total > 0.0 else 0.0) * (1.0 - decay)
-        if total == 0.0:
-            final = speed + drive * step / mass
+        # m ds/dt = drive - resistance s
+        resistance = drum.viscous_friction + drum.coulomb_friction / sqrt(speed * speed + CRAWL * CRAWL)
+        drive = tension - pull
+        if following:
+            drive, resistance = drum.speed_gain * target, resistance + drum.speed_gain
+        time = step * drum.drum_radius**2 / drum.inertia  # over m
+        final = speed + (drive - resistance * speed) * time * relaxation(resistance * time)
         self._refuse_at_the_ends(end[1], final)
         power = end[0] * final
         return (final, pull * drum.drum_radius, power, outputs[3] + 0.5 * (outputs[2] + power) * step), (target,)
 
     def _target(self, wanted, before, length, speed, step):
-        """Speed to follow: towards what is wanted, no faster than the winch can accelerate and stop in time."""
+        """Speed to follow, no faster than the winch can accelerate and stop in time; whether it follows it."""
         drum = self.parameters
         change = drum.largest_acceleration * step
         target = min(max(wanted, before - change), before + change) if drum.control == SPEED else speed
-        ahead = max(drum.maximum_length - length, 0.0), max(length - drum.minimum_length, 0.0)
-        out, back = (min(sqrt(drum.largest_acceleration * each), each / STOPPING) for each in ahead)
+        left = max(drum.maximum_length - length, 0.0), max(length - drum.minimum_length, 0.0)
+        out, back = (min(sqrt(drum.largest_acceleration * each), each / STOPPING) for each in left)
         if target > out:
             self.tell(f"the winch brakes: tether_length comes to maximum_length ({drum.maximum_length:g} m)")
         if target < -back:
             self.tell(f"the winch brakes: tether_length comes to minimum_length ({drum.minimum_length:g} m)")
-        return min(max(target, -back), out) if drum.control == SPEED or not -back <= speed <= out else wanted
+        return min(max(target, -back), out), drum.control == SPEED or not -back <= target <= out
 
     def _refuse_at_the_ends(self, length, speed):
-        """ValueError if the winch is jammed: the tether would leave the drum, or be reeled in beyond its minimum."""
+        """Refused if the winch is jammed: the tether would leave the drum, or be reeled in beyond its minimum."""
         drum = self.parameters
         if (length > drum.maximum_length and speed > 0.0) or (length < drum.minimum_length and speed < 0.0):
-            raise ValueError(
+            raise Refused(
                 f"the winch is jammed: tether_length is {length:g} m and goes on at {speed:g} m/s; it must be at least "
                 f"minimum_length ({drum.minimum_length:g} m) and at most maximum_length ({drum.maximum_length:g} m), and "
                 f"torque_limit ({drum.torque_limit:g} N.m) must be enough to stop it there"

@@ -108,6 +108,23 @@ def test_while_an_example_runs(tmp_path, fmu_folder, send):
 
 
 @EACH_WAY
+def test_while_a_system_of_fmus_flies(tmp_path, fmu_folder, example_folder, send):
+    """Four FMUs in one process; their folders are gone afterwards."""
+    (tmp_path / "dist").mkdir()
+    for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
+        (tmp_path / "dist" / each.name).symlink_to(each)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    script = EXAMPLES / "pumping_cycle.py"
+    runs_it = f"sys.path.insert(0, {str(EXAMPLES)!r}); runpy.run_path({str(script)!r}, run_name='__main__')"
+    keeps = f"import tempfile; tempfile.tempdir = {str(temporary)!r}\n"
+    loaded = lambda _: len(list(temporary.rglob("*.so"))) > 4  # noqa: E731 (the tether has its kernels, too)
+    code = f"{LISTENING}{keeps}import runpy, sys; sys.argv[1:] = ['--cycles', '1000']; {runs_it}"
+    assert stopped(send, code, begun=loaded, wait=0.5, cwd=tmp_path) == ["stopped"]
+    assert not list(temporary.iterdir())
+
+
+@EACH_WAY
 def test_while_an_evidence_set_runs(tmp_path, fmu_folder, send):
     begun = runs("tetherfmu.check.replay")
     assert stopped(send, COMMAND, "check", fmu_folder / "TetherDynamic.fmu", begun=begun, cwd=tmp_path) == ["stopped"]

@@ -128,6 +128,11 @@ WRONG = [  # what is typed, status, what must be said
     ("forces_over_wind_and_slack --fmu text.txt", 2, ("text.txt", "no FMU")),
     ("fly_your_kite --fmu no_shape.fmu", 2, ("no_shape.fmu", "no free kite end", "TetherDynamicFree")),
     ("fly_your_kite --fmu ''", 2, ("--fmu", "''")),
+    ("build --examples --scene key.toml", 2, ("--scene", "--examples")),
+    ("pumping_cycle --cycles 0", 2, ("--cycles", "'0'", "whole number, at least 1")),
+    ("pumping_cycle --step 1", 2, ("--step", "'1'", "at most 0.03 s")),
+    ("pumping_cycle --wind nan", 2, ("--wind", "'nan'", "m/s")),
+    ("pumping_cycle --master newton", 2, ("--master", "'newton'", "gauss_seidel")),
 ]
 
 
@@ -160,7 +165,7 @@ def place(tmp_path_factory):
 def run(name, *arguments):
     """Exit status of a command, or of an example by its name."""
     try:
-        if name.startswith(("catenary", "forces", "fly_your_kite")):
+        if name.startswith(("catenary", "forces", "fly_your_kite", "pumping")):
             return importlib.import_module(name).main(list(arguments))
         return tetherfmu([name, *arguments])
     except SystemExit as end:

@@ -203,3 +203,9 @@ def test_largest_step_of_a_coupling_by_force(part, grows):
         swing.append(abs(position - rest))
     tenth = len(swing) // 10
     assert bool(max(swing[-tenth:]) > max(swing[:tenth])) is grows
+
+
+def test_page_on_the_example_fmus_is_what_the_script_writes(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    script = importlib.import_module("make_example_fmus")
+    assert script.PAGE.read_text(encoding="utf-8") == script.page()

@@ -117,9 +117,10 @@ def test_a_force_that_changes_linearly():
 
 def test_the_point_mass_kite_flies_as_the_flying_one():
     """The load on the path of the other is its force: both have one aerodynamics."""
-    flying = Model("FlyingKite", wind_velocity=(8.0, 0.0, 0.0), initial_heading=-1.0, initial_kite_velocity=(0.0, 10.0, 0.0))
+    start = {"wind_velocity": (8.0, 0.0, 0.0), "initial_heading": -1.0}
+    flying = Model("FlyingKite", kite_mass=10.0, initial_kite_velocity=(0.0, 10.0, 0.0), **start)
     motion = {"kite_position": flying.get("kite_position"), "kite_velocity": flying.get("kite_velocity")}
-    point = Model("PointMassKite", wind_velocity=(8.0, 0.0, 0.0), initial_heading=-1.0, **motion, input_continuation=3)
+    point = Model("PointMassKite", **start, **motion, input_continuation=3)
     for k in range(100):
         before = np.array(flying.get("kite_velocity"))
         steering = 0.5 * math.sin(0.1 * k)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tetherfmu.export.example_fmus import SLAVES as EXAMPLES
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
@@ -81,9 +82,12 @@ def test_the_sdist_can_be_tested_and_released(packages):
 def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     place = done(clean / "python", "-c", "import tetherfmu; print(tetherfmu.__file__)", cwd=tmp_path)
     assert Path(place).is_relative_to(clean.parent)
-    built = done(clean / "tetherfmu", "build", "--platforms", "all", cwd=tmp_path).splitlines()
-    assert [Path(line.split()[0]).name for line in built] == [f"{class_name(variant)}.fmu" for variant in EVERY_VARIANT]
-    assert all(line.endswith(f"for {', '.join(TARGETS)}") for line in built)
+    built = done(clean / "tetherfmu", "build", "--platforms", "all", "--examples", cwd=tmp_path).splitlines()
+    tethers, examples = built[: len(EVERY_VARIANT)], built[len(EVERY_VARIANT) :]
+    assert [Path(line.split()[0]).name for line in tethers] == [f"{class_name(variant)}.fmu" for variant in EVERY_VARIANT]
+    assert all(line.endswith(f"for {', '.join(TARGETS)}") for line in tethers)
+    systems = ["kite_power_system.ssp", "circular_flight.ssp"]
+    assert [Path(line.split()[0]).name for line in examples] == [*(f"{name}.fmu" for name in EXAMPLES), *systems]
     flown = done(clean / "tetherfmu", "fly", "--tether", "all", cwd=tmp_path).splitlines()
     assert sum("times real time" in line for line in flown) == len(VARIANTS)
     figures = [tmp_path / line for line in flown if line.endswith(".png")]

@@ -41,10 +41,13 @@ def values_of(table):
     return st.sampled_from([(name, value) for name, values in table.items() for value in values])
 
 
-def session(folder, others):
-    """State machine for the FMU in a folder; `others` holds serialized states of other FMUs."""
+def session(folder, others, good=GOOD_INPUTS, good_parameters=GOOD_PARAMETERS, bad_parameters=BAD_PARAMETERS):
+    """State machine for the FMU in a folder; `others` holds serialized states of other FMUs.
+
+    good, good_parameters, bad_parameters : dicts of names to values.
+    """
     inputs = {variable.name for variable in description_of(folder).modelVariables if variable.causality == "input"}
-    good_inputs = {name: values for name, values in GOOD_INPUTS.items() if name in inputs}
+    good_inputs = {name: values for name, values in good.items() if name in inputs}
 
     class Session(RuleBasedStateMachine):
         states = Bundle("states")
@@ -138,7 +141,7 @@ def session(folder, others):
             self.wrong[name] = value
 
         @precondition(lambda self: self.phase != FATAL)
-        @rule(item=values_of(GOOD_PARAMETERS))
+        @rule(item=values_of(good_parameters))
         def set_good_parameter(self, item):
             status = self.call(lambda: self.host.set(**dict([item])))
             if self.parameters_are_fixed():
@@ -147,7 +150,7 @@ def session(folder, others):
                 self.wrong.pop(item[0], None)
 
         @precondition(lambda self: self.phase != FATAL)
-        @rule(item=values_of(BAD_PARAMETERS))
+        @rule(item=values_of(bad_parameters))
         def set_bad_parameter(self, item):
             status = self.call(lambda: self.host.set(**dict([item])))
             if self.parameters_are_fixed():

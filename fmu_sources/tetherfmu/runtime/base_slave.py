@@ -55,7 +55,7 @@ class BaseSlave(Fmi2Slave):
         self._reals = self._all(lambda variable: variable.kind == "Real")
         self._integers = frozenset(references) - self._reals
         self._inputs = self._all(lambda variable: variable.causality == "input")
-        self.outputs = self._all(lambda variable: variable.causality == "output")
+        self.output_places = self._all(lambda variable: variable.causality == "output")
 
     def _all(self, chosen):
         return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))
@@ -190,7 +190,7 @@ class BaseSlave(Fmi2Slave):
             unknown = [reference for reference in vrs if reference not in allowed]
             self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown[0]))
             return [0.0 if reference in unknown else self.values[reference] for reference in vrs]
-        if self.phase == INITIALIZING and not self.outputs.isdisjoint(vrs):
+        if self.phase == INITIALIZING and not self.output_places.isdisjoint(vrs):
             problem = self.start()
             if problem:
                 self.say(problem, WARNING)
@@ -199,7 +199,7 @@ class BaseSlave(Fmi2Slave):
 
     def _set_parameters(self, vrs, values, allowed):
         for reference, value in zip(vrs, values, strict=True):
-            if reference not in allowed or reference in self.outputs:
+            if reference not in allowed or reference in self.output_places:
                 self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, value=repr(value)))
             elif reference not in self._inputs and self.phase >= STEPPING:
                 name = self._by_reference[reference].name

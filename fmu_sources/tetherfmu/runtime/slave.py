@@ -127,7 +127,7 @@ class TetherSlave(BaseSlave):
         """
         for reference, variable in zip(self.references, self.table, strict=True):
             value = saved.values[reference]
-            if variable.kind != "Real" and reference not in self.outputs and not abs(value) <= layout.LARGEST_INTEGER:
+            if variable.kind != "Real" and reference not in self.output_places and not abs(value) <= layout.LARGEST_INTEGER:
                 problem = refusals.NO_INTEGER.format(name=variable.name, value=value)
                 raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=problem))
         records = self._records_of_state(saved) if saved.phase >= STEPPING else None

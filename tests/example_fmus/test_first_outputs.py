@@ -1,0 +1,41 @@
+"""First outputs depend on no more than what is declared: each input and parameter is changed, and the outputs watched."""
+
+import pytest
+
+from example_fmus.example_slaves import Model
+from tetherfmu.export.example_fmus import SLAVES, table_of
+
+# nothing is without effect: wind blows, the kite flies aside, the air thins, the profile has all laws, steering has no limit
+FIRST = {
+    "wind_velocity[1]": 8.0, "wind_profile": 4, "kite_velocity[2]": 9.0, "initial_kite_velocity[2]": 9.0, "steering": 0.3,
+    "depower": 0.4, "initial_heading": 0.5, "heading": -2.3, "air_density_scale_height": 8000.0, "apparent_wind_speed": 15.0,
+    "ground_tension": 900.0, "initial_speed": 1.0, "kite_position[2]": 40.0,
+    "path": 2,
+    "look_ahead": 0.9, "course_gain": 0.05,
+}  # fmt: skip
+
+
+def outputs(name, **changes):
+    """First outputs by name."""
+    known = {variable.name: variable for variable in table_of(name)}
+    first = {each: value for each, value in FIRST.items() if each in known and known[each].causality != "output"}
+    model = Model(name, **{**first, **changes})
+    return {each: model.get(each) for each, variable in known.items() if variable.causality == "output"}
+
+
+@pytest.mark.parametrize("name", list(SLAVES))
+def test_first_outputs_depend_on_what_is_declared(name):
+    before, found = outputs(name), {}
+    for variable in table_of(name):
+        if variable.causality != "output":
+            value = FIRST.get(variable.name, variable.start)
+            changed = value % len(variable.quantity.choices) + 1 if variable.quantity.choices else 0.9 * value + 0.01
+            for each, now in outputs(name, **{variable.name: changed}).items():
+                if now != before[each]:
+                    found.setdefault(each, set()).add(variable.name)
+    declared = {each.name: set(each.depends_on) for each in table_of(name) if each.causality == "output"}
+    for each, names in found.items():
+        assert names <= declared[each], each
+    idle = set.union(*declared.values()) - set.union(*found.values(), set())
+    # before the first step nothing turns
+    assert idle <= {"turning", "turning_by_weight"}

@@ -1,0 +1,98 @@
+"""Examples that couple FMUs: the bridle of three legs, the iterated master; and the study of coupling from end to end."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from test_at_rest import EXAMPLES, assert_is_drawn, run
+from test_pumping_cycle import folder  # noqa: F401 (FMUs of both kinds)
+
+
+def numbers(said):
+    return np.array([line.split() for line in said.splitlines()], dtype=float)
+
+
+def test_a_bridle_of_fmus_is_that_of_the_python_api(fmu_folder):
+    """Both compute the same exchange; the loads are summed in another order, which moves the last digits."""
+    code = """
+import bridle, ways_of_coupling
+scene = bridle.bridle(0.1)
+forces, positions = bridle.fly(scene, *map(circular_flight.find_fmu, ("TetherDynamicFree", "TetherDynamic")), 0.002)
+expected = ways_of_coupling.fly("free end, linear", scene, 0.002)
+print(abs(forces - expected.forces).max(), abs(positions - expected.positions).max(), len(forces))
+"""
+    ((force, position, count),) = numbers(run(fmu_folder, code))
+    assert force < 1e-6
+    assert position < 1e-9
+    assert count == 51
+
+
+def test_the_bridle_pulls_as_the_whole_system(fmu_folder):
+    """The rule allows steps of 4 ms; at 2 ms the forces are within 1 %."""
+    said = run(fmu_folder, "import bridle; bridle.main(['--quick'])")
+    assert len(re.findall(r"knot at \(.+\) m, legs pull with \d+, \d+, \d+ N", said)) == 5
+    assert float(re.search(r"error of the forces at these times: (\S+) %", said)[1]) < 1.0
+
+
+ITERATED = """
+import iterated_master as master
+iterated = [circular_flight.find_fmu(name) for name in ("FlyingKite", "TetherDynamic")]
+free = [circular_flight.find_fmu(name) for name in ("PointMassKite", "TetherDynamicFree")]
+"""
+
+
+def test_an_iterated_master_agrees_with_the_free_end(folder):  # noqa: F811
+    """Two ways, two pairs of FMUs, one motion: at 10 ms within 0.1 %; Aitken's method needs fewer tether steps."""
+    code = """
+fine = master.fly_free(*free, 0.002, 0.4)
+for improve in master.NEXT_GUESS.values():
+    flown = master.fly_iterated(*iterated, 0.01, 0.4, 1e-4, improve)
+    print(master.error(flown, fine), flown.tether_steps)
+print(master.error(master.fly_free(*free, 0.01, 0.4), fine), 1)
+"""
+    aitken, fixed_point, newton, free = numbers(run(folder, ITERATED + code))
+    assert max(aitken[0], fixed_point[0], newton[0], free[0]) < 0.001
+    assert aitken[1] < newton[1] <= fixed_point[1]
+
+
+def test_an_iterated_master_gives_up_in_words(folder):  # noqa: F811
+    code = """
+try:
+    master.fly_iterated(*iterated, 0.02, 0.1, 1e-15)
+except RuntimeError as error:
+    print(error)
+"""
+    said = run(folder, ITERATED + code)
+    assert re.search(r"^kite and tether differ by \S+ N after 30 iterations at \S+ s: take a shorter step$", said, re.M)
+
+
+def test_the_study_of_coupling_runs_from_end_to_end(tmp_path):
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / "coupling_limits.py", "--quick", "--out", tmp_path],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    assert len(re.findall(r"^\| way", done.stdout, re.M)) == 3
+    for name in ("errors", "growth", "limits"):
+        assert_is_drawn(tmp_path / "figures" / f"coupling_{name}.png")
+    assert len(list(tmp_path.glob("coupling_*.csv"))) == 4
+
+
+@pytest.mark.parametrize("example", ["bridle.py", "iterated_master.py"])
+def test_a_wrong_step_is_refused_in_one_line(example):
+    done = subprocess.run([sys.executable, EXAMPLES / example, "--step", "-1"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert re.fullmatch(r".+--step: '-1' is not possible; it must be .+\n", done.stderr)
+
+
+@pytest.mark.parametrize(("example", "package"), [("bridle", "scipy"), ("coupling_limits", "pandas")])
+def test_a_missing_package_is_named_in_one_line(example, package):
+    code = f"import sys; sys.modules[{package!r}] = None; import {example}; sys.exit({example}.main([]))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=EXAMPLES, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == f'{package} is not installed: pip install "tetherfmu[study]"\n'
