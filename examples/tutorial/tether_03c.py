@@ -32,7 +32,7 @@ def measure():
     exact, _ = with_events(EXACT)
     found = {}
     for name, (solver, _) in SOLVERS.items():
-        runs = (timed(solver, tolerance, repeats=4) for tolerance in TOLERANCES)
+        runs = (timed(solver, tolerance, repeats=3) for tolerance in TOLERANCES)
         found[name] = np.array([(seconds, np.abs(height - exact).max()) for height, seconds in runs])
     return found
 

@@ -108,6 +108,12 @@ def test_while_an_example_runs(tmp_path, fmu_folder, send):
 
 
 @EACH_WAY
+def test_while_lessons_run(tmp_path, send):
+    begun = lambda _: (tmp_path / "tether_01.png").exists()  # noqa: E731
+    assert stopped(send, COMMAND, "tutorial", "all", "--out", tmp_path, begun=begun, cwd=tmp_path) == ["stopped"]
+
+
+@EACH_WAY
 def test_while_an_evidence_set_runs(tmp_path, fmu_folder, send):
     begun = runs("tetherfmu.check.replay")
     assert stopped(send, COMMAND, "check", fmu_folder / "TetherDynamic.fmu", begun=begun, cwd=tmp_path) == ["stopped"]
