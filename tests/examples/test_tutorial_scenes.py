@@ -144,6 +144,20 @@ def test_06b_only_the_strain_rate_law_leaves_the_tension_alone():
     assert (tether_06b.reel_out_hanging(stretch_rate)[10:] < 0.0).all()
 
 
+def taut(motion):
+    """Part of the segments and times, after the start, in which a segment of scene 06 or 07 is longer than unstretched."""
+    length = np.linalg.norm(np.diff(motion, axis=1), axis=2)
+    return np.mean(length[1:] > ((50.0 + 0.02 * 2.0 * np.arange(1, 501)) / 5.0)[:, None])
+
+
+def test_06b_the_published_law_leaves_no_segment_taut():
+    """As docs/tutorial.md says of scenes 06 and 07."""
+    assert taut(tether_06.simulate(1e-6, **LAW)[:, 0]) == 0.0
+    assert taut(tether_07.simulate(duration=10.0, **LAW)) == 0.0
+    assert taut(tether_06.simulate(1e-6)[:, 0]) > 0.98
+    assert taut(tether_07.simulate(duration=10.0)) > 0.98
+
+
 def test_06c_events_are_missed_at_a_loose_tolerance_and_not_needed():
     exact, count = tether_06c.with_events(1e-9)
     missed, fewer = tether_06c.with_events(1e-6)

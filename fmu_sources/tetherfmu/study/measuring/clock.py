@@ -7,7 +7,8 @@ from time import perf_counter
 def interleaved(jobs, repeats, statistic=median, clock=perf_counter):
     """Median (or another statistic of the) time [s] of each job; each runs once before, untimed.
 
-    jobs : dict of functions without arguments.  clock : function that gives the time [s].  Returns dict of times and dict of what the untimed calls returned.
+    jobs : dict of functions without arguments.  clock : function that gives the time [s].
+    Returns dict of times and dict of what the untimed calls returned.
     """
     results = {name: job() for name, job in jobs.items()}
     times = {name: [] for name in jobs}
