@@ -66,7 +66,7 @@ def with_events(tolerance):
 
 
 def lesson():
-    """Error over wall time, with the number of events that were found."""
+    """Error over computing time, with the number of events that were found."""
     solvers = {
         "solve_ivp without events": (without_events, SKY_BLUE),
         "solve_ivp with events": (lambda tolerance: with_events(tolerance)[0], BLACK),
