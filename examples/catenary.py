@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from fmu_tools import add_fmu, find_fmu
+from fmu_tools import add_fmu, find_fmu, variables_of
 from still import hold
 
 from tetherfmu.console.colours import COLOUR, SKY_BLUE
@@ -29,6 +29,8 @@ TETHERS = {
 
 def compare(own=None):
     """Dict name -> `Rest` of each tether; own : the file of an FMU, with its own number of segments, beside the catenary."""
+    if own:
+        variables_of(own)  # before others are built
     files = {name: (find_fmu(file), {"segments": n}) for name, (file, n) in TETHERS.items() if not own or name == "catenary"}
     files |= {own.stem: (own, {})} if own else {}
     return {

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from circular_flight import TETHERS
-from fmu_tools import add_fmu, find_fmu
+from fmu_tools import add_fmu, find_fmu, variables_of
 from still import hold
 
 from tetherfmu.console.colours import COLOUR, SKY_BLUE
@@ -74,7 +74,10 @@ def main(arguments=None):
     parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
     add_fmu(parser, "all in dist/, built where they are missing; with one beside the dynamic tether")
     given = parser.parse_args(arguments)
-    files = {"dynamic": find_fmu("TetherDynamic"), given.fmu.stem: given.fmu} if given.fmu else None
+    files = None
+    if given.fmu:
+        variables_of(given.fmu)  # before another one is built
+        files = {"dynamic": find_fmu("TetherDynamic"), given.fmu.stem: given.fmu}
     now(f"holding {len(files or TETHERS)} tethers in {len(WINDS)} winds")
     forces = survey(files)
     for name, values in forces.items():
