@@ -2,7 +2,9 @@
 
 import inspect
 import os
+import re
 import sys
+from itertools import groupby
 from pathlib import Path
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
@@ -34,6 +36,8 @@ autodoc_preserve_defaults = True
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
+add_module_names = False
+default_role = "literal"  # single backticks in docstrings
 toc_object_entries = False
 html_theme = "furo"
 html_title = f"TetherFMU {release}"
@@ -44,9 +48,14 @@ pygments_style, pygments_dark_style = "default", "monokai"
 
 
 def as_written(app, what, name, obj, options, lines):
-    """Show docstrings of kernels as they are: equations as text, with their alignment."""
+    """Show docstrings of kernels: prose as prose, and what is indented, equations, as text with its alignment."""
     if name.startswith("tetherfmu.kernels."):
-        lines[:] = ["::", "", *(f"    {line}" for line in (inspect.getdoc(obj) or "").splitlines())]
+        lines.clear()
+        for indented, group in groupby((inspect.getdoc(obj) or "").splitlines(), lambda line: line.startswith("  ")):
+            if indented:
+                lines += ["", ".. code-block:: text", "", *(f"    {line}" for line in group), ""]
+            else:
+                lines += [re.sub(r"([\\*|_])", r"\\\1", line) for line in group]
 
 
 def without_fields(app, what, name, obj, skip, options):

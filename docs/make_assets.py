@@ -71,7 +71,7 @@ def draw_icon():
 
 
 def draw_figure():
-    """Figure of the plug: frame, ends, forces, wind, and the chain of nodes."""
+    """Figure of the interface: frame, ends, forces, wind, and the chain of nodes."""
     figure, axes = canvas(7.2, 4.5, (-0.75, 1.75, -0.3, 1.2625))
     scale = (1.0, 0.9)
     axes.plot(*(sagging(60) * scale).T, color=TETHER, linewidth=1.0, alpha=0.4)

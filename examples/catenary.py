@@ -10,10 +10,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from fmu_tools import add_fmu, find_fmu
+from fmu_tools import add_fmu, find_fmu, variables_of
 from still import hold
 
-from tetherfmu.console.colours import COLOUR, REFERENCE
+from tetherfmu.console.colours import COLOUR, SKY_BLUE
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
@@ -29,6 +29,8 @@ TETHERS = {
 
 def compare(own=None):
     """Dict name -> `Rest` of each tether; own : the file of an FMU, with its own number of segments, beside the catenary."""
+    if own:
+        variables_of(own)  # before others are built
     files = {name: (find_fmu(file), {"segments": n}) for name, (file, n) in TETHERS.items() if not own or name == "catenary"}
     files |= {own.stem: (own, {})} if own else {}
     return {
@@ -38,21 +40,32 @@ def compare(own=None):
 
 
 def plot(rests):
-    """Side view in the vertical plane through ground station and kite; the lower end enlarged."""
+    """Side view in the vertical plane through ground station and kite; how far the chains are from the catenary."""
     from flight_figures import plt
 
-    figure, panels = plt.subplots(1, 2, figsize=(9.0, 5.5), layout="constrained")
-    for axes in panels:
-        for (name, rest), style in zip(rests.items(), ("s", "o:", "o-"), strict=False):
-            distance = np.hypot(rest.shape[:, 0], rest.shape[:, 1])
-            colour = COLOUR["catenary" if name == "catenary" else "quasi_steady"]
-            axes.plot(distance, rest.shape[:, 2], style, markersize=4, color=colour, label=name)
-        axes.set(xlabel="horizontal distance [m]", ylabel="height [m]")
-        axes.grid(alpha=0.4)
-    panels[0].plot([0.0, np.hypot(*KITE[:2])], [0.0, KITE[2]], color=REFERENCE, linewidth=0.8, label="chord")
-    panels[0].legend()
-    panels[0].set(title="Tether of a kite that stands still")
-    panels[1].set(title="Its lower end", xlim=(-5.0, 120.0), ylim=(-10.0, 130.0))
+    figure, (side, apart) = plt.subplots(1, 2, figsize=(10.0, 5.0), layout="constrained")
+    exact = rests["catenary"].shape
+    looks = dict(zip(rests, ((COLOUR["catenary"], "-"), (SKY_BLUE, "o--"), (COLOUR["quasi_steady"], ".-")), strict=False))
+    for name, rest in rests.items():
+        colour, style = looks[name]
+        side.plot(
+            np.hypot(rest.shape[:, 0], rest.shape[:, 1]), rest.shape[:, 2], style, color=colour, markersize=4, label=name
+        )
+        if name != "catenary":
+            part, known = (np.linspace(0.0, 100.0, len(shape)) for shape in (rest.shape, exact))
+            same = np.transpose([np.interp(part, known, coordinate) for coordinate in exact.T])
+            distance = np.linalg.norm(rest.shape - same, axis=1)
+            apart.plot(part, distance, style, color=colour, markersize=4)
+            middle = len(part) // 3
+            apart.annotate(name, (part[middle], distance[middle]), (4, 8), textcoords="offset points", color=colour)
+    side.plot([0.0, np.hypot(*KITE[:2])], [0.0, KITE[2]], color="gray", linewidth=0.8, label="chord")
+    side.legend()
+    side.set(title="Tether of a kite that stands still", xlabel="horizontal distance [m]", ylabel="height [m]")
+    apart.set(
+        title="Distance from the exact catenary", xlabel="place on the tether, from the ground [%]", ylabel="distance [m]"
+    )
+    for axes in (side, apart):
+        axes.grid(alpha=0.3)
     return figure
 
 

@@ -73,9 +73,9 @@ def variables_of(fmu_file, free=False):
     return Variables(fmu_file, description, reference)
 
 
-def add_fmu(parser, instead="those in dist/, built where they are missing"):
+def add_fmu(parser, default="those in dist/, built where they are missing"):
     """Add the option --fmu FILE."""
-    parser.add_argument("--fmu", type=file, metavar="FILE", help=f"a tether FMU of your own (default: {instead})")
+    parser.add_argument("--fmu", type=file, metavar="FILE", help=f"a tether FMU of your own (default: {default})")
 
 
 @contextmanager

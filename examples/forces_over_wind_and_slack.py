@@ -11,17 +11,16 @@ from pathlib import Path
 
 import numpy as np
 from circular_flight import TETHERS
-from fmu_tools import add_fmu, find_fmu
+from fmu_tools import add_fmu, find_fmu, variables_of
 from still import hold
 
-from tetherfmu.console.colours import BLACK, BLUE, REFERENCE, SKY_BLUE, VERMILLION
+from tetherfmu.console.colours import COLOUR, SKY_BLUE
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
 
 KITE = (300.0, 0.0, 400.0)
 SLACKS = (-0.002, 0.0, 0.01, 0.05)
-SLACK_COLOURS = (BLACK, VERMILLION, BLUE, SKY_BLUE)
 WINDS = np.linspace(0.0, 25.0, 26)
 
 
@@ -42,22 +41,29 @@ def survey(files=None, slacks=SLACKS, winds=WINDS):
 
 
 def plot(forces, slacks=SLACKS, winds=WINDS):
-    """Force at both ends over the wind, a colour for each slack and a line style for each tether."""
+    """Force on the kite over the wind, a column for each slack; below how far it is from that of the first tether.
+
+    At rest the quasi-steady tether is the dynamic one: its difference is too small to be seen.
+    """
     from flight_figures import plt
 
-    figure, panels = plt.subplots(1, 2, figsize=(10.0, 5.5), sharey=True, layout="constrained")
-    styles = {"dynamic": "-", "quasi_steady": "o", "catenary": "--", "straight": ":"}
-    for end, (axes, title) in enumerate(zip(panels, ("ground station", "kite"), strict=True)):
-        for number, slack in enumerate(slacks):
-            for name, values in forces.items():
-                options = {"markersize": 3, "markevery": 2, "color": SLACK_COLOURS[number]}
-                axes.semilogy(winds, values[number, :, end], styles.get(name, "-"), **options)
-            axes.plot([], [], color=SLACK_COLOURS[number], label=f"{100 * slack:+.1f} % slack")
-        for name in forces:
-            axes.plot([], [], styles.get(name, "-"), markersize=3, color=REFERENCE, label=name)
-        axes.set(title=f"Force on the {title}", xlabel="wind [m/s]", ylabel="force [N]")
-        axes.grid(alpha=0.4, which="both")
-    panels[1].legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    figure, panels = plt.subplots(
+        2, len(slacks), figsize=(3.4 * len(slacks), 6.5), sharex=True, squeeze=False, layout="constrained"
+    )
+    first = next(iter(forces))
+    for number, (upper, lower) in enumerate(panels.T):
+        for name, values in forces.items():
+            looks = {"color": COLOUR.get(name, SKY_BLUE), "linewidth": 1.5, "label": name.replace("_", "-")}
+            upper.plot(winds, values[number, :, 1], **looks)
+            if name != first:
+                lower.semilogy(winds, np.abs(values - forces[first])[number, :, 1], **looks)
+        upper.set(title=f"{100 * slacks[number]:+.1f} % slack", ylim=(0.0, None))
+        lower.set(xlabel="wind [m/s]", ylim=(1e-3, 3e3))
+        for axes in (upper, lower):
+            axes.grid(alpha=0.3)
+    panels[0, 0].set_ylabel("force on the kite [N]")
+    panels[1, 0].set_ylabel(f"difference from {first} [N]")
+    panels[0, -1].legend(frameon=False)
     return figure
 
 
@@ -66,10 +72,14 @@ def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
     parser = Parser(description="Force of a tether over wind and slack.")
     parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
-    add_fmu(parser)
+    add_fmu(parser, "all in dist/, built where they are missing; with one beside the dynamic tether")
     given = parser.parse_args(arguments)
-    now(f"holding {1 if given.fmu else len(TETHERS)} tethers in {len(WINDS)} winds")
-    forces = survey({given.fmu.stem: given.fmu} if given.fmu else None)
+    files = None
+    if given.fmu:
+        variables_of(given.fmu)  # before another one is built
+        files = {"dynamic": find_fmu("TetherDynamic"), given.fmu.stem: given.fmu}
+    now(f"holding {len(files or TETHERS)} tethers in {len(WINDS)} winds")
+    forces = survey(files)
     for name, values in forces.items():
         at_the_kite = ", ".join(
             f"{force:.0f} N at {100 * slack:+.1f} %" for force, slack in zip(values[:, -1, 1], SLACKS, strict=True)

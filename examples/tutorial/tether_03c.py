@@ -1,8 +1,8 @@
 """What does it cost to locate the events, and what is it worth?
 
-The motion of lessons 03 and 03b at tolerances from 1e-3 to 1e-10: each solver's error over its wall time. Published times
-of this scene, on another machine: Julia 0.606 ms without and 0.741 ms with a callback for the events, Python 20 ms and 31
-ms.
+The motion of lessons 03 and 03b at tolerances from 1e-3 to 1e-10: each solver's error over its computing time. Published
+times of this scene, on another machine: Julia 0.606 ms without and 0.741 ms with a callback for the events, Python 20 ms
+and 31 ms.
 """
 
 import sys
@@ -28,17 +28,17 @@ SOLVERS = {
 
 
 def measure():
-    """Dict solver -> array (tolerances, 2) of wall time [s] and largest error [m]."""
+    """Dict solver -> array (tolerances, 2) of computing time [s] and largest error [m]."""
     exact, _ = with_events(EXACT)
     found = {}
     for name, (solver, _) in SOLVERS.items():
-        runs = (timed(solver, tolerance, repeats=4) for tolerance in TOLERANCES)
+        runs = (timed(solver, tolerance, repeats=3) for tolerance in TOLERANCES)
         found[name] = np.array([(seconds, np.abs(height - exact).max()) for height, seconds in runs])
     return found
 
 
 def lesson():
-    """Error over wall time."""
+    """Error over computing time."""
     runs = measure()
     figure, axes = panels()
     for name, values in runs.items():

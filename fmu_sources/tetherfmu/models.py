@@ -11,12 +11,12 @@ from .tether_model import TetherModel
 class TetherDynamic(TetherModel):
     """Lumped masses joined by non-linear spring-damper segments, with drag and reel-out; both ends driven or free.
 
+    Parameters are those of `TetherModel`, and one more.
+
     Parameters
     ----------
     free_ends : (bool, bool)
         Whether the ground end and the kite end move freely after the start, instead of following the inputs.
-
-    The other parameters are those of `TetherModel`.
 
     Examples
     --------
@@ -42,13 +42,12 @@ class TetherDynamicFree(TetherModel):
     """The dynamic tether with a kite end that is a free point mass: a load comes in, its motion goes out.
 
     `kite_position` and `kite_velocity` of `initialize` are where the motion starts; afterwards they are outputs.
+    Parameters are those of `TetherModel`, and one more.
 
     Parameters
     ----------
     kite_mass : float
         Point mass at the kite end [kg], at least 0, beside half of the last segment. Gravity acts on it.
-
-    The other parameters are those of `TetherModel`.
 
     Examples
     --------

@@ -125,6 +125,12 @@ def test_while_a_system_of_fmus_flies(tmp_path, fmu_folder, example_folder, send
 
 
 @EACH_WAY
+def test_while_lessons_run(tmp_path, send):
+    begun = lambda _: (tmp_path / "tether_01.png").exists()  # noqa: E731
+    assert stopped(send, COMMAND, "tutorial", "all", "--out", tmp_path, begun=begun, cwd=tmp_path) == ["stopped"]
+
+
+@EACH_WAY
 def test_while_an_evidence_set_runs(tmp_path, fmu_folder, send):
     begun = runs("tetherfmu.check.replay")
     assert stopped(send, COMMAND, "check", fmu_folder / "TetherDynamic.fmu", begun=begun, cwd=tmp_path) == ["stopped"]

@@ -123,6 +123,7 @@ WRONG = [  # what is typed, status, what must be said
     ("catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("catenary 7", 2, ("unrecognized arguments: 7",)),
     ("forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
+    ("catenary --fmu text.txt", 2, ("text.txt", "no FMU")),
     ("catenary --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("forces_over_wind_and_slack --wind 3", 2, ("unrecognized arguments: --wind 3",)),
     ("forces_over_wind_and_slack --fmu text.txt", 2, ("text.txt", "no FMU")),

@@ -42,7 +42,7 @@ def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):
     said = run(
         fmu_folder, f"import forces_over_wind_and_slack as e; e.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])"
     )
-    assert said.startswith("TetherCatenary: on the kite in 25 m/s")
+    assert [line.split(":")[0] for line in said.splitlines()] == ["dynamic", "TetherCatenary"]
     assert (tmp_path / "forces_over_wind_and_slack.png").exists()
 
 

@@ -63,12 +63,14 @@ def test_an_animation_is_written_as_gif_or_with_its_frames(tmp_path, monkeypatch
 
     full = tether_05.lesson
 
-    def short():
+    def short(in_space):
         found = full()
-        return found._replace(movie=found.movie._replace(positions=found.movie.positions[:11]))
+        movie = found.movie._replace(positions=found.movie.positions[:11], in_space=in_space)
+        return found._replace(movie=movie)
 
-    for options in (["--animate"], ["--save-frames"]):
-        assert lessons.command_line(short, tether_05)(["--out", str(tmp_path), *options]) == 0
+    for option, in_space in (("--animate", False), ("--save-frames", True)):
+        run_lesson = lessons.command_line(lambda in_space=in_space: short(in_space), tether_05)
+        assert run_lesson(["--out", str(tmp_path), option]) == 0
     assert (tmp_path / "tether_05.gif").read_bytes().startswith(b"GIF")
     assert len(list((tmp_path / "tether_05_frames").glob("*.png"))) == 3
     assert "tether_05_frames" in (tmp_path / "tether_05.html").read_text(encoding="utf-8")

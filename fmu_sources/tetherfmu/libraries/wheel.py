@@ -17,7 +17,7 @@ from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.variants import VARIANTS
 
-BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "mkdocs.yml", "CHANGELOG.md", "CITATION.cff")
+BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "CHANGELOG.md", "CITATION.cff")
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "*.jsonl")
 
 

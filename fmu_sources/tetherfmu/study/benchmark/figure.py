@@ -9,6 +9,7 @@ from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
 
 from .races import COMPILED, DEFAULT, OURS, RESTARTED, WHOLE
 
+COLUMNS = 2  # of panels
 IN_C = {"linestyle": "--", "markerfacecolor": "white"}
 STYLES = {
     OURS: {"color": COLOUR["dynamic"], "marker": "o", "linewidth": 2.0},
@@ -23,10 +24,13 @@ TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "
 def draw(runs, path):
     """Write the diagram of a table of races to a PNG file."""
     panels = list(runs.groupby(["scene", "segments"], sort=False))
-    figure = Figure(figsize=(4.2 * len(panels), 4.2), layout="constrained")
-    axes = figure.subplots(1, len(panels), squeeze=False)[0]
+    rows = -(-len(panels) // COLUMNS)
+    figure = Figure(figsize=(5.2 * COLUMNS, 4.0 * rows + 0.4), layout="constrained")
+    axes = figure.subplots(rows, COLUMNS, squeeze=False).flat
+    for axis in axes[len(panels) :]:
+        axis.set_visible(False)
     handles = {}
-    for axis, ((scene, n), mine) in zip(axes, panels, strict=True):
+    for axis, ((scene, n), mine) in zip(axes, panels, strict=False):
         for solver, theirs in mine.sort_values("tolerance").groupby("solver", sort=False):
             handles[solver] = axis.loglog(theirs.error, 1e3 * theirs.seconds, markersize=5, **STYLES[solver])[0]
         for each in mine[(mine.solver == OURS) & (mine.tolerance == DEFAULT)].itertuples():
@@ -40,9 +44,9 @@ def draw(runs, path):
         axis.grid(which="major", color="0.9")
         axis.margins(0.12)
         axis.invert_xaxis()
-    axes[0].set_ylabel("time for the run [ms]")
+    figure.supylabel("time for the run [ms]", fontsize=10)
     found = [solver for solver in STYLES if solver in handles]
     lines = [handles[solver] for solver in found]
-    figure.legend(lines, found, loc="outside lower center", ncols=len(found), frameon=False, fontsize=9)
+    figure.legend(lines, found, loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=100, metadata={"Software": None})
