@@ -43,6 +43,16 @@ def test_sound_fmus(fmu_folder):
     assert "0 problems found" in said
 
 
+def test_sound_native_fmus(native_folder, fmi3_folder):
+    """The set runs from a file for FMI 2; that for FMI 3 has none."""
+    status, said = run(native_folder / "TetherDynamicFree.fmu", fmi3_folder / "TetherDynamicFree.fmu")
+    assert status == 0
+    for version in (2, 3):
+        assert f"valid by the XML schema of FMI {version}.0, and FMPy finds no problem" in said
+    assert said.count("evidence set: 200 steps") == 1
+    assert "LD_PRELOAD" not in said
+
+
 def test_wrong_use(tmp_path, fmu_folder):
     assert run()[0] == 2
     for wrong in (tmp_path / "none.fmu", tmp_path):
