@@ -123,7 +123,7 @@ def platforms(names, version):
     if not any(name.startswith(f"binaries/{place}/") and name.endswith(ending) for name in names):
         remedy = "run it on one of those platforms" if libraries else ""
         if MADE_BY_PYTHONFMU in names:
-            remedy = "PythonFMU has libraries for 64-bit Linux and Windows only; build it with: tetherfmu build --native"
+            remedy = "use 64-bit Linux or Windows on x86: PythonFMU has no library for other platforms, tetherfmu build --native has"
         text = f"the FMU has no library for {place}, only for {', '.join(libraries) or 'none'}"
         return [Finding(PROBLEM, text, remedy)]
     kernels = sorted(name.removeprefix(KERNELS) for name in names if name.startswith(KERNELS))
