@@ -123,7 +123,8 @@ def platforms(names, version):
     if not any(name.startswith(f"binaries/{place}/") and name.endswith(ending) for name in names):
         remedy = "run it on one of those platforms" if libraries else ""
         if MADE_BY_PYTHONFMU in names:
-            remedy = "use 64-bit Linux or Windows on x86: PythonFMU has no library for other platforms, tetherfmu build --native has"
+            remedy = "use 64-bit Linux or Windows on x86: PythonFMU has no library for other platforms"
+            remedy += "; or build a native FMU: tetherfmu build --native"
         text = f"the FMU has no library for {place}, only for {', '.join(libraries) or 'none'}"
         return [Finding(PROBLEM, text, remedy)]
     kernels = sorted(name.removeprefix(KERNELS) for name in names if name.startswith(KERNELS))

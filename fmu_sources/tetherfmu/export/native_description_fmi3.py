@@ -66,10 +66,12 @@ def terminals(table):
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     listed = SubElement(root, "Terminals")
     for end, members in TERMINALS.items():
-        terminal = SubElement(listed, "Terminal", name=end, matchingRule="bus", description=MEANINGS[end])
+        terminal = Element("Terminal", name=end, matchingRule="bus", description=MEANINGS[end])
         for member, vector in members.items():
             if vector in known:
                 SubElement(terminal, "TerminalMemberVariable", variableName=vector, memberName=member, variableKind="signal")
+        if len(terminal):
+            listed.append(terminal)
     return as_text(root)
 
 
