@@ -17,7 +17,6 @@ from xml.etree import ElementTree
 from pythonfmu.builder import FmuBuilder
 
 from tetherfmu.libraries import ready
-from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
@@ -120,13 +119,6 @@ def write(files, folder, name, scene):
         return partial.replace(folder / file)
     finally:
         partial.unlink(missing_ok=True)
-
-
-def contents(path):
-    """Platforms that an FMU has kernels for."""
-    with zipfile.ZipFile(path) as archive:
-        names = [Path(entry).name for entry in archive.namelist() if f"/{KERNELS_FOLDER}/" in entry]
-    return [each for each in TARGETS if any(f"-{each}." in name for name in names)]
 
 
 def _write_package(resources, name, kernels):
