@@ -103,7 +103,7 @@ needs_wine = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is no
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """Folder with the host program."""
-    folder, source = tmp_path_factory.mktemp("windows"), Path(__file__).parent / "windows_host.c"
+    folder, source = tmp_path_factory.mktemp("windows"), Path(__file__).parent / "windows_fmi_host.c"
     command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-o", "host.exe", str(source)]
     subprocess.run(command, cwd=folder, check=True)
     return folder

@@ -1,4 +1,4 @@
-/* Runs an FMU for FMI 2 on Windows: windows_host LIBRARY GUID INPUT OUTPUT
+/* Runs an FMU for FMI 2 on Windows: windows_fmi_host LIBRARY GUID INPUT OUTPUT
 
 INPUT  : doubles: count of inputs, of outputs, of steps, size of a step; value references of both; a row of inputs per step.
 OUTPUT : the outputs of the start and of every step. Last, a step of -0.1 - 0.2 s is refused: what is said goes to stdout. */
