@@ -10,7 +10,7 @@ import pytest
 
 from native import programs
 
-DRIVER, SESSIONS = Path(__file__).with_name("driver.c"), 1000
+DRIVER, SESSIONS = Path(__file__).with_name("driver.c"), 500
 
 
 @pytest.mark.skipif(not programs.available(), reason="needs gcc on 64-bit Linux")

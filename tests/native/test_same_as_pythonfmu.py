@@ -67,7 +67,7 @@ def test_sentences(fmu_folder, native_folder, name):
 
 def test_numbers_of_any_diameter(fmu_folder, native_folder):
     """The parameters are packed with the same arithmetic, in C and in Python."""
-    diameters = np.random.default_rng(1).uniform(1e-4, 0.1, 100).tolist()
+    diameters = np.random.default_rng(1).uniform(1e-4, 0.1, 50).tolist()
     paths = [folder / "TetherStraight.fmu" for folder in (native_folder, fmu_folder)]
     found, expected = (own_process(flights.masses, path=path, diameters=diameters) for path in paths)
     assert found == expected
