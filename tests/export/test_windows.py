@@ -28,9 +28,10 @@ def host(tmp_path_factory):
     folder = tmp_path_factory.mktemp("windows")
     for variant, compiled in ready.folders(VARIANTS, ["x86_64-windows"]).items():
         shutil.copy(compiled / file_name(variant, "x86_64-windows"), folder)
-    source = Path(__file__).parent / "windows_host.c"
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-o", "host.exe", str(source)]
-    subprocess.run(command, cwd=folder, check=True)
+    source = str(Path(__file__).parent / "windows_host.c")
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O1", "-fno-sanitize=all"]
+    subprocess.run([*zig, "-fno-stack-protector", "-c", "-o", "host.obj", source], cwd=folder, check=True)
+    subprocess.run([*zig, "-nostdlib", "-Wl,-e,start", "-lkernel32", "-o", "host.exe", "host.obj"], cwd=folder, check=True)
     return folder
 
 

@@ -1,11 +1,10 @@
-/* Runs a compiled kernel library on Windows: windows_host LIBRARY VARIANT INPUT OUTPUT
+/* Runs a compiled kernel library on Windows: windows_host LIBRARY VARIANT INPUT OUTPUT, without spaces in the names.
 
 INPUT  : doubles n, sizes of parameters, state, work, outputs, count of steps, step, shape points; the parameters; then
          count + 1 rows of inputs.
-OUTPUT : the outputs of the start and of every step. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+OUTPUT : the outputs of the start and of every step.
+
+It calls the system and no C library, which would take a minute to compile. */
 #include <windows.h>
 
 typedef int (*initialize_t)(long long, double *, double *, double *, double *);
@@ -14,36 +13,58 @@ typedef int (*observe_t)(long long, double *, double *, long long, double *, dou
 
 enum { INPUTS = 19 };
 
-static void *find(HMODULE library, const char *variant, const char *verb)
+static void check(int fine, unsigned status)
 {
-    char name[64];
-    snprintf(name, sizeof name, "%s_%s", variant, verb);
-    return (void *)GetProcAddress(library, name);
+    if (!fine) ExitProcess(status);
 }
 
-int main(int count, char **argument)
+static FARPROC find(HMODULE library, const char *variant, const char *verb)
 {
+    char name[64];
+    lstrcpyA(name, variant);
+    lstrcatA(name, verb);
+    FARPROC found = GetProcAddress(library, name);
+    check(found != NULL, 4);
+    return found;
+}
+
+static double *zeros(double count)
+{
+    return HeapAlloc(GetProcessHeap(), HEAP_ZERO_MEMORY, 8 * (SIZE_T)count);
+}
+
+static void read(HANDLE file, double *numbers, double count)
+{
+    DWORD done, size = 8 * (DWORD)count;
+    check(ReadFile(file, numbers, size, &done, NULL) && done == size, 5);
+}
+
+void start(void)
+{
+    char *argument[5], *next = GetCommandLineA();
     double head[8], row[INPUTS];
-    if (count != 5) return 2;
-    HMODULE library = LoadLibraryA(argument[1]);
-    if (!library) return 3;
-    initialize_t initialize = (initialize_t)find(library, argument[2], "initialize");
-    advance_t advance = (advance_t)find(library, argument[2], "advance");
-    observe_t observe = (observe_t)find(library, argument[2], "observe");
-    FILE *in = fopen(argument[3], "rb"), *out = fopen(argument[4], "wb");
-    if (!initialize || !advance || !observe || !in || !out || fread(head, 8, 8, in) != 8) return 4;
-    long long n = (long long)head[0], points = (long long)head[7];
-    size_t parameters_size = (size_t)head[1], outputs_size = (size_t)head[4];
-    double *parameters = calloc(parameters_size, 8), *state = calloc((size_t)head[2], 8);
-    double *work = calloc((size_t)head[3], 8), *outputs = calloc(outputs_size, 8);
-    if (fread(parameters, 8, parameters_size, in) != parameters_size) return 5;
-    for (int k = 0; k <= (int)head[5]; k++) {
-        if (fread(row, 8, INPUTS, in) != INPUTS) return 6;
-        int status = k == 0 ? initialize(n, parameters, row, state, work) : advance(n, parameters, row, head[6], state, work);
-        if (status) return 7;
-        observe(n, parameters, state, points, outputs, work);
-        fwrite(outputs, 8, outputs_size, out);
+    for (int k = 0; k < 5; k++) { /* the names of the program, the library, the variant, the input and the output */
+        argument[k] = next;
+        while (*next && *next != ' ') next++;
+        while (*next == ' ') *next++ = 0;
     }
-    fclose(out);
-    return 0;
+    HMODULE library = LoadLibraryA(argument[1]);
+    check(library != NULL, 3);
+    initialize_t initialize = (initialize_t)find(library, argument[2], "_initialize");
+    advance_t advance = (advance_t)find(library, argument[2], "_advance");
+    observe_t observe = (observe_t)find(library, argument[2], "_observe");
+    HANDLE in = CreateFileA(argument[3], GENERIC_READ, 0, NULL, OPEN_EXISTING, 0, NULL);
+    HANDLE out = CreateFileA(argument[4], GENERIC_WRITE, 0, NULL, CREATE_ALWAYS, 0, NULL);
+    read(in, head, 8);
+    double *parameters = zeros(head[1]), *state = zeros(head[2]), *work = zeros(head[3]), *outputs = zeros(head[4]);
+    long long n = (long long)head[0], points = (long long)head[7];
+    read(in, parameters, head[1]);
+    for (int k = 0; k <= (int)head[5]; k++) {
+        DWORD done;
+        read(in, row, INPUTS);
+        check((k == 0 ? initialize(n, parameters, row, state, work) : advance(n, parameters, row, head[6], state, work)) == 0, 7);
+        observe(n, parameters, state, points, outputs, work);
+        check(WriteFile(out, outputs, 8 * (DWORD)head[4], &done, NULL), 6);
+    }
+    ExitProcess(0);
 }

@@ -15,12 +15,16 @@ from tetherfmu.runtime.kernel_library import file_name, load, this_platform
 HERE = (this_platform(),)
 
 
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory):
+@pytest.fixture(scope="session")
+def compiled(built_once):
     """Folders of the catenary, compiled in both ways; the fast way with another variant before it."""
-    roots = {way: tmp_path_factory.mktemp(way) for way in ("fast", "plain")}
-    ready.compiled_in(roots["fast"], ["straight", "catenary"], HERE, "fast")
-    return {way: ready.compiled_in(root, ["catenary"], HERE, way)["catenary"] for way, root in roots.items()}
+
+    def compile_both(folder):
+        ready.compiled_in(folder / "fast", ["straight", "catenary"], HERE, "fast")
+        ready.compiled_in(folder / "plain", ["catenary"], HERE, "plain")
+
+    folder = built_once("both_ways", compile_both)
+    return {way: ready.compiled_in(folder / way, ["catenary"], HERE, way)["catenary"] for way in ("fast", "plain")}
 
 
 def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):

@@ -50,8 +50,12 @@ def test_2000_cycles(fmu_folder, fmu):
 @LINUX
 @pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
-def test_a_million_steps(fmu_folder, fmu):
-    """Steps of 1 to 50 ms on the circle, states taken and freed: no growth after the first 10000, all outputs finite."""
+def test_many_steps(fmu_folder, fmu):
+    """Steps of 1 to 50 ms on the circle, states taken and freed: no growth after the first 10000, all outputs finite.
+
+    A million steps of one FMU, 100 000 of the others, whose shell is the same. Allowed: a byte per step, at least 250 kB.
+    """
+    laps = 1000 if fmu == "TetherDynamicFree" else 100
     host = Host(fmu_folder / f"{fmu}.fmu").start(segments=3, fixed_step=0.025)
     moving = kite_inputs(fmu, *circle(0.0))
     kite = [host.reference[f"{name}[{i}]"] for name in moving for i in (1, 2, 3)]
@@ -59,7 +63,7 @@ def test_a_million_steps(fmu_folder, fmu):
     steps = np.random.default_rng(1).uniform(0.001, 0.05, 1000).tolist()
     path = [np.ravel(list(kite_inputs(fmu, *circle(time)).values())).tolist() for time in np.cumsum([0.0, *steps[:-1]])]
     time, state = 0.0, None
-    for lap in range(1000):
+    for lap in range(laps):
         if lap == 10:
             memory = resident()
         if state:  # from the end of the path back to its start, as a rollback would do
@@ -72,7 +76,7 @@ def test_a_million_steps(fmu_folder, fmu):
             assert all(map(math.isfinite, host.fmu.getReal(outputs)))
             time += step
         time -= sum(steps)
-    assert resident() - memory < 1e6
+    assert resident() - memory < 1000 * max(laps, 250)
 
 
 @pytest.mark.parametrize("fmu", list(SLAVES))
