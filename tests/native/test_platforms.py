@@ -105,9 +105,10 @@ needs_wine = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is no
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """Folder with the host program."""
-    folder, source = tmp_path_factory.mktemp("windows"), Path(__file__).parent / "windows_fmi_host.c"
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-o", "host.exe", str(source)]
-    subprocess.run(command, cwd=folder, check=True)
+    folder, source = tmp_path_factory.mktemp("windows"), str(Path(__file__).parent / "windows_fmi_host.c")
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O1", "-fno-sanitize=all"]
+    subprocess.run([*zig, "-fno-stack-protector", "-c", "-o", "host.obj", source], cwd=folder, check=True)
+    subprocess.run([*zig, "-nostdlib", "-Wl,-e,start", "-lkernel32", "-o", "host.exe", "host.obj"], cwd=folder, check=True)
     return folder
 
 
