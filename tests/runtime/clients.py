@@ -61,7 +61,7 @@ def difference(found, expected):
 
 
 def description_of(path):
-    """Model description of an FMU. One thread at a time: lxml, which validates it, hangs or fails now and then in several."""
+    """Model description of an FMU. One thread at a time: lxml, which validates it, hangs now and then in several."""
     with ONE_AT_A_TIME:
         return read_model_description(str(path))
 
