@@ -43,6 +43,16 @@ def test_sound_fmus(fmu_folder):
     assert "0 problems found" in said
 
 
+def test_sound_native_fmus(native_folder, fmi3_folder):
+    """The set runs from a file for FMI 2; that for FMI 3 has none."""
+    status, said = run(native_folder / "TetherDynamicFree.fmu", fmi3_folder / "TetherDynamicFree.fmu")
+    assert status == 0
+    for version in (2, 3):
+        assert f"valid by the XML schema of FMI {version}.0, and FMPy finds no problem" in said
+    assert said.count("evidence set: 200 steps") == 1
+    assert "LD_PRELOAD" not in said
+
+
 def test_wrong_use(tmp_path, fmu_folder):
     assert run()[0] == 2
     for wrong in (tmp_path / "none.fmu", tmp_path):
@@ -102,7 +112,8 @@ def test_paths_that_leave_the_archive(tmp_path, path):
 def test_a_foreign_fmu_is_validated_only(tmp_path, fmi):
     status, said = run(foreign(tmp_path / "foreign.fmu", fmi))
     assert "no evidence set in this FMU: it was validated, not run" in said
-    assert "FMI recommends files that are not there: model.png" in said
+    icon = "terminalsAndIcons/icon.png" if fmi == "3.0" else "model.png"
+    assert f"FMI recommends files that are not there: {icon}" in said
     assert "PythonFMU" not in said
     assert status == (0 if fmi == "2.0" else 1)  # the description of another version has other elements
 

@@ -9,6 +9,7 @@ from pathlib import PurePosixPath
 import pytest
 from fmpy import read_model_description
 
+from runtime.host import every_flavour
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.documents import folded
 from tetherfmu.runtime.kernel_library import this_platform
@@ -49,6 +50,7 @@ def content(path):
         return {name: archive.read(name) for name in archive.namelist()}
 
 
+@every_flavour
 @every_fmu
 def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name):
     files = content(fmu_folder / f"{name}.fmu")
@@ -64,6 +66,7 @@ def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name)
     assert "$" not in page.text
 
 
+@every_flavour
 @every_fmu
 def test_every_variant_tells_its_own_physics(fmu_folder, name):
     symbol = {
@@ -77,6 +80,7 @@ def test_every_variant_tells_its_own_physics(fmu_folder, name):
     assert [each for each in SLAVES if symbol[each] in text] == [name]
 
 
+@every_flavour
 @every_fmu
 def test_pictures(fmu_folder, name):
     files = content(fmu_folder / f"{name}.fmu")
@@ -95,6 +99,18 @@ def test_licences_and_dependencies(fmu_folder, name):
     assert "Python 3.11 or newer" in needed
     assert "LD_PRELOAD" in needed
     assert f"Platform: {this_platform()}, as far as" in needed
+
+
+def test_licences_and_dependencies_of_native_fmus(native_folder, fmi3_folder):
+    for folder in (native_folder, fmi3_folder):
+        files = content(folder / "TetherDynamic.fmu")
+        assert b"TetherFMU developers" in files["documentation/licenses/license.txt"]
+        assert b"2-Clause BSD License" in files["documentation/licenses/FMI.txt"]
+        needed = files["documentation/externalDependencies.txt"].decode()
+        assert f"Platform: {this_platform()}.\n" in needed
+        assert "No Python" in needed
+        page = Page(files["documentation/index.html"].decode("utf-8"))
+        assert all(str(PurePosixPath("documentation") / link) in files for link in page.links)
 
 
 def test_page_follows_the_build_options(tmp_path):

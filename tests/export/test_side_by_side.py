@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host
+from runtime.host import Host, every_flavour
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.kernel_library import this_platform
 
@@ -21,6 +21,7 @@ def forces(host):
     return host.all_outputs()
 
 
+@every_flavour
 @pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
 def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
@@ -29,6 +30,7 @@ def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
     assert forces(first) == forces(second)
 
 
+@every_flavour
 @pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
 def test_the_folder_may_vanish(fmu_folder, fmu):
@@ -44,12 +46,19 @@ def test_the_folder_may_vanish(fmu_folder, fmu):
     assert forces(host) == expected
 
 
+@every_flavour
 @in_own_process
 def test_all_variants_in_one_process(fmu_folder):
     alone = {fmu: forces(Host(fmu_folder / f"{fmu}.fmu").start()) for fmu in SLAVES}
     hosts = {fmu: Host(fmu_folder / f"{fmu}.fmu").start() for fmu in SLAVES}
     assert {fmu: forces(host) for fmu, host in hosts.items()} == alone
     assert len({tuple(outputs) for outputs in alone.values()}) == len(SLAVES)
+
+
+@in_own_process
+def test_both_flavours_in_one_process(fmu_folder, native_folder):
+    hosts = [Host(folder / "TetherDynamic.fmu").start() for folder in (fmu_folder, native_folder, fmu_folder)]
+    assert forces(hosts[0]) == forces(hosts[1]) == forces(hosts[2])
 
 
 @pytest.fixture(scope="module")

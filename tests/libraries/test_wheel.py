@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tetherfmu.export.example_fmus import SLAVES as EXAMPLES
-from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.libraries.ahead_of_time import TARGETS, object_name
 from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
@@ -59,7 +59,8 @@ def test_one_wheel_has_small_libraries_for_all_platforms(packages):
     assert wheel.name.endswith("-py3-none-any.whl")
     with zipfile.ZipFile(wheel) as archive:
         sizes = {Path(each.filename).name: each.file_size for each in archive.infolist() if "/compiled/" in each.filename}
-    assert sizes.keys() == {file_name(variant, platform) for variant in VARIANTS for platform in TARGETS}
+    libraries = {file_name(variant, platform) for variant in VARIANTS for platform in TARGETS}
+    assert sizes.keys() == libraries | set(map(object_name, TARGETS))
     assert max(sizes.values()) < LARGEST
 
 
@@ -97,6 +98,17 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     assert "times real time" in done(clean / "tetherfmu", "tutorial", "06", "11", cwd=tmp_path)
     assert "files are in mine" in done(clean / "tetherfmu", "tutorial", "--copy", "mine", cwd=tmp_path)
     assert (tmp_path / "mine" / "tutorial" / "tether_01.py").is_file()
+
+
+def test_a_native_fmu_needs_a_compiler_to_be_built(clean, tmp_path):
+    """What it is made of is in the wheel; the compiler that is missing is named in one line, with the remedy."""
+    site = Path(done(clean / "python", "-c", "import tetherfmu; print(tetherfmu.__path__[0])").strip())
+    assert (site / "runtime" / "native" / "tether.h").exists()
+    command = [str(clean / "tetherfmu"), "build", "straight", "--native"]
+    failed = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, env=PLACES)
+    assert failed.returncode == 2
+    assert len(failed.stderr.splitlines()) == 1
+    assert "ziglang is not installed" in failed.stderr
 
 
 def test_checks_and_advises_without_a_checkout(clean, tmp_path):

@@ -72,3 +72,13 @@ def said(path):
             host.step(step, **values)
         texts.append([text.partition(": ")[2] for text in host.messages if "PyObject" not in text])
     return texts
+
+
+def masses(path, diameters):
+    """The outputs that follow from the diameter, at the start."""
+    folder, found = Host(path).folder, []
+    for diameter in diameters:
+        host = Host(folder).start(diameter=diameter, density=1000.0 / 3.0, drag_coefficient=1.0 / 7.0)
+        found.append(host.all_outputs())
+        host.free()
+    return found

@@ -2,6 +2,8 @@
 
 import math
 import re
+import subprocess
+import sys
 import zipfile
 from ctypes import CDLL
 from pathlib import Path
@@ -213,3 +215,15 @@ def test_simulate_fmu(fmi3_folder):
     for step in np.diff(result["time"]):
         host.step(float(step))
     assert result["kite_force"][-1].tolist() == host.get("kite_force")
+
+
+def test_snippet_of_the_manual(native_folder, fmi3_folder, tmp_path):
+    """It runs, and gives the same number twice."""
+    page = (Path(__file__).parents[2] / "docs" / "importing.md").read_text(encoding="utf-8")
+    (snippet,) = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    for name, folder in (("native", native_folder), ("fmi3", fmi3_folder)):
+        (tmp_path / name).symlink_to(folder, target_is_directory=True)
+    done = subprocess.run([sys.executable, "-c", snippet], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    one, other = done.stdout.split()
+    assert one == other

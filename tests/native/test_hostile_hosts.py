@@ -5,6 +5,7 @@ Called through ctypes, as a host in C would do it.
 
 import ctypes
 import gc
+import math
 import sys
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
@@ -199,6 +200,7 @@ def test_stop_time(dynamic):
     """A step beyond the stop time of the experiment is an error; one that ends there but for rounding is done."""
     fmu = Library(dynamic)
     tether = fmu.instance()
+    assert fmu.SetupExperiment(tether, 0, c_double(), c_double(math.nan), 0, c_double()) == ERROR
     assert fmu.SetupExperiment(tether, 0, c_double(), c_double(), 1, c_double(0.3)) == OK
     assert fmu.EnterInitializationMode(tether) == fmu.ExitInitializationMode(tether) == OK
     time = 0.0

@@ -54,8 +54,9 @@ def test_a_library_for_each_platform(everywhere, name):
 
 
 def test_platforms_of_fmi3(tmp_path):
-    path = native.build("TetherStraight", tmp_path, platforms=list(TARGETS), fmi=3)
-    assert {place.split("/")[1] for place in binaries(path)} == set(TARGETS)
+    platforms = ["aarch64-linux", "x86_64-windows"]
+    path = native.build("TetherStraight", tmp_path, platforms=platforms, fmi=3)
+    assert [place.split("/")[1] for place in binaries(path)] == platforms
 
 
 def test_one_processor_takes_the_place_of_its_system(tmp_path):
@@ -88,7 +89,8 @@ def test_macos_finds_its_processor(everywhere, name):
 
 
 def test_equal_options_give_equal_bytes(tmp_path):
-    paths = [native.build("TetherStraight", tmp_path / folder, platforms=list(TARGETS)) for folder in "ab"]
+    one_of_each = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"]
+    paths = [native.build("TetherStraight", tmp_path / folder, platforms=one_of_each) for folder in "ab"]
     assert paths[0].read_bytes() == paths[1].read_bytes()
     other = native.build("TetherStraight", tmp_path / "c", platforms=["x86_64-linux"], shape_points=7)
     tokens = [read_model_description(str(path)).guid for path in (*paths, other)]
@@ -103,9 +105,10 @@ needs_wine = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is no
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """Folder with the host program."""
-    folder, source = tmp_path_factory.mktemp("windows"), Path(__file__).parent / "windows_host.c"
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-o", "host.exe", str(source)]
-    subprocess.run(command, cwd=folder, check=True)
+    folder, source = tmp_path_factory.mktemp("windows"), str(Path(__file__).parent / "windows_fmi_host.c")
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O1", "-fno-sanitize=all"]
+    subprocess.run([*zig, "-fno-stack-protector", "-c", "-o", "host.obj", source], cwd=folder, check=True)
+    subprocess.run([*zig, "-nostdlib", "-Wl,-e,start", "-lkernel32", "-o", "host.exe", "host.obj"], cwd=folder, check=True)
     return folder
 
 

@@ -3,6 +3,7 @@
 import zipfile
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from isolation import own_process
@@ -62,3 +63,11 @@ def test_sentences(fmu_folder, native_folder, name):
     found, expected = (own_process(flights.said, path=folder / f"{name}.fmu") for folder in (native_folder, fmu_folder))
     assert found == expected
     assert sum(map(len, expected)) >= len(flights.MISUSES) - 6  # parameters that a tether ignores
+
+
+def test_numbers_of_any_diameter(fmu_folder, native_folder):
+    """The parameters are packed with the same arithmetic, in C and in Python."""
+    diameters = np.random.default_rng(1).uniform(1e-4, 0.1, 50).tolist()
+    paths = [folder / "TetherStraight.fmu" for folder in (native_folder, fmu_folder)]
+    found, expected = (own_process(flights.masses, path=path, diameters=diameters) for path in paths)
+    assert found == expected

@@ -1,5 +1,7 @@
 """A host written in C, with the library of Python preloaded, gets the numbers of FMPy to the last bit in all it does."""
 
+import shutil
+
 import pytest
 
 from isolation import own_process
@@ -31,3 +33,21 @@ def test_container_in_a_c_host(c_host_program, fmu_folder, tmp_path):
     expected = own_process(clients.fmpy, path=built)
     (result,) = clients.c_host(c_host_program, built, tmp_path, "alone", "unload")
     assert clients.different(result, expected) == []
+
+
+@pytest.mark.parametrize("plan", ["threads", "states"])
+def test_native_fmu(c_host_program, native_folder, tmp_path, plan):
+    path = native_folder / "TetherDynamicFree.fmu"
+    expected = own_process(clients.fmpy, path=path)
+    results = clients.c_host(c_host_program, path, tmp_path, plan, "unload")
+    assert [clients.different(result, expected) for result in results] == [[] for _ in FLIGHTS[plan]]
+
+
+@pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
+def test_native_fmu_under_valgrind(c_host_program, native_folder, tmp_path):
+    """Two instances, states, a reset: no error and no loss."""
+    kinds = "--errors-for-leak-kinds=definite,possible"
+    valgrind = ("valgrind", "--quiet", "--error-exitcode=9", "--leak-check=full", kinds)
+    path = native_folder / "TetherStraight.fmu"
+    results = clients.c_host(c_host_program, path, tmp_path, "states", "stay", under=valgrind)
+    assert [clients.different(result, results[0]) for result in results] == [[]] * 4

@@ -31,8 +31,9 @@ def findings(path):
         return found
     with zipfile.ZipFile(path) as opened:
         names = opened.namelist()
-    found += inspection.description(path) + inspection.layout(names)
-    run = inspection.platforms(names)
+    version = inspection.fmi_version(path)
+    found += inspection.description(path) + inspection.layout(names, version)
+    run = inspection.platforms(names, version)
     if inspection.MADE_BY_PYTHONFMU in names:
         run += inspection.paths(path, tempfile.gettempdir())
     ready = not any(each.level == PROBLEM for each in run)

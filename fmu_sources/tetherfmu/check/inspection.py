@@ -1,6 +1,7 @@
 """What can be said of an FMU and of this machine without running the FMU; needs FMPy."""
 
 import platform
+import re
 import string
 import sys
 import sysconfig
@@ -15,10 +16,8 @@ from tetherfmu.runtime.kernel_library import this_platform
 OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"
 MADE_BY_PYTHONFMU = "resources/slavemodule.txt"
 KERNELS = "resources/kernels/"
-RECOMMENDED = (
-    *("model.png", "documentation/index.html", "documentation/externalDependencies.txt"),
-    "documentation/licenses/license.txt",
-)
+RECOMMENDED = ("documentation/index.html", "documentation/externalDependencies.txt", "documentation/licenses/license.txt")
+ICONS = {"2": "model.png", "3": "terminalsAndIcons/icon.png"}
 HARMLESS = frozenset(string.ascii_letters + string.digits + "_-.~ ")  # in a path that PythonFMU's library must understand
 
 
@@ -58,23 +57,30 @@ def archive(path):
     return found or [Finding(OK, f"archive: {len(names)} files, {Path(path).stat().st_size / 1024:.0f} kB, none damaged")]
 
 
+def fmi_version(path):
+    """Major version of FMI of an FMU, "2" for example; "" if its description cannot be read."""
+    with zipfile.ZipFile(path) as opened:
+        found = re.search(rb"""fmiVersion\s*=\s*["'](\d)""", opened.read("modelDescription.xml"))
+    return found[1].decode() if found else ""
+
+
 def description(path):
-    """Whether the model description obeys the XML schema of FMI 2.0 and FMPy's validation."""
+    """Whether the model description obeys the XML schema of FMI 2.0 or 3.0 and FMPy's validation."""
     from fmpy.validation import validate_fmu
 
-    schema = schema_problems(path)
+    schema, version = schema_problems(path), fmi_version(path)
     problems = [f"FMPy's validation: {problem}" for problem in validate_fmu(str(path))]
-    problems += [f"XML schema of FMI 2.0: {problem}" for problem in schema or ()]
+    problems += [f"XML schema of FMI {version}.0: {problem}" for problem in schema or ()]
     if problems:
         return [Finding(PROBLEM, problem) for problem in problems]
-    validity = "valid by the XML schema of FMI 2.0, and FMPy finds no problem"
+    validity = f"valid by the XML schema of FMI {version}.0, and FMPy finds no problem"
     if schema is None:
-        validity = "FMPy finds no problem (not FMI 2.0: no schema check)"
+        validity = "FMPy finds no problem (neither FMI 2.0 nor 3.0: no schema check)"
     return [Finding(OK, f"model description: {validity}")]
 
 
 def schema_problems(path):
-    """Where the model description breaks the XML schema of FMI 2.0: list of str, or None for another version of FMI."""
+    """Where the model description breaks the XML schema of FMI 2.0 or 3.0: list of str, or None for another version."""
     import fmpy
     from lxml import etree
 
@@ -84,9 +90,11 @@ def schema_problems(path):
         root = etree.fromstring(text, etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
         return [str(error)]
-    if root.get("fmiVersion") != "2.0":
+    version = (root.get("fmiVersion") or "")[:1]
+    if version not in ICONS:
         return None
-    schema = etree.XMLSchema(etree.parse(Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"))
+    folder = Path(fmpy.__file__).parent / "schema" / f"fmi{version}"
+    schema = etree.XMLSchema(etree.parse(folder / f"fmi{version}ModelDescription.xsd"))
     schema.validate(root)
     return [f"line {error.line}: {error.message}" for error in schema.error_log]
 
@@ -98,25 +106,26 @@ def units(path):
     return {variable.name: variable.unit for variable in read_model_description(str(path), validate=False).modelVariables}
 
 
-def layout(names):
-    """Files that FMI recommends and that this FMU has not."""
-    missing = [name for name in RECOMMENDED if name not in names]
+def layout(names, version):
+    """Files that a version of FMI recommends and that this FMU has not."""
+    missing = [name for name in (ICONS.get(version, ICONS["2"]), *RECOMMENDED) if name not in names]
     if missing:
         return [Finding(NOTE, f"FMI recommends files that are not there: {', '.join(missing)}")]
     return [Finding(OK, "page, icon, licences and external dependencies are where FMI wants them")]
 
 
-def platforms(names):
+def platforms(names, version):
     """Whether the FMU has a library, and its kernels if it is a tether, for this machine."""
     import fmpy
 
-    ending = fmpy.sharedLibraryExtension
+    ending, place = fmpy.sharedLibraryExtension, fmpy.platform_tuple if version == "3" else fmpy.platform
     libraries = sorted({PurePosixPath(name).parts[1] for name in names if name.startswith("binaries/") and name[-1] != "/"})
-    if not any(name.startswith(f"binaries/{fmpy.platform}/") and name.endswith(ending) for name in names):
+    if not any(name.startswith(f"binaries/{place}/") and name.endswith(ending) for name in names):
         remedy = "run it on one of those platforms" if libraries else ""
         if MADE_BY_PYTHONFMU in names:
             remedy = "use 64-bit Linux or Windows on x86: PythonFMU has no library for other platforms"
-        text = f"the FMU has no library for {fmpy.platform}, only for {', '.join(libraries) or 'none'}"
+            remedy += "; or build a native FMU: tetherfmu build --native"
+        text = f"the FMU has no library for {place}, only for {', '.join(libraries) or 'none'}"
         return [Finding(PROBLEM, text, remedy)]
     kernels = sorted(name.removeprefix(KERNELS) for name in names if name.startswith(KERNELS))
     if kernels and not any(f"-{this_platform()}." in name for name in kernels):

@@ -1,9 +1,12 @@
-"""Make the folder that users download from: FMUs for all platforms, wheel and sdist, checksums, what to download when."""
+"""Make the folder that users download from: FMUs of both flavours, wheel and sdist, checksums, what to download when."""
 
 import hashlib
+import shutil
 import subprocess
 import sys
+import tempfile
 from importlib.util import find_spec
+from pathlib import Path
 
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, folder
@@ -18,6 +21,7 @@ from . import build
 
 CHECKOUT = PACKAGE.parents[1]
 README, CHECKSUMS = "README.txt", "SHA256SUMS"
+NATIVE = {"_native": ("--native",), "_native_fmi3": ("--native", "--fmi", "3")}  # endings of the names of their files
 
 
 def make_packages(folder):
@@ -37,9 +41,21 @@ def write_checksums(folder):
     (folder / CHECKSUMS).write_text("".join(lines), encoding="ascii", newline="\n")
 
 
+def make_fmus(folder):
+    """Write the FMUs for all platforms to a folder, native ones under names of their own; returns the exit status."""
+    everywhere = ("--platforms", "all")
+    status = build.main(["--out", str(folder), *everywhere])
+    for ending, options in NATIVE.items():
+        with tempfile.TemporaryDirectory() as temporary:
+            status = status or build.main(["--out", temporary, *everywhere, *options])
+            for path in Path(temporary).glob("*.fmu"):
+                shutil.move(path, folder / f"{path.stem}{ending}.fmu")
+    return status
+
+
 def fill(folder):
     """Put all files of a release into a folder; returns the exit status."""
-    status = build.main(["--out", str(folder), "--platforms", "all"])
+    status = make_fmus(folder)
     if status:
         return status
     now("making wheel and sdist")

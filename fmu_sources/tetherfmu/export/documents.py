@@ -80,8 +80,11 @@ def _listed(paths):
     for end, words in WORDS_ON_FILES.items():
         for path in paths:
             if path.endswith(end):
-                place = path.removeprefix("documentation/") if path.startswith("documentation/") else f"../{path}"
-                lines.append(f'<li><a href="{place}">{words}</a></li>')
+                place = path.removeprefix("documentation/")
+                beside = place != path
+                lines.append(
+                    f'<li><a href="{place}">{words}</a></li>' if beside else f"<li>{words}: <code>{path}</code></li>"
+                )
     return "\n".join(lines)
 
 

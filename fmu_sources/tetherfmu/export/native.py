@@ -5,6 +5,7 @@ The shell is compiled for the variables of the FMU, so it reads no file when it 
 
 import re
 import runpy
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -37,31 +38,36 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
     options = build_options(segments, shape_points, scene, starts)
-    table = table_of(variant, options)
     about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, options.get("about")]))
-    library = library_of(variant)
-    compiled = ready.folders([library], platforms)[library]
-    kernels = {platform: (compiled / object_name(platform)).read_bytes() for platform in platforms}
-    files = documents(name, variant, about, options, platforms, scene.page if scene else None, native=fmi)
-
-    widths = None
+    kernels, files = kernels_of(variant, platforms), {}
     if fmi == 3:
-        widths = {array.reference: len(array.variables) for array in arrays(table, shape_points)}
-        files[TERMINALS] = native_description_fmi3.terminals(table).encode("utf-8")
-    writer = native_description_fmi3 if fmi == 3 else native_description
-
-    def description(token):
-        step = (DEFAULT_OPTIONS | options)["step"]
-        return writer.text(name, about, table, shape_points, step, token)
-
-    tables = header(variant, table, shape_points, "", widths)
-    sources = {f"{path.name} of the shell": path.read_bytes() for path in sorted(SHELL.glob("*.[ch]"))}
-    made_of = {**files, **sources, **kernels, "tables": tables.encode("utf-8")}
-    token = guid_of(description(""), made_of)
-    tables = header(variant, table, shape_points, token, widths)
-    files[DESCRIPTION] = description(token).encode("utf-8")
-    files |= binaries(name, kernels, tables, fmi)
+        files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, options)).encode("utf-8")
+    files |= documents(name, variant, about, options, platforms, scene.page if scene else None, native=fmi)
+    describe, tabulate = writers(name, variant, about, options, fmi)
+    shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
+    token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
+    files[DESCRIPTION] = describe(token).encode("utf-8")
+    files |= binaries(name, kernels, tabulate(token), fmi)
     return write(files, folder, name, scene)
+
+
+def kernels_of(variant, platforms):
+    """Object files (bytes) of the kernels of a variant: dict by platform."""
+    library = library_of(variant)
+    folder = ready.folders([library], platforms)[library]
+    return {platform: (folder / object_name(platform)).read_bytes() for platform in platforms}
+
+
+def writers(name, variant, about, options, fmi):
+    """Functions of the token that give the text of the model description and that of `tables.h`."""
+    table, shape_points = table_of(variant, options), options["shape_points"]
+    writer, widths = native_description, None
+    if fmi == 3:
+        writer = native_description_fmi3
+        widths = {array.reference: len(array.variables) for array in arrays(table, shape_points)}
+    step = (DEFAULT_OPTIONS | options)["step"]
+    describe = partial(writer.text, name, about, table, shape_points, step)
+    return describe, partial(header, variant, table, shape_points, widths)
 
 
 def binaries(name, kernels, tables, fmi):

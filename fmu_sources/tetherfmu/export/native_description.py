@@ -25,7 +25,6 @@ CATEGORIES = {
     "logStatusDiscard": "steps that were refused; the state is that of before",
     "logStatusError": "other calls that were refused; the state is that of before",
 }
-START, STOP, TOLERANCE = "0", "10", "1e-4"  # of the default experiment
 
 
 def text(name, about, table, shape_points, step, token):
@@ -34,10 +33,21 @@ def text(name, about, table, shape_points, step, token):
     name : of the FMU.  about : description of the model.  table : of `variables.Variable`.  step : communication step of
     the default experiment [s].  token : the guid.
     """
-    facts = {
-        "fmiVersion": "2.0",
+    root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
+    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    root.append(units(table))
+    root.append(types(table))
+    root.append(categories())
+    root.append(experiment(step))
+    root.append(variables(table, references(table, shape_points)))
+    root.append(structure(table))
+    return as_text(root)
+
+
+def facts(name, about):
+    """Attributes of the description in both versions of FMI."""
+    return {
         "modelName": name,
-        "guid": token,
         "description": about,
         "author": "TetherFMU developers",
         "version": __version__,
@@ -46,15 +56,11 @@ def text(name, about, table, shape_points, step, token):
         "generationDateAndTime": GENERATED,
         "variableNamingConvention": "structured",
     }
-    root = Element("fmiModelDescription", facts)
-    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
-    root.append(units(table))
-    root.append(types(table))
-    root.append(categories())
-    SubElement(root, "DefaultExperiment", startTime=START, stopTime=STOP, tolerance=TOLERANCE, stepSize=repr(step))
-    root.append(variables(table, references(table, shape_points)))
-    root.append(structure(table))
-    return as_text(root)
+
+
+def experiment(step):
+    """DefaultExperiment; step : of communication [s]."""
+    return Element("DefaultExperiment", startTime="0", stopTime="10", tolerance="1e-4", stepSize=repr(step))
 
 
 def categories():

@@ -3,14 +3,13 @@
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import INITIAL, UNITS, number, units, variability
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import Variable
 
-from .archive import GENERATED
 from .arrays import Array, arrays
-from .native_description import START, STOP, TOLERANCE, as_text, categories
+from .documents import meaning
+from .native_description import as_text, categories, experiment, facts
 from .native_tables import count_of_values
 
 CAPABILITIES = {
@@ -34,24 +33,12 @@ MEANINGS = {"kite": "the kite end of the tether", "ground": "the ground end of t
 
 def text(name, about, table, shape_points, step, token):
     """Text of modelDescription.xml; the arguments are those of `native_description.text`."""
-    facts = {
-        "fmiVersion": "3.0",
-        "modelName": name,
-        "instantiationToken": token,
-        "description": about,
-        "author": "TetherFMU developers",
-        "version": __version__,
-        "license": "MIT",
-        "generationTool": f"TetherFMU {__version__}",
-        "generationDateAndTime": GENERATED,
-        "variableNamingConvention": "structured",
-    }
-    root = Element("fmiModelDescription", facts)
+    root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(name, about))
     SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
     root.append(units((*table, TIME)))
     root.append(_types(table))
     root.append(categories())
-    SubElement(root, "DefaultExperiment", startTime=START, stopTime=STOP, tolerance=TOLERANCE, stepSize=repr(step))
+    root.append(experiment(step))
     listed = arrays(table, shape_points)
     variables = SubElement(root, "ModelVariables")
     for array in (*listed, Array(TIME.name, count_of_values(table, shape_points), (), (TIME,))):
@@ -66,10 +53,12 @@ def terminals(table):
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     listed = SubElement(root, "Terminals")
     for end, members in TERMINALS.items():
-        terminal = SubElement(listed, "Terminal", name=end, matchingRule="bus", description=MEANINGS[end])
+        terminal = Element("Terminal", name=end, matchingRule="bus", description=MEANINGS[end])
         for member, vector in members.items():
             if vector in known:
                 SubElement(terminal, "TerminalMemberVariable", variableName=vector, memberName=member, variableKind="signal")
+        if len(terminal):
+            listed.append(terminal)
     return as_text(root)
 
 
@@ -86,11 +75,10 @@ def _types(table):
 def _variable(array):
     first = array.variables[0]
     declared = first.quantity
-    meaning = declared.meaning.removesuffix(", x").replace("point 1 of", "the") if array.dimensions else declared.meaning
     attributes = {
         "name": array.name,
         "valueReference": str(array.reference),
-        "description": meaning,
+        "description": meaning(array.variables),
         "causality": first.causality,
         "variability": variability(first),
     }

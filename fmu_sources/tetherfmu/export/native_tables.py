@@ -33,7 +33,7 @@ def count_of_values(table, shape_points):
     return layout.INPUTS + layout.outputs_size(shape_points) + parameters
 
 
-def header(variant, table, shape_points, token, widths=None):
+def header(variant, table, shape_points, widths, token):
     """Text of `tables.h` for one FMU.
 
     table : of `variables.Variable`.  token : guid of FMI 2, instantiation token of FMI 3.

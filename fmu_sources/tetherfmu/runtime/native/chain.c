@@ -27,13 +27,13 @@ static bool allows(const Parameter *declared, double value)
 static bool check_one(const Parameter *declared, double value, char *problem)
 {
     bool is_whole = declared->kind != REAL && is_finite(value) && value == floor(value);
-    Fact fact = is_whole ? whole("value", value) : real("value", value);
+    Fact name = word("name", declared->name), fact = is_whole ? whole("value", value) : real("value", value);
     if (!allows(declared, value)) {
-        fill_in(problem, LONGEST_TEXT, OUT_OF_RANGE, FACTS(word("name", declared->name), fact, word("range", declared->range)));
+        fill_in(problem, LONGEST_TEXT, OUT_OF_RANGE, FACTS(name, fact, word("range", declared->range)));
         return false;
     }
     if (declared->kind != REAL && !is_whole) {
-        fill_in(problem, LONGEST_TEXT, NOT_WHOLE, FACTS(word("name", declared->name), fact));
+        fill_in(problem, LONGEST_TEXT, NOT_WHOLE, FACTS(name, fact));
         return false;
     }
     return true;

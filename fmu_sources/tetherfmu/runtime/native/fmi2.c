@@ -104,22 +104,22 @@ fmi2Status fmi2DoStep(
 
 /* --- values */
 
-#define GET(name, type, number, kinds)                                                            \
+#define GET(name, type, number, kinds)                                                                 \
     fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) \
-    {                                                                                             \
-        ENTER(c);                                                                                 \
-        if (nvr) NEED(vr);                                                                        \
-        if (nvr) NEED(value);                                                                     \
-        DONE(get_values(tether, number, kinds, vr, nvr, value, nvr));                             \
+    {                                                                                                  \
+        ENTER(c);                                                                                      \
+        if (nvr) NEED(vr);                                                                             \
+        if (nvr) NEED(value);                                                                          \
+        DONE(get_values(tether, number, kinds, vr, nvr, value, nvr));                                  \
     }
 
-#define SET(name, type, number, kinds)                                                                  \
+#define SET(name, type, number, kinds)                                                                       \
     fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) \
-    {                                                                                                   \
-        ENTER(c);                                                                                       \
-        if (nvr) NEED(vr);                                                                              \
-        if (nvr) NEED(value);                                                                           \
-        DONE(set_values(tether, number, kinds, vr, nvr, value, nvr));                                   \
+    {                                                                                                        \
+        ENTER(c);                                                                                            \
+        if (nvr) NEED(vr);                                                                                   \
+        if (nvr) NEED(value);                                                                                \
+        DONE(set_values(tether, number, kinds, vr, nvr, value, nvr));                                        \
     }
 
 GET(Real, fmi2Real, FLOAT64, REAL)
@@ -235,18 +235,24 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 
 #define REFERENCES const fmi2ValueReference vr[], size_t nvr
 NOT_OFFERED_CALL(fmi2Status, fmi2CancelStep, fmi2Component instance)
-NOT_OFFERED_CALL(fmi2Status, fmi2SetRealInputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[], const fmi2Real value[])
-NOT_OFFERED_CALL(fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[], fmi2Real value[])
 NOT_OFFERED_CALL(
-    fmi2Status, fmi2GetDirectionalDerivative, fmi2Component instance, REFERENCES, const fmi2ValueReference known[], size_t nKnown,
-    const fmi2Real seed[], fmi2Real sensitivity[])
+    fmi2Status, fmi2SetRealInputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[],
+    const fmi2Real value[])
+NOT_OFFERED_CALL(
+    fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[],
+    fmi2Real value[])
+NOT_OFFERED_CALL(
+    fmi2Status, fmi2GetDirectionalDerivative, fmi2Component instance, REFERENCES, const fmi2ValueReference known[],
+    size_t nKnown, const fmi2Real seed[], fmi2Real sensitivity[])
 
 /* --- model exchange */
 
 NOT_OFFERED_CALL(fmi2Status, fmi2EnterEventMode, fmi2Component instance)
 NOT_OFFERED_CALL(fmi2Status, fmi2NewDiscreteStates, fmi2Component instance, fmi2EventInfo *eventInfo)
 NOT_OFFERED_CALL(fmi2Status, fmi2EnterContinuousTimeMode, fmi2Component instance)
-NOT_OFFERED_CALL(fmi2Status, fmi2CompletedIntegratorStep, fmi2Component instance, fmi2Boolean prior, fmi2Boolean *event, fmi2Boolean *terminate)
+NOT_OFFERED_CALL(
+    fmi2Status, fmi2CompletedIntegratorStep, fmi2Component instance, fmi2Boolean prior, fmi2Boolean *event,
+    fmi2Boolean *terminate)
 NOT_OFFERED_CALL(fmi2Status, fmi2SetTime, fmi2Component instance, fmi2Real time)
 NOT_OFFERED_CALL(fmi2Status, fmi2SetContinuousStates, fmi2Component instance, const fmi2Real x[], size_t nx)
 NOT_OFFERED_CALL(fmi2Status, fmi2GetDerivatives, fmi2Component instance, fmi2Real derivatives[], size_t nx)

@@ -16,7 +16,8 @@ const char *fmi3GetVersion(void)
     return fmi3Version;
 }
 
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
+fmi3Status fmi3SetDebugLogging(
+    fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
 {
     ENTER(instance);
     DONE(check_categories(tether, nCategories, categories));
@@ -82,7 +83,7 @@ fmi3Status fmi3EnterInitializationMode(
     ENTER(instance);
     if (tether->phase != BEFORE) DONE(enter_initialization(tether));
     Status status = set_up_experiment(tether, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
-    enter_initialization(tether);
+    if (status <= WARNING) enter_initialization(tether);
     DONE(status);
 }
 
@@ -125,37 +126,38 @@ fmi3Status fmi3DoStep(
 /* --- values */
 
 #define ARGUMENTS fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences
-#define NEED_VALUES                            \
-    ENTER(instance);                           \
+#define NEED_VALUES                              \
+    ENTER(instance);                             \
     if (nValueReferences) NEED(valueReferences); \
     if (nValues) NEED(values)
 
-#define VARIABLES(name, type, number, kinds)                                                      \
-    fmi3Status fmi3Get##name(ARGUMENTS, type values[], size_t nValues)                            \
-    {                                                                                             \
-        NEED_VALUES;                                                                              \
+#define VARIABLES(name, type, number, kinds)                                                         \
+    fmi3Status fmi3Get##name(ARGUMENTS, type values[], size_t nValues)                               \
+    {                                                                                                \
+        NEED_VALUES;                                                                                 \
         DONE(get_values(tether, number, kinds, valueReferences, nValueReferences, values, nValues)); \
-    }                                                                                             \
-    fmi3Status fmi3Set##name(ARGUMENTS, const type values[], size_t nValues)                      \
-    {                                                                                             \
-        NEED_VALUES;                                                                              \
+    }                                                                                                \
+    fmi3Status fmi3Set##name(ARGUMENTS, const type values[], size_t nValues)                         \
+    {                                                                                                \
+        NEED_VALUES;                                                                                 \
         DONE(set_values(tether, number, kinds, valueReferences, nValueReferences, values, nValues)); \
     }
 
 /* Types that no variable has: fine for no variable at all. */
-#define NO_VARIABLES(name, type)                                                                     \
-    fmi3Status fmi3Get##name(ARGUMENTS, type values[], size_t nValues)                               \
-    {                                                                                                \
-        ENTER(instance);                                                                             \
-        DONE(refuse_references(tether, CANNOT_BE_READ, valueReferences, nValueReferences));          \
-    }                                                                                                \
-    fmi3Status fmi3Set##name(ARGUMENTS, const type values[], size_t nValues)                         \
-    {                                                                                                \
-        ENTER(instance);                                                                             \
-        DONE(refuse_references(tether, CANNOT_BE_SET, valueReferences, nValueReferences));           \
+#define NO_VARIABLES(name, type)                                                            \
+    fmi3Status fmi3Get##name(ARGUMENTS, type values[], size_t nValues)                      \
+    {                                                                                       \
+        ENTER(instance);                                                                    \
+        DONE(refuse_references(tether, CANNOT_BE_READ, valueReferences, nValueReferences)); \
+    }                                                                                       \
+    fmi3Status fmi3Set##name(ARGUMENTS, const type values[], size_t nValues)                \
+    {                                                                                       \
+        ENTER(instance);                                                                    \
+        DONE(refuse_references(tether, CANNOT_BE_SET, valueReferences, nValueReferences));  \
     }
 
-static Status refuse_references(const Tether *tether, const char *sentence, const fmi3ValueReference *references, size_t count)
+static Status refuse_references(
+    const Tether *tether, const char *sentence, const fmi3ValueReference *references, size_t count)
 {
     if (!count) return OK;
     if (!references) return say(tether, ERROR, IS_NULL, FACTS(word("argument", "valueReferences")));
@@ -262,20 +264,23 @@ NOT_OFFERED_CALL(fmi3Status, fmi3EnterConfigurationMode, fmi3Instance instance)
 NOT_OFFERED_CALL(fmi3Status, fmi3ExitConfigurationMode, fmi3Instance instance)
 NOT_OFFERED_CALL(fmi3Status, fmi3EvaluateDiscreteStates, fmi3Instance instance)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3UpdateDiscreteStates, fmi3Instance instance, fmi3Boolean *update, fmi3Boolean *end, fmi3Boolean *nominals, fmi3Boolean *values,
-    fmi3Boolean *defined, fmi3Float64 *next)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetNumberOfVariableDependencies, fmi3Instance instance, fmi3ValueReference reference, size_t *count)
+    fmi3Status, fmi3UpdateDiscreteStates, fmi3Instance instance, fmi3Boolean *update, fmi3Boolean *end,
+    fmi3Boolean *nominals, fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetVariableDependencies, fmi3Instance instance, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference independents[],
-    size_t others[], fmi3DependencyKind kinds[], size_t count)
+    fmi3Status, fmi3GetNumberOfVariableDependencies, fmi3Instance instance, fmi3ValueReference reference,
+    size_t *count)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetDirectionalDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[], size_t nKnowns,
-    const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+    fmi3Status, fmi3GetVariableDependencies, fmi3Instance instance, fmi3ValueReference dependent, size_t elements[],
+    fmi3ValueReference independents[], size_t others[], fmi3DependencyKind kinds[], size_t count)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetAdjointDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[], size_t nKnowns,
-    const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+    fmi3Status, fmi3GetDirectionalDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[],
+    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetOutputDerivatives, fmi3Instance instance, REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
+    fmi3Status, fmi3GetAdjointDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[],
+    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+NOT_OFFERED_CALL(
+    fmi3Status, fmi3GetOutputDerivatives, fmi3Instance instance, REFERENCES, const fmi3Int32 orders[],
+    fmi3Float64 values[], size_t nValues)
 OF_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 OF_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
 OF_CLOCKS(fmi3GetShiftDecimal, fmi3Float64 shifts[])
@@ -288,13 +293,18 @@ OF_CLOCKS(fmi3SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 re
 /* --- model exchange and scheduled execution */
 
 NOT_OFFERED_CALL(fmi3Status, fmi3EnterContinuousTimeMode, fmi3Instance instance)
-NOT_OFFERED_CALL(fmi3Status, fmi3CompletedIntegratorStep, fmi3Instance instance, fmi3Boolean prior, fmi3Boolean *event, fmi3Boolean *end)
+NOT_OFFERED_CALL(
+    fmi3Status, fmi3CompletedIntegratorStep, fmi3Instance instance, fmi3Boolean prior, fmi3Boolean *event,
+    fmi3Boolean *end)
 NOT_OFFERED_CALL(fmi3Status, fmi3SetTime, fmi3Instance instance, fmi3Float64 time)
 NOT_OFFERED_CALL(fmi3Status, fmi3SetContinuousStates, fmi3Instance instance, const fmi3Float64 states[], size_t count)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetContinuousStateDerivatives, fmi3Instance instance, fmi3Float64 derivatives[], size_t count)
+NOT_OFFERED_CALL(
+    fmi3Status, fmi3GetContinuousStateDerivatives, fmi3Instance instance, fmi3Float64 derivatives[], size_t count)
 NOT_OFFERED_CALL(fmi3Status, fmi3GetEventIndicators, fmi3Instance instance, fmi3Float64 indicators[], size_t count)
 NOT_OFFERED_CALL(fmi3Status, fmi3GetContinuousStates, fmi3Instance instance, fmi3Float64 states[], size_t count)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetNominalsOfContinuousStates, fmi3Instance instance, fmi3Float64 nominals[], size_t count)
+NOT_OFFERED_CALL(
+    fmi3Status, fmi3GetNominalsOfContinuousStates, fmi3Instance instance, fmi3Float64 nominals[], size_t count)
 NOT_OFFERED_CALL(fmi3Status, fmi3GetNumberOfEventIndicators, fmi3Instance instance, size_t *count)
 NOT_OFFERED_CALL(fmi3Status, fmi3GetNumberOfContinuousStates, fmi3Instance instance, size_t *count)
-NOT_OFFERED_CALL(fmi3Status, fmi3ActivateModelPartition, fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time)
+NOT_OFFERED_CALL(
+    fmi3Status, fmi3ActivateModelPartition, fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time)

@@ -92,18 +92,24 @@ static void put_real(Writer *writer, double number)
     }
 }
 
+/* A number as a format of printf has it, with a point whatever the locale says. */
+static void put_formatted(Writer *writer, const char *format, double number)
+{
+    char text[512];
+    print(text, sizeof text, format, number);
+    for (char *each = text; *each; each++) put(writer, *each == ',' ? '.' : *each);
+}
+
 static void put_fact(Writer *writer, const Fact *fact, const char *format, size_t length)
 {
-    char text[64], pattern[16] = "%";
+    char pattern[16] = "%";
     if (fact->text) {
         put_text(writer, fact->text);
     } else if (length > 0 && length < sizeof pattern - 1) {
         memcpy(pattern + 1, format, length);
-        print(text, sizeof text, pattern, fact->number);
-        put_text(writer, text);
+        put_formatted(writer, pattern, fact->number);
     } else if (fact->whole) {
-        print(text, sizeof text, "%.0f", fact->number);
-        put_text(writer, text);
+        put_formatted(writer, "%.0f", fact->number);
     } else {
         put_real(writer, fact->number);
     }

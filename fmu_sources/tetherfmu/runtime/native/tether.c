@@ -92,13 +92,15 @@ static Status refuse_phase(const Tether *tether, const char *sentence)
 
 Status set_up_experiment(Tether *tether, bool has_tolerance, double tolerance, double start, bool has_stop, double stop)
 {
+    Fact given = real("tolerance", tolerance), largest = real("largest", LOOSEST_TOLERANCE);
     if (tether->phase != BEFORE) return refuse_phase(tether, CANNOT_BE_SET_UP);
+    if (!is_finite(start)) return say(tether, ERROR, TIME_NOT_FINITE, FACTS(real("time", start)));
     tether->start_time = tether->values[TIME] = start;
     tether->stop_is_defined = has_stop;
     tether->stop_time = stop;
     if (!has_tolerance) return OK;
     if (!(0.0 < tolerance && tolerance <= LOOSEST_TOLERANCE))
-        return say(tether, WARNING, TOLERANCE_NOT_USED, FACTS(real("tolerance", tolerance), real("largest", LOOSEST_TOLERANCE)));
+        return say(tether, WARNING, TOLERANCE_NOT_USED, FACTS(given, largest));
     tether->tolerance = tolerance;
     return OK;
 }
@@ -171,7 +173,8 @@ static int32_t first_shape(Chain *chain)
 static Status start(Tether *tether, Status refusal)
 {
     char problem[LONGEST_TEXT];
-    if (!check_parameters(tether->values, problem)) return say(tether, refusal, "{problem}", FACTS(word("problem", problem)));
+    if (!check_parameters(tether->values, problem))
+        return say(tether, refusal, "{problem}", FACTS(word("problem", problem)));
     Chain *chain = make_chain(tether->values, tether->tolerance);
     if (!chain) return say(tether, ERROR, NO_MEMORY, NULL);
     int32_t result = first_shape(chain);
@@ -202,11 +205,11 @@ double last_successful_time(const Tether *tether)
 /* Whether a step can be done now; a communication point where no step ended is reported once. */
 static Status check_time(Tether *tether, double time, double step)
 {
-    double off = fabs(time - tether->time), allowed = 1e-3 * fabs(step) + 1e-9 * fabs(time);
+    double off = fabs(time - tether->time), allowed = 1e-3 * fabs(step) + 1e-9 * fabs(time), stop = tether->stop_time;
     if (tether->phase != STEPPING) return refuse_phase(tether, NO_STEP_NOW);
     if (!is_finite(time)) return say(tether, DISCARD, TIME_NOT_FINITE, FACTS(real("time", time)));
-    if (tether->stop_is_defined && time + step > tether->stop_time + allowed)
-        return say(tether, ERROR, PAST_THE_END, FACTS(real("step", step), real("time", time), real("stop", tether->stop_time)));
+    if (tether->stop_is_defined && time + step > stop + allowed)
+        return say(tether, ERROR, PAST_THE_END, FACTS(real("step", step), real("time", time), real("stop", stop)));
     if (!(off > allowed) || tether->warned_of_time) return OK; /* `off` is NaN before the first step */
     tether->warned_of_time = true;
     return say(tether, WARNING, TIME_JUMPS, FACTS(real("time", time), real("end", tether->time)));
@@ -257,8 +260,9 @@ static int32_t integer(double value)
     return fabs(value) <= AT_LARGEST_INTEGER ? (int32_t)value : 0;
 }
 
-/* Values of variables of some kinds, one after the other. In initialization mode outputs are calculated when they are read. */
-Status get_values(Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
+/* Values of variables of some kinds, in their order. In initialization mode outputs are calculated when they are read. */
+Status get_values(
+    Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
 {
     bool outputs = false;
     Status status = OK;

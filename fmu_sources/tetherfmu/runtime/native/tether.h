@@ -1,4 +1,4 @@
-/* One running tether, as the FMI 2 and the FMI 3 face see it.
+/* One running tether, for the functions of FMI 2 and of FMI 3.
 
 The generated `tables.h` has what the declarations of the package say: places in the flat arrays (AT_..., see layout.py),
 variables, parameters and sentences. */
@@ -30,18 +30,18 @@ typedef void (*Log)(const Tether *tether, Status status, const char *text);
 struct Tether {
     const void *identity; /* `&THIS_FMU`, so that a pointer to anything else is recognized */
     char *name;
-    Log log; /* of the face, which knows the importer's function */
+    Log log; /* of fmi2.c or fmi3.c, which know the type of the importer's function */
     void *environment;
     void (*importer_log)(void);
     const char *call; /* the FMI function that runs, for messages */
     Phase phase;
     bool stop_is_defined, warned_of_time;
-    uint32_t told;                            /* what was implausible and has been said, as bits */
-    double tolerance;                         /* the importer's, 0 for none */
-    double time;                              /* end of the last step [s], NaN before the first */
-    double start_time, stop_time;             /* [s] */
-    Chain *chain;                             /* NULL before the first start */
-    double values[VALUES + 1];                /* inputs, outputs, parameters; last the time */
+    uint32_t told;                /* what was implausible and has been said, as bits */
+    double tolerance;             /* the importer's, 0 for none */
+    double time;                  /* end of the last step [s], NaN before the first */
+    double start_time, stop_time; /* [s] */
+    Chain *chain;                 /* NULL before the first start */
+    double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
 };
 
 /* A saved state. `bytes` is the record of saved_state.py, its checksum is made when it is serialized. */
@@ -100,7 +100,8 @@ Status advance(Tether *tether, double time, double step);
 Status terminate(Tether *tether);
 double last_successful_time(const Tether *tether);
 
-Status get_values(Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
+Status get_values(
+    Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
 Status set_values(
     Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, const void *values, size_t room);
 
@@ -113,7 +114,7 @@ Status check_saved(const Tether *tether, const Saved *saved);
 Status serialize(const Tether *tether, const Saved *saved, void *bytes, size_t size);
 Status deserialize(const Tether *tether, const void *bytes, size_t size, Saved **saved);
 
-/* --- for the faces: what the functions of FMI begin and end with */
+/* --- what the functions of FMI begin and end with */
 
 #define ENTER(instance)                           \
     Tether *tether = entered(instance, __func__); \
