@@ -40,7 +40,7 @@ def lesson():
         seconds = [seconds for _, seconds in runs]
         errors = [np.linalg.norm(force - finest, axis=1).max() for force, _ in runs]
         style = {"marker": "o", "markersize": 4, "color": COLOUR[name]}
-        curve(left, SEGMENTS, 1e6 * np.array(seconds) / STEPS, name, shift=4 if name == "dynamic" else -4, **style)
+        curve(left, SEGMENTS, 1e6 * np.array(seconds) / STEPS, name, shift=8 if name == "dynamic" else -8, **style)
         curve(right, SEGMENTS, errors, name, shift=6 if name == "dynamic" else 0, **style)
     axes_of_slope = ((left, 0.05, 1, "n"), (right, 12.0, -2, "1/n²"))
     for axes, factor, power, text in axes_of_slope:
