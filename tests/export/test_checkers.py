@@ -5,17 +5,14 @@ import zipfile
 from pathlib import Path
 
 import fmpy
-import pytest
 from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
 from lxml import etree
 
-from runtime.host import every_flavour
-from tetherfmu.export.archive import SLAVES
+from runtime.host import of_every_flavour
 
-pytestmark = every_flavour
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
-every_fmu = pytest.mark.parametrize("name", list(SLAVES))
+every_fmu = of_every_flavour("name")
 
 
 @every_fmu

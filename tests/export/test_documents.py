@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 import pytest
 from fmpy import read_model_description
 
-from runtime.host import every_flavour
+from runtime.host import of_every_flavour
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.documents import folded
 from tetherfmu.runtime.kernel_library import this_platform
@@ -50,8 +50,7 @@ def content(path):
         return {name: archive.read(name) for name in archive.namelist()}
 
 
-@every_flavour
-@every_fmu
+@of_every_flavour("name")
 def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name):
     files = content(fmu_folder / f"{name}.fmu")
     page = Page(files["documentation/index.html"].decode("utf-8"))
@@ -66,8 +65,7 @@ def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name)
     assert "$" not in page.text
 
 
-@every_flavour
-@every_fmu
+@of_every_flavour("name")
 def test_every_variant_tells_its_own_physics(fmu_folder, name):
     symbol = {
         "TetherStraight": "mean of xi f",
@@ -80,8 +78,7 @@ def test_every_variant_tells_its_own_physics(fmu_folder, name):
     assert [each for each in SLAVES if symbol[each] in text] == [name]
 
 
-@every_flavour
-@every_fmu
+@of_every_flavour("name")
 def test_pictures(fmu_folder, name):
     files = content(fmu_folder / f"{name}.fmu")
     for path, size in (("model.png", (200, 200)), ("documentation/figure.png", (720, 450))):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour
+from runtime.host import Host, every_flavour, of_every_flavour
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.kernel_library import this_platform
 
@@ -21,8 +21,7 @@ def forces(host):
     return host.all_outputs()
 
 
-@every_flavour
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
     first, second = Host(fmu_folder / f"{fmu}.fmu").start(), Host(fmu_folder / f"{fmu}.fmu").start()
@@ -30,8 +29,7 @@ def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
     assert forces(first) == forces(second)
 
 
-@every_flavour
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_the_folder_may_vanish(fmu_folder, fmu):
     """Running instances go on, also after a reset. (A new one needs the folder: PythonFMU's library reads it.)"""

@@ -1,0 +1,1 @@
+"""Tests of native FMUs; a package, because benchmarks use what compiles its programs (`programs`)."""

@@ -25,17 +25,15 @@ SAME = 1e-12  # as in export/test_windows.py: the mathematical libraries differ 
 C_LIBRARY = {"calloc", "free", "memcpy", "memset", "memcmp", "bcmp", "strchr", "strcmp", "strcspn", "strlen", "strncmp"}
 C_LIBRARY |= {"strtod", "strtol", "vsnprintf", "floor", *MATHEMATICS}
 UNIVERSAL, PROCESSORS = 0xCAFEBABE, {0x01000007, 0x0100000C}  # Apple's mach-o/fat.h and mach/machine.h
-SOME = ("TetherCatenary", "TetherDynamicFree")
-some_fmus = pytest.mark.parametrize("name", SOME)
+NAME = "TetherDynamicFree"
 
 
 @pytest.fixture(scope="module")
 def everywhere(built_once):
-    """Folder with two native FMUs for FMI 2 and all platforms."""
+    """Folder with a native FMU for FMI 2 and all platforms."""
 
     def build(folder):
-        for name in SOME:
-            native.build(name, folder, platforms=list(TARGETS))
+        native.build(NAME, folder, platforms=list(TARGETS))
 
     return built_once("native_everywhere", build)
 
@@ -45,11 +43,10 @@ def binaries(path):
         return {name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")}
 
 
-@some_fmus
-def test_a_library_for_each_platform(everywhere, name):
-    path = everywhere / f"{name}.fmu"
+def test_a_library_for_each_platform(everywhere):
+    path = everywhere / f"{NAME}.fmu"
     places = ("aarch64-linux/{}.so", "darwin64/{}.dylib", "linux64/{}.so", "win64/{}.dll")
-    assert list(binaries(path)) == [f"binaries/{place.format(name)}" for place in places]
+    assert list(binaries(path)) == [f"binaries/{place.format(NAME)}" for place in places]
     assert path.stat().st_size < LARGEST
 
 
@@ -64,20 +61,18 @@ def test_one_processor_takes_the_place_of_its_system(tmp_path):
     assert list(binaries(path)) == ["binaries/darwin64/TetherStraight.dylib", "binaries/linux64/TetherStraight.so"]
 
 
-@some_fmus
-def test_the_c_library_is_all_that_linux_needs(everywhere, tmp_path, name):
+def test_the_c_library_is_all_that_linux_needs(everywhere, tmp_path):
     """And all that is offered are functions of FMI."""
     library = tmp_path / "library.so"
-    library.write_bytes(binaries(everywhere / f"{name}.fmu")[f"binaries/linux64/{name}.so"])
+    library.write_bytes(binaries(everywhere / f"{NAME}.fmu")[f"binaries/linux64/{NAME}.so"])
     needed, offered = dynamic_symbols(library)
     assert needed <= C_LIBRARY
     assert offered == set(native.functions_of(2))
 
 
-@some_fmus
-def test_macos_finds_its_processor(everywhere, name):
+def test_macos_finds_its_processor(everywhere):
     """A universal library: for both processors, each part where its page begins and as long as the file says."""
-    content = binaries(everywhere / f"{name}.fmu")[f"binaries/darwin64/{name}.dylib"]
+    content = binaries(everywhere / f"{NAME}.fmu")[f"binaries/darwin64/{NAME}.dylib"]
     magic, count = struct.unpack_from(">2I", content)
     parts = [struct.unpack_from(">5I", content, 8 + 20 * k) for k in range(count)]
     assert magic == UNIVERSAL
@@ -127,12 +122,11 @@ def flown_here(path, rows):
 
 
 @needs_wine
-@some_fmus
-def test_windows_equals_linux(everywhere, native_folder, host, name):
-    path = everywhere / f"{name}.fmu"
-    (host / "tether.dll").write_bytes(binaries(path)[f"binaries/win64/{name}.dll"])
-    rows = [np.ravel(list(kite_inputs(name, *circle(k * STEP)).values())) for k in range(STEPS)]
-    expected, said, outputs, inputs = own_process(flown_here, path=native_folder / f"{name}.fmu", rows=rows)
+def test_windows_equals_linux(everywhere, native_folder, host):
+    path = everywhere / f"{NAME}.fmu"
+    (host / "tether.dll").write_bytes(binaries(path)[f"binaries/win64/{NAME}.dll"])
+    rows = [np.ravel(list(kite_inputs(NAME, *circle(k * STEP)).values())) for k in range(STEPS)]
+    expected, said, outputs, inputs = own_process(flown_here, path=native_folder / f"{NAME}.fmu", rows=rows)
     head = [len(inputs), len(outputs), STEPS, STEP, *inputs, *outputs]
     (host / "in.bin").write_bytes(np.concatenate([head, np.ravel(rows)]).astype("<f8").tobytes())
     token = read_model_description(str(path)).guid

@@ -11,7 +11,16 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
+from tetherfmu.export.archive import SLAVES
+
 every_flavour = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native"], indirect=True)
+SHELLS = ("TetherCatenary", "TetherDynamicFree")  # native FMUs share their shell, but for nodes and a free kite
+
+
+def of_every_flavour(argument, names=tuple(SLAVES)):
+    """Parametrize a test by the folder and by the name of an FMU: all of PythonFMU's, and some of the native ones."""
+    pairs = [("pythonfmu", name) for name in names] + [("native", name) for name in names if name in SHELLS]
+    return pytest.mark.parametrize(("fmu_folder", argument), pairs, indirect=["fmu_folder"])
 
 
 @lru_cache

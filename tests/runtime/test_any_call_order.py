@@ -8,7 +8,6 @@ output is ever infinite.
 import math
 from copy import deepcopy
 
-import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2Error, fmi2Fatal, fmi2OK
 from hypothesis import HealthCheck, settings
@@ -16,10 +15,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
 
 from isolation import in_own_process
-from runtime.host import Host, description_of, every_flavour
+from runtime.host import Host, description_of, of_every_flavour
 from tetherfmu.export.archive import SLAVES
-
-pytestmark = every_flavour
 
 BEFORE, INITIALIZING, STEPPING, TERMINATED, FATAL = "before", "initializing", "stepping", "terminated", "fatal"
 GOOD_INPUTS = {
@@ -232,7 +229,7 @@ def session(folder, others, good=GOOD_INPUTS, good_parameters=GOOD_PARAMETERS, b
     return Session
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_random_sessions(fmu_folder, fmu):
     first = Host(fmu_folder / f"{fmu}.fmu")

@@ -6,10 +6,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour, names_of
-from tetherfmu.export.archive import SLAVES
-
-pytestmark = every_flavour
+from runtime.host import Host, every_flavour, names_of, of_every_flavour
 
 
 def refused(host, action):
@@ -20,7 +17,7 @@ def refused(host, action):
     return " ".join(host.messages)
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_inputs_that_are_not_finite(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu").start()
@@ -38,7 +35,7 @@ def test_inputs_that_are_not_finite(fmu_folder, fmu):
     assert host.all_outputs() == twin.all_outputs()
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_steps_that_are_not_positive(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu").start()
@@ -52,6 +49,7 @@ def test_steps_that_are_not_positive(fmu_folder, fmu):
     assert host.all_outputs() == twin.all_outputs()
 
 
+@every_flavour
 @pytest.mark.parametrize(
     ("name", "value", "allowed"),
     [
@@ -82,6 +80,7 @@ def test_parameters_out_of_range(fmu_folder, name, value, allowed):
     Host(fmu_folder / "TetherDynamic.fmu", "next").start().step(0.02)
 
 
+@every_flavour
 @in_own_process
 def test_roughness_above_the_reference_height(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
@@ -89,6 +88,7 @@ def test_roughness_above_the_reference_height(fmu_folder):
     assert "surface_roughness is 10.0; it must be less than wind_reference_height" in said
 
 
+@every_flavour
 @in_own_process
 def test_parameters_are_fixed_after_the_start(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
@@ -97,6 +97,7 @@ def test_parameters_are_fixed_after_the_start(fmu_folder):
     host.step(0.02)
 
 
+@every_flavour
 @in_own_process
 def test_reeling_in_to_nothing(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
@@ -106,6 +107,7 @@ def test_reeling_in_to_nothing(fmu_folder):
     host.step(0.02, reel_out_speed=0.0)
 
 
+@every_flavour
 @in_own_process
 def test_damaged_state_is_refused(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
@@ -115,6 +117,7 @@ def test_damaged_state_is_refused(fmu_folder):
     host.step(0.02)
 
 
+@every_flavour
 @in_own_process
 def test_state_of_another_tether_is_refused(fmu_folder):
     host = Host(fmu_folder / "TetherQuasiSteady.fmu").start()
@@ -124,6 +127,7 @@ def test_state_of_another_tether_is_refused(fmu_folder):
     host.step(0.02)
 
 
+@every_flavour
 @in_own_process
 def test_more_fixed_steps_than_the_budget(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start(fixed_step=1e-300)
@@ -131,6 +135,7 @@ def test_more_fixed_steps_than_the_budget(fmu_folder):
     assert "fixed_step 1e-300 s" in said
 
 
+@every_flavour
 @in_own_process
 def test_integers_are_told_as_integers(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")

@@ -9,7 +9,7 @@ import pytest
 from isolation import own_process
 from runtime import clients
 from runtime.clients import different
-from runtime.host import every_flavour
+from runtime.host import of_every_flavour
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
@@ -24,8 +24,7 @@ ROUNDED = {
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
-@every_flavour
-@every_fmu
+@of_every_flavour("name")
 def test_simulate_fmu_of_fmpy(fmu_folder, name):
     """It takes the size of a step from the difference of times."""
     path = fmu_folder / f"{name}.fmu"
@@ -50,8 +49,7 @@ def test_fmpy_in_several_threads(fmu_folder, name):
     assert [different(result, expected) for result in results] == [[]] * 4
 
 
-@every_flavour
-@every_fmu
+@of_every_flavour("name")
 def test_libcosim(fmu_folder, name):
     """It takes the size of a step from the difference of times in whole nanoseconds."""
     pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this platform or this Python")
@@ -60,8 +58,7 @@ def test_libcosim(fmu_folder, name):
     assert different(own_process(clients.libcosim, path=path), expected) == []
 
 
-@every_flavour
-@every_fmu
+@of_every_flavour("name")
 def test_container_of_one_tether(fmu_folder, tmp_path, name):
     path = fmu_folder / f"{name}.fmu"
     expected = own_process(clients.fmpy, path=path)

@@ -6,15 +6,11 @@ A watchdog ends the process if one call takes longer than 2 s.
 import faulthandler
 import math
 
-import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour, names_of
+from runtime.host import Host, names_of, of_every_flavour
 from scenes import kite_inputs
-from tetherfmu.export.archive import SLAVES
-
-pytestmark = every_flavour
 
 LONGEST_CALL = 2.0  # seconds
 HUGE = (1e300, 1e160, 1e30, 1e12, 1e9, 1e6, 1e3)
@@ -49,7 +45,7 @@ def assert_finite(host):
     assert all(math.isfinite(value) for value in host.all_outputs())
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_every_input(fmu_folder, fmu):
     """From the same state each time; a refused step keeps it, a step that was done can be followed by a good one."""
@@ -69,7 +65,7 @@ def test_every_input(fmu_folder, fmu):
                 assert str(value) in said
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_every_length_of_step(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu").start()
@@ -89,7 +85,7 @@ def test_every_length_of_step(fmu_folder, fmu):
                 assert "must be greater than 0" in said
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_every_parameter(fmu_folder, fmu):
     """A hostile parameter is refused at the end of initialization, or the tether starts and steps."""

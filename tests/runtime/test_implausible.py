@@ -3,16 +3,13 @@
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour
+from runtime.host import Host, every_flavour, of_every_flavour
 from runtime.test_rollback import STEP, blob_of, restore
 from scenes import circle, kite_at_start, kite_inputs
-from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
-pytestmark = every_flavour
-
-every_fmu = pytest.mark.parametrize("fmu", list(SLAVES))
-every_driven_fmu = pytest.mark.parametrize("fmu", list(map(class_name, VARIANTS)))
+every_fmu = of_every_flavour("fmu")
+every_driven_fmu = of_every_flavour("fmu", tuple(map(class_name, VARIANTS)))
 STRETCHED, CONTRADICTS = "a segment is stretched by 400 %, beyond 5 %", "kite_velocity contradicts kite_position"
 
 
@@ -88,6 +85,7 @@ def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
     assert fly(derived, 0, 100) == []
 
 
+@every_flavour
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 128.0])
 @in_own_process
 def test_a_forged_note_is_refused(fmu_folder, value):

@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour
+from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import REVOLUTION, circle, kite_at_start, kite_inputs
 from tetherfmu import models
-from tetherfmu.export.archive import SLAVES
 from tetherfmu.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
-
-pytestmark = every_flavour
 
 WIND = (0.1, 0.0, 0.0)
 
@@ -28,7 +25,7 @@ def started(path, **values):
     return host.start(**{**start, **values})
 
 
-@pytest.mark.parametrize("name", list(SLAVES))
+@of_every_flavour("name")
 @in_own_process
 def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
     """Both call the same library; `libraries/test_just_in_time.py` compares it with kernels compiled in another way."""
@@ -55,6 +52,7 @@ def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
     host.close()
 
 
+@every_flavour
 @in_own_process
 def test_importers_tolerance_and_own_tolerance(fmu_folder):
     """A tolerance of 0 takes the importer's, another one wins."""
@@ -65,7 +63,7 @@ def test_importers_tolerance_and_own_tolerance(fmu_folder):
     assert results[0] != results[2]
 
 
-@pytest.mark.parametrize("name", list(SLAVES))
+@of_every_flavour("name")
 @in_own_process
 def test_state_is_restored_bit_for_bit(fmu_folder, name):
     host = started(fmu_folder / f"{name}.fmu")
@@ -84,7 +82,7 @@ def test_state_is_restored_bit_for_bit(fmu_folder, name):
     host.fmu.freeFMUState(state)
 
 
-@pytest.mark.parametrize("name", list(SLAVES))
+@of_every_flavour("name")
 @in_own_process
 def test_reset_equals_a_fresh_instance(fmu_folder, name):
     host = started(fmu_folder / f"{name}.fmu")
@@ -95,6 +93,7 @@ def test_reset_equals_a_fresh_instance(fmu_folder, name):
     assert fly(host, 30) == fresh
 
 
+@every_flavour
 @in_own_process
 def test_steps_of_any_length_lead_to_the_same_motion(fmu_folder):
     """Held ends: how the time is cut changes the result by the solver's tolerance only."""
@@ -109,6 +108,7 @@ def test_steps_of_any_length_lead_to_the_same_motion(fmu_folder):
     np.testing.assert_allclose(results[0], results[2], atol=1e-4)
 
 
+@every_flavour
 @in_own_process
 def test_two_instances_do_not_see_each_other(fmu_folder):
     path = fmu_folder / "TetherDynamic.fmu"
@@ -121,6 +121,7 @@ def test_two_instances_do_not_see_each_other(fmu_folder):
     assert second.get("kite_end_mass") == pytest.approx(724.0 * np.pi * 0.002**2 * 525.0 / 14.0)
 
 
+@every_flavour
 @in_own_process
 def test_outputs_can_be_read_while_initializing(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
@@ -134,6 +135,7 @@ def test_outputs_can_be_read_while_initializing(fmu_folder):
     assert host.get("kite_force") == before
 
 
+@every_flavour
 @in_own_process
 def test_solver_options(fmu_folder):
     """fixed_step takes exactly its steps, also when the importer's step is not exactly representable."""

@@ -8,12 +8,9 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour
+from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import circle, kite_at_start, kite_inputs
-from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.saved_state import from_bytes, to_bytes
-
-pytestmark = every_flavour
 
 STEP = 0.02
 
@@ -54,7 +51,7 @@ def continue_from(path, blob, begin, end):
     return fly(host, begin, end)
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_at_every_communication_point_in_any_order(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
@@ -68,7 +65,7 @@ def test_at_every_communication_point_in_any_order(fmu_folder, fmu):
         assert fly(host, k, 30) == rows[k:]
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_in_another_process(fmu_folder, fmu):
     path = fmu_folder / f"{fmu}.fmu"
@@ -80,7 +77,7 @@ def test_in_another_process(fmu_folder, fmu):
     assert fly(host, 20, 40) == elsewhere
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_after_reset_and_after_the_end(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
@@ -95,7 +92,7 @@ def test_after_reset_and_after_the_end(fmu_folder, fmu):
     assert fly(host, 10, 20) == rows
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_a_refused_step_changes_nothing(fmu_folder, fmu):
     """The state before and after a refusal are the same bytes, but for the input that was refused."""
@@ -111,7 +108,7 @@ def test_a_refused_step_changes_nothing(fmu_folder, fmu):
     assert fly(host, 10, 20) == fly(twin, 0, 20)[10:]
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_before_and_during_initialization(fmu_folder, fmu):
     """A state that was saved before the tether was started goes back to there, with its parameters."""
@@ -132,6 +129,7 @@ def test_before_and_during_initialization(fmu_folder, fmu):
     assert host.all_outputs() == longer
 
 
+@every_flavour
 @in_own_process
 def test_size_of_a_state(fmu_folder):
     """Header 56 bytes, all values, 53 numbers of the tether and 6 of each node."""
@@ -141,6 +139,7 @@ def test_size_of_a_state(fmu_folder):
     assert len(blob_of(host)) == 56 + 8 * (values + kite_load + 53 + 6 * 21)
 
 
+@every_flavour
 @pytest.mark.parametrize("kept", [0, 7, 16, 55, 56, 500, -8, -1])
 @in_own_process
 def test_truncated_state(fmu_folder, kept):
@@ -151,6 +150,7 @@ def test_truncated_state(fmu_folder, kept):
     host.step(STEP)
 
 
+@every_flavour
 @in_own_process
 def test_forged_state(fmu_folder):
     """A state with a valid checksum but parameters that do not fit its nodes is refused as well."""
@@ -179,6 +179,7 @@ def forged(host, place, value):
     return to_bytes(saved)
 
 
+@every_flavour
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e300, 0.5])
 @in_own_process
 def test_forged_outputs_are_computed_anew(fmu_folder, value):
@@ -193,6 +194,7 @@ def test_forged_outputs_are_computed_anew(fmu_folder, value):
     assert fly(host, 5, 10) == fly(twin, 5, 10)
 
 
+@every_flavour
 @pytest.mark.parametrize("name", ["a node", "segments", "damping_law"])
 @pytest.mark.parametrize("value", [math.nan, 1e300])
 @in_own_process
@@ -206,6 +208,7 @@ def test_forged_states_are_refused(fmu_folder, name, value):
     assert fly(host, 5, 10) == fly(twin, 5, 10)
 
 
+@every_flavour
 @in_own_process
 def test_a_forged_state_of_before_the_start_cannot_kill_what_reads_integers(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")

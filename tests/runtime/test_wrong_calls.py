@@ -6,11 +6,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour
+from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import kite_at_start, kite_inputs
-from tetherfmu.export.archive import SLAVES
-
-pytestmark = every_flavour
 
 
 def step_is_refused(host, words):
@@ -19,7 +16,7 @@ def step_is_refused(host, words):
     assert words in host.messages[-1], host.messages
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_getters_before_initialization(fmu_folder, fmu):
     """Inputs and parameters have their start values, outputs are finite."""
@@ -31,6 +28,7 @@ def test_getters_before_initialization(fmu_folder, fmu):
     assert all(map(math.isfinite, host.all_outputs()))
 
 
+@every_flavour
 @pytest.mark.parametrize(("fmu", "kind"), [("TetherDynamic", k) for k in ("Real", "Integer", "Boolean", "String")])
 @in_own_process
 def test_unknown_value_references(fmu_folder, fmu, kind):
@@ -42,6 +40,7 @@ def test_unknown_value_references(fmu_folder, fmu, kind):
     assert host.all_outputs() == twin.all_outputs()
 
 
+@every_flavour
 @in_own_process
 def test_outputs_cannot_be_set(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
@@ -50,12 +49,14 @@ def test_outputs_cannot_be_set(fmu_folder):
     assert host.get("sag") == before
 
 
+@every_flavour
 @in_own_process
 def test_integers_are_not_reals(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     host.refuses(lambda: host.fmu.getReal([host.reference["segments"]]), "no variable of this type")
 
 
+@every_flavour
 @in_own_process
 def test_phases(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
@@ -79,6 +80,7 @@ def test_phases(fmu_folder):
     assert host.all_outputs() == outputs
 
 
+@every_flavour
 @in_own_process
 def test_time_that_jumps(fmu_folder):
     """Nothing depends on time: a step from another point is done, the jump is told once; NaN and infinity are refused."""
@@ -94,7 +96,7 @@ def test_time_that_jumps(fmu_folder):
         step_is_refused(host, f"the communication point is {time}")
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_kite_at_the_ground_station_and_kite_teleported(fmu_folder, fmu):
     """Both ends at one point, from the start and in flight; then 1 km away within a step. Done or refused in words.
@@ -116,7 +118,7 @@ def test_kite_at_the_ground_station_and_kite_teleported(fmu_folder, fmu):
         assert all(map(math.isfinite, fresh.all_outputs()))
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_reeled_in_to_zero(fmu_folder, fmu):
     """The tether can be reeled in until its segments have 1 cm, no farther; then it can be paid out again."""
