@@ -9,8 +9,9 @@ split steps     a step of h with ends of constant velocity is two steps of h/2
 a, b, c are powers of two, so that units change no digit: only the guards in metres (a coincident node, still air) and the
 limits of the parameters know a unit. The other runs differ by rounding, split steps by the solver's tolerance. A slack or
 snapping tether is chaotic and may make anything of that, and rounding decides whether a step of the solver is accepted or
-not; so each scene says itself what it makes of a kite that starts 1e-11 of its distance elsewhere, to either side, and of ten
-times the tolerance, and a symmetric run may differ by ten times as much. One side alone may by chance end where the scene ends.
+not; so each scene says itself what it makes of a kite that starts 1e-11 of its distance elsewhere, to either side, and of
+ten times the tolerance, and a symmetric run may differ by ten times as much.
+One side alone may end near the scene by luck.
 """
 
 import numpy as np
