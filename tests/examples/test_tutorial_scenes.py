@@ -28,7 +28,6 @@ import tether_06c
 import tether_07
 import tether_08
 import tether_10
-from lessons import follow
 from test_at_rest import PUBLISHED
 
 from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady
@@ -63,7 +62,7 @@ def test_02_is_a_damped_oscillation(way, allowed):
 # Nine events, each within the tolerance of 10 m; observed 3e-6 and 1e-7 at 1e-6, 2e-8 and 1e-8 at 1e-8.
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 @pytest.mark.parametrize(
-    "way", [lambda each: tether_03b.simulate(each)[0], tether_03.product], ids=["events", "TetherDynamic"]
+    "way", [lambda each: tether_03b.with_events(each)[0], tether_03.product], ids=["events", "TetherDynamic"]
 )
 def test_03_with_events_and_in_the_product(way, tolerance):
     assert largest(way(tolerance), read("tether_03.csv")["p1_z"]) < 10.0 * tolerance
@@ -73,12 +72,12 @@ def test_03_without_events_is_less_exact():
     """The kink is stepped over: the method loses its order until its steps are short enough to find it by their error."""
     expected = read("tether_03.csv")["p1_z"]
     assert largest(tether_03.simulate(1e-10), expected) < 1e-7
-    without, located = (largest(each, expected) for each in (tether_03.simulate(1e-8), tether_03b.simulate(1e-8)[0]))
+    without, located = (largest(each, expected) for each in (tether_03.simulate(1e-8), tether_03b.with_events(1e-8)[0]))
     assert 100.0 * located < without < 1e-4
 
 
 def test_03b_events_are_where_the_spring_has_its_length():
-    height, events = tether_03b.simulate(1e-10)
+    height, events = tether_03b.with_events(1e-10)
     time = 0.02 * np.arange(501)
     crossings = np.flatnonzero(np.diff(height > -10.0))
     crossings = crossings[crossings > 0]  # the start is one
@@ -91,7 +90,7 @@ def product_04(tolerance):
 
 
 def product_05(tolerance):
-    return follow(tether_05.tether(tolerance), 10.0)
+    return tether_05.product(tolerance)
 
 
 # Steps over kinks; observed by hand 9e-6 and 3e-5 at 1e-6, 6e-8 and 2e-7 at 1e-8, with TetherDynamic 4e-7 at 1e-6 and less.
