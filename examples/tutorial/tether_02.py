@@ -9,12 +9,12 @@ from lessons import DURATION, GRAVITY, TIMES, Lesson, command_line, curve, follo
 from scipy.integrate import solve_ivp
 
 from tetherfmu import TetherDynamic
-from tetherfmu.console.colours import COLOUR, SKY_BLUE
+from tetherfmu.console.colours import COLOUR, REFERENCE, SKY_BLUE
 
 LENGTH, MASS, STIFFNESS, DAMPING = 10.0, 1.0, 50.0, 0.5  # m, kg, N/m, N s/m
 SAG = MASS * GRAVITY / STIFFNESS  # of the mass at rest below the unstretched spring [m]
 SPRING = {"segments": 1, "initial_length": LENGTH, "axial_stiffness": STIFFNESS * LENGTH, "axial_damping": DAMPING * LENGTH}
-SPRING |= {"density": 1e-3, "diameter": 1e-6, "drag_coefficient": 0.0}
+SPRING |= {"density": 1e-3, "diameter": 1e-6, "drag_coefficient": 0.0}  # almost no mass of its own
 SPRING |= {"point_masses": {1: MASS}, "free_ends": (False, True), "initial_shape": "straight"}
 
 
@@ -49,6 +49,7 @@ def lesson():
     exact = formula(TIMES)
     title = "1 kg on a spring: the oscillation halves every 2.8 s"
     figure, above, below = over_time(title, "height [m]", "minus formula [µm]")
+    above.axhline(exact[-1], color=REFERENCE, linewidth=0.8)
     curve(above, TIMES, height, color=SKY_BLUE)
     curve(below, TIMES, 1e6 * (height - exact), "solve_ivp", at=480, shift=12, color=SKY_BLUE)
     curve(below, TIMES, 1e6 * (product() - exact), "TetherDynamic", at=480, shift=-12, color=COLOUR["dynamic"])

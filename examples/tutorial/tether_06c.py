@@ -17,8 +17,8 @@ def event(segment, taut):
     """Function that is zero where a segment becomes slack, or taut."""
 
     def stretch(time, state, taut):
-        lower, upper = state.reshape(START.shape)[0, segment : segment + 2]
-        return np.linalg.norm(upper - lower) - LENGTH
+        lengths = np.linalg.norm(np.diff(state.reshape(START.shape)[0], axis=0), axis=1)
+        return lengths[segment] - LENGTH
 
     stretch.terminal, stretch.direction = True, -1.0 if taut[segment] else 1.0
     return stretch

@@ -10,10 +10,11 @@ import pytest
 from test_at_rest import assert_is_drawn, run
 
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.commands import example_files
 from tetherfmu.commands.tutorial import lessons
+from tetherfmu.libraries.sources import EXAMPLES
 
 LONGEST = 3.0  # seconds of processor time of a lesson
+MOST_LINES = 60  # of its file: what a newcomer reads at a sitting
 LINE = re.compile(r"^(\w+): .+; [\d.e+-]+ s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
 NAMES = list(lessons())
 COSTS = [
@@ -46,6 +47,22 @@ for name in {names}:
         ] == COSTS
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_a_lesson_is_short(name):
+    """The whole file, with its docstring and blank lines."""
+    assert len(lessons()[name].read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+
+
+def test_a_script_runs_its_own_lesson_only(tmp_path):
+    """It imports other lessons; wrong options end it with status 2, from any folder."""
+    script = lessons()["03"]
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["tether_03"]
+    wrong = subprocess.run([sys.executable, script, "--nonsense"], cwd=tmp_path, capture_output=True, text=True)
+    assert wrong.returncode == 2
+    assert "--nonsense" in wrong.stderr
+
+
 def test_the_list_has_each_lesson_with_its_question(capsys):
     assert tetherfmu(["tutorial"]) == 0
     *questions, last = capsys.readouterr().out.splitlines()
@@ -57,7 +74,7 @@ def test_the_list_has_each_lesson_with_its_question(capsys):
 
 
 def test_an_animation_is_written_as_gif_or_with_its_frames(tmp_path, monkeypatch, capsys):
-    monkeypatch.syspath_prepend(example_files.folder() / "tutorial")
+    monkeypatch.syspath_prepend(EXAMPLES / "tutorial")
     import lessons
     import tether_05
 

@@ -85,23 +85,15 @@ def test_03b_events_are_where_the_spring_has_its_length():
     assert (np.abs(events - 0.5 * (time[crossings] + time[crossings + 1])) <= 0.0101).all()
 
 
-def product_04(tolerance):
-    return tether_04.product(tolerance)
-
-
-def product_05(tolerance):
-    return tether_05.product(tolerance)
-
-
 # Steps over kinks; observed by hand 9e-6 and 3e-5 at 1e-6, 6e-8 and 2e-7 at 1e-8, with TetherDynamic 4e-7 at 1e-6 and less.
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 @pytest.mark.parametrize(
     ("scene", "segments", "way", "allowed"),
     [
         ("04", 2, tether_04.simulate, 50.0),
-        ("04", 2, product_04, 10.0),
+        ("04", 2, tether_04.product, 10.0),
         ("05", 5, tether_05.simulate, 50.0),
-        ("05", 5, product_05, 10.0),
+        ("05", 5, tether_05.product, 10.0),
     ],
 )
 def test_04_and_05_chains(scene, segments, way, allowed, tolerance):
@@ -166,7 +158,7 @@ def test_06c_events_are_missed_at_a_loose_tolerance_and_not_needed():
     exact, count = tether_06c.with_events(1e-9)
     missed, fewer = tether_06c.with_events(1e-6)
     assert fewer < count
-    assert largest(product_05(1e-6), exact) < 0.01 * largest(missed, exact)
+    assert largest(tether_05.product(1e-6), exact) < 0.01 * largest(missed, exact)
 
 
 def test_07_the_oscillation_dies_out_in_wind_only():
