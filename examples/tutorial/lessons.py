@@ -1,4 +1,4 @@
-"""What the lessons of the tutorial share: options, measured times, figures, animations.
+"""What the lessons of the tutorial share: options, times, figures, animations.
 
 Each lesson is a file with a function `lesson` that returns a `Lesson`; `command_line` makes a command of it.
 """
@@ -163,7 +163,8 @@ def draw_motion(axes, positions, every, title, color=BLACK, labelled=True):
         if labelled:
             axes.annotate(f"{row * STEP:.0f} s", (x[-1], z[-1]), (0, -12), textcoords="offset points", ha="center")
     axes.set(xlabel="x [m]", title=title, aspect="equal")
-    axes.margins(0.12 if labelled else 0.05)
+    if labelled:
+        axes.margins(0.12)
 
 
 def beside_motion(positions, every, title):
@@ -249,7 +250,7 @@ def parse(arguments, prog, about):
 def command_line(lesson, module=None):
     """Function of (arguments, prog) that runs a lesson, prints its answer and writes what it draws.
 
-    If the file of the lesson is the script that Python runs, it runs at once and ends the program with its status.
+    If the lesson's file is the script that Python runs, the function is called at once and its status ends the program.
 
     module : of the lesson, None: where it is defined.
     """
