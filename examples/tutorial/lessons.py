@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu import PlausibilityWarning
+from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
@@ -35,8 +36,12 @@ from matplotlib.animation import FuncAnimation, HTMLWriter, PillowWriter  # noqa
 from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
 
 STEP = 0.02  # communication step, and time between two rows of a motion [s]
+DURATION = 10.0  # of most lessons [s]
+TIMES = STEP * np.arange(501)  # of the rows of such a motion [s]
+TOLERANCE = 1e-6  # relative, of the lessons by hand
 GRAVITY = 9.81  # m/s2
-WIDE, TALL = (8.0, 3.8), (8.0, 5.2)  # sizes of figures [inch]
+WIDE, MEDIUM, TALL = (8.0, 3.8), (8.0, 4.6), (8.0, 5.2)  # sizes of figures [inch]
+SOLVER_COLOUR = {"solve_ivp without events": SKY_BLUE, "solve_ivp with events": BLACK, "TetherDynamic": COLOUR["dynamic"]}
 DPI = 90
 FRAMES_PER_SECOND = 10
 CLOCK = perf_counter if os.name == "nt" else process_time  # processor time, which Windows counts in 16 ms
@@ -78,9 +83,24 @@ def timed(function, *arguments, repeats=2, **options):
     return result, min(seconds)
 
 
-def times(rows):
-    """Times [s] of the rows of a motion."""
-    return STEP * np.arange(rows)
+def timed_from_here(tether, flight, repeats):
+    """`timed` for a function of a tether that moves it: each call begins with the state that the tether has now."""
+    state = tether.get_state()
+
+    def run():
+        tether.set_state(state)
+        return flight(tether)
+
+    return timed(run, repeats=repeats)
+
+
+def race(solvers, tolerances, exact, repeats):
+    """Computing times [s] and largest errors [m] of functions of a tolerance: dict name -> array (tolerances, 2)."""
+    found = {}
+    for name, solver in solvers.items():
+        runs = (timed(solver, tolerance, repeats=repeats) for tolerance in tolerances)
+        found[name] = np.array([(seconds, np.abs(motion - exact).max()) for motion, seconds in runs])
+    return found
 
 
 def follow(tether, duration, **inputs):
@@ -117,12 +137,54 @@ def tidy(axes):
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def error_over_time(axes):
-    """Logarithmic axes for errors [m] over times [ms]."""
-    axes.set(xscale="log", yscale="log", xlabel="computing time [ms]", ylabel="largest error [m]")
+def over_time(title, above_label, below_label="", **options):
+    """A figure with two panels over time, one above the other, with the labels of their values."""
+    figure, (above, below) = panels(2, sharex=True, **options)
+    above.set(title=title, ylabel=above_label)
+    below.set(xlabel="time [s]", ylabel=below_label)
+    return figure, above, below
+
+
+def compare(axes, product, by_hand):
+    """Largest difference of a coordinate over time [mm]; product, by_hand : motions [m], array (rows, nodes, 3)."""
+    curve(axes, TIMES, 1e3 * np.abs(product - by_hand).max(axis=(1, 2)), color=COLOUR["dynamic"])
+    axes.set(xlabel="time [s]", ylabel="TetherDynamic against\nsolve_ivp [mm]")
+
+
+def draw_motion(axes, positions, every, title, color=BLACK, labelled=True):
+    """Side views of a motion, one for each `every` rows, the earlier the paler.
+
+    labelled : with nodes, and with the time beside the last one.
+    """
+    nodes = {"marker": "o", "markersize": 3} if labelled else {}
+    for row in range(0, len(positions), every):
+        x, _, z = positions[row].T
+        axes.plot(x, z, color=color, alpha=0.15 + 0.85 * row / len(positions), **nodes)
+        if labelled:
+            axes.annotate(f"{row * STEP:.0f} s", (x[-1], z[-1]), (0, -12), textcoords="offset points", ha="center")
+    axes.set(xlabel="x [m]", title=title, aspect="equal")
+    if labelled:
+        axes.margins(0.12)
+
+
+def beside_motion(positions, every, title):
+    """A figure with side views of a motion, one for each `every` rows, and the axes to its right."""
+    figure, (left, right) = panels(1, 2, size=MEDIUM, width_ratios=(2, 3))
+    draw_motion(left, positions, every, title)
+    left.set(ylabel="height [m]")
+    return figure, right
+
+
+def draw_race(title, runs):
+    """Figure of what `race` found, error over computing time on logarithmic axes."""
+    figure, axes = panels()
+    for name, values in runs.items():
+        curve(axes, *(values * (1e3, 1.0)).T, name, marker="o", markersize=4, color=SOLVER_COLOUR[name])
+    axes.set(xscale="log", yscale="log", xlabel="computing time [ms]", ylabel="largest error [m]", title=title)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
+    return figure
 
 
 def animation(movie):
@@ -188,6 +250,8 @@ def parse(arguments, prog, about):
 def command_line(lesson, module=None):
     """Function of (arguments, prog) that runs a lesson, prints its answer and writes what it draws.
 
+    If the lesson's file is the script that Python runs, the function is called at once and its status ends the program.
+
     module : of the lesson, None: where it is defined.
     """
     module = module or sys.modules[lesson.__module__]
@@ -211,6 +275,8 @@ def command_line(lesson, module=None):
             plt.show()
         plt.close("all")
 
+    if lesson.__module__ == "__main__":
+        sys.exit(main())
     return main
 
 

@@ -4,10 +4,8 @@ The circle of lesson 11, 20 segments, steps of 20 ms: in compiled code (`fly`, a
 Python (`step`, the price of feedback in Python).
 """
 
-import sys
-
 import numpy as np
-from lessons import STEP, Lesson, command_line, panels, timed
+from lessons import STEP, Lesson, command_line, panels, timed_from_here
 from quasi_steady_circle import KITE, LENGTH
 
 import tetherfmu
@@ -36,13 +34,8 @@ def measure(way):
     for variant in VARIANTS:
         tether = getattr(tetherfmu, class_name(variant))(initial_length=LENGTH, initial_shape="quasi_steady")
         tether.initialize(*KITE.at(0.0))
-        state = tether.get_state()
-
-        def run(tether=tether, state=state):
-            tether.set_state(state)
-            way(tether)
-
-        found.append(1e6 * timed(run, repeats=5)[1] / STEPS)
+        _, seconds = timed_from_here(tether, way, repeats=5)
+        found.append(1e6 * seconds / STEPS)
     return np.array(found)
 
 
@@ -54,9 +47,8 @@ def lesson():
     axes.barh(names, in_python, color=REFERENCE, height=0.3, alpha=0.5)
     axes.barh(names, costs, color=[COLOUR[variant] for variant in VARIANTS], height=0.6)
     for name, cost, outside in zip(names, costs, in_python, strict=True):
-        axes.annotate(
-            f"{cost:.1f} µs, from Python {outside:.1f} µs", (outside, name), (6, 0), textcoords="offset points", va="center"
-        )
+        text = f"{cost:.1f} µs, from Python {outside:.1f} µs"
+        axes.annotate(text, (outside, name), (6, 0), textcoords="offset points", va="center")
     axes.set(xlabel="a communication step of 20 ms [µs]", title="Cost of the tethers (grey: with a call from Python)")
     axes.margins(x=0.4)
     axes.grid(visible=False, axis="y")
@@ -66,5 +58,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -4,10 +4,8 @@ The kite stands still at (100, 100, 800) m on a tether 5 % longer than that. Tet
 TetherQuasiSteady the chain in equilibrium: the start of the quasi-steady set, which needs no simulation.
 """
 
-import sys
-
 import numpy as np
-from lessons import STEP, Lesson, command_line, curve, panels, timed
+from lessons import MEDIUM, STEP, Lesson, command_line, curve, panels, timed
 
 from tetherfmu import TetherCatenary, TetherQuasiSteady
 from tetherfmu.console.colours import COLOUR
@@ -29,7 +27,7 @@ def side(shape):
 def lesson():
     """Both shapes, and the chain's distance from the catenary at its nodes."""
     exact, (chain, seconds) = hang(TetherCatenary), timed(hang, TetherQuasiSteady)
-    figure, (left, right) = panels(1, 2, size=(8.0, 4.6), width_ratios=(2, 3))
+    figure, (left, right) = panels(1, 2, size=MEDIUM, width_ratios=(2, 3))
     curve(left, *side(exact.shape), "catenary", at=50, color=COLOUR["catenary"])
     curve(
         left, *side(chain.shape), "22 segments", at=15, marker="o", markersize=3, linestyle="", color=COLOUR["quasi_steady"]
@@ -48,5 +46,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -5,8 +5,6 @@ turning with the kite balance. The flight is one call of compiled code, `fly`, w
 the path.
 """
 
-import sys
-
 import numpy as np
 from lessons import STEP, TALL, Lesson, command_line, curve, example, plt, tidy
 from tether_11 import draw_shapes
@@ -42,5 +40,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -3,8 +3,6 @@
 Both ends over one turn of the circle: the force of TetherQuasiSteady, and what TetherDynamic adds to it.
 """
 
-import sys
-
 import numpy as np
 from lessons import STEP, Lesson, command_line, curve, panels
 from quasi_steady_circle import STEPS, fly
@@ -37,5 +35,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -4,10 +4,8 @@ Four seconds of the circle of lesson 11 with 5 to 160 segments in compiled code:
 and how far the force on the kite is from that with 300 segments, the most there may be.
 """
 
-import sys
-
 import numpy as np
-from lessons import STEP, Lesson, command_line, curve, panels, timed
+from lessons import STEP, Lesson, command_line, curve, panels, timed_from_here
 from quasi_steady_circle import KITE, LENGTH
 
 from tetherfmu import TetherDynamic, TetherQuasiSteady, inputs_along
@@ -22,13 +20,7 @@ def run(model, segments):
     """Force on the kite [N] after each step, array (STEPS, 3), and the time of the flight [s]."""
     tether = model(segments=int(segments), initial_length=LENGTH, initial_shape="quasi_steady", relative_tolerance=1e-6)
     tether.initialize(*KITE.at(0.0))
-    state = tether.get_state()
-
-    def fly():
-        tether.set_state(state)
-        return tether.fly(INPUTS, STEP).kite_force
-
-    return timed(fly, repeats=4)
+    return timed_from_here(tether, lambda tether: tether.fly(INPUTS, STEP).kite_force, repeats=4)
 
 
 def lesson():
@@ -54,5 +46,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -4,14 +4,12 @@ z'' = -g, from z = 0. This is the whole machinery of the next four lessons: a fu
 solver `solve_ivp` of SciPy, and an event (the speed is zero), which the solver locates to rounding between its steps.
 """
 
-import sys
-
-from lessons import GRAVITY, Lesson, command_line, curve, panels, timed, times
+from lessons import DURATION, GRAVITY, TIMES, Lesson, command_line, curve, over_time, timed
 from scipy.integrate import solve_ivp
 
 from tetherfmu.console.colours import REFERENCE, SKY_BLUE, VERMILLION
 
-SPEED, DURATION = 50.0, 10.0  # m/s, s
+SPEED = 50.0  # at the start [m/s]
 
 
 def rates(time, state):
@@ -27,26 +25,22 @@ def at_the_top(time, state):
 
 def simulate():
     """Height [m] and speed [m/s], array (2, rows), and the time at the top [s]."""
-    solved = solve_ivp(rates, (0.0, DURATION), (0.0, SPEED), "DOP853", times(501), events=at_the_top, rtol=1e-10)
+    solved = solve_ivp(rates, (0.0, DURATION), (0.0, SPEED), "DOP853", TIMES, events=at_the_top, rtol=1e-10)
     return solved.y, solved.t_events[0][0]
 
 
 def lesson():
     """Height over time, and how far it is from the formula."""
     ((height, _), top), seconds = timed(simulate)
-    time = times(501)
-    formula = SPEED * time - 0.5 * GRAVITY * time**2
-    figure, (above, below) = panels(2, height_ratios=(3, 1), sharex=True)
-    curve(above, time, height, "height of the mass", at=360, color=SKY_BLUE, linewidth=2.0)
+    formula = SPEED * TIMES - 0.5 * GRAVITY * TIMES**2
+    labels = "height [m]", "solver minus\nformula [pm]"
+    figure, above, below = over_time("A mass thrown upwards at 50 m/s", *labels, height_ratios=(3, 1))
+    curve(above, TIMES, height, "height of the mass", at=360, color=SKY_BLUE, linewidth=2.0)
     above.plot(top, height.max(), "o", color=VERMILLION)
     beside = {"xytext": (0, -24), "textcoords": "offset points", "ha": "center"}
     above.annotate(f"speed 0, located at {top:.4f} s", (top, height.max()), **beside)
-    above.set(ylabel="height [m]", title="A mass thrown upwards at 50 m/s")
-    curve(below, time, 1e12 * (height - formula), color=REFERENCE)
-    below.set(xlabel="time [s]", ylabel="solver minus\nformula [pm]")
+    curve(below, TIMES, 1e12 * (height - formula), color=REFERENCE)
     return Lesson(f"{height.max():.2f} m high after {top:.4f} s", figure, DURATION, seconds)
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -2,32 +2,20 @@
 
 m z'' = -m g - k (z + L) - c z', from z = -L at rest. A spring and a damper are a segment of a tether. So the same numbers go
 into TetherDynamic: one segment, almost without a mass of its own, as stiff when slack as when taut.
-
-    z = -L - s + s exp(-d t) (cos(w t) + d/w sin(w t)),   s = m g/k,   d = c/(2 m),   w^2 = k/m - d^2
 """
 
-import sys
-
 import numpy as np
-from lessons import GRAVITY, Lesson, command_line, curve, follow, panels, timed, times
+from lessons import DURATION, GRAVITY, TIMES, Lesson, command_line, curve, follow, over_time, timed
 from scipy.integrate import solve_ivp
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import COLOUR, REFERENCE, SKY_BLUE
 
-LENGTH, MASS, STIFFNESS, DAMPING, DURATION = 10.0, 1.0, 50.0, 0.5, 10.0  # m, kg, N/m, N s/m, s
-SPRING = {  # the same as a tether
-    "segments": 1,
-    "initial_length": LENGTH,
-    "axial_stiffness": STIFFNESS * LENGTH,
-    "axial_damping": DAMPING * LENGTH,
-    "density": 1e-3,
-    "diameter": 1e-6,
-    "drag_coefficient": 0.0,
-    "initial_shape": "straight",
-    "point_masses": {1: MASS},
-    "free_ends": (False, True),
-}
+LENGTH, MASS, STIFFNESS, DAMPING = 10.0, 1.0, 50.0, 0.5  # m, kg, N/m, N s/m
+SAG = MASS * GRAVITY / STIFFNESS  # of the mass at rest below the unstretched spring [m]
+SPRING = {"segments": 1, "initial_length": LENGTH, "axial_stiffness": STIFFNESS * LENGTH, "axial_damping": DAMPING * LENGTH}
+SPRING |= {"density": 1e-3, "diameter": 1e-6, "drag_coefficient": 0.0}  # almost no mass of its own
+SPRING |= {"point_masses": {1: MASS}, "free_ends": (False, True), "initial_shape": "straight"}
 
 
 def rates(time, state):
@@ -38,7 +26,7 @@ def rates(time, state):
 
 def simulate():
     """Height of the mass [m], array (rows,)."""
-    return solve_ivp(rates, (0.0, DURATION), (-LENGTH, 0.0), "DOP853", times(501), rtol=1e-8, atol=1e-9).y[0]
+    return solve_ivp(rates, (0.0, DURATION), (-LENGTH, 0.0), "DOP853", TIMES, rtol=1e-8, atol=1e-9).y[0]
 
 
 def product():
@@ -49,28 +37,23 @@ def product():
 
 
 def formula(time):
-    """Height of the mass [m]."""
-    sag, decay = MASS * GRAVITY / STIFFNESS, DAMPING / (2.0 * MASS)
+    """Height [m]: z = -L - s + s exp(-d t) (cos(w t) + d/w sin(w t)), s = m g/k, d = c/(2 m), w^2 = k/m - d^2."""
+    decay = DAMPING / (2.0 * MASS)
     rate = np.sqrt(STIFFNESS / MASS - decay**2)
-    return -LENGTH - sag + sag * np.exp(-decay * time) * (np.cos(rate * time) + decay / rate * np.sin(rate * time))
+    return -LENGTH - SAG + SAG * np.exp(-decay * time) * (np.cos(rate * time) + decay / rate * np.sin(rate * time))
 
 
 def lesson():
     """Height over time, and how far the solvers are from the formula."""
     height, seconds = timed(simulate)
-    time, exact = times(501), formula(times(501))
-    figure, (above, below) = panels(2, sharex=True)
+    exact = formula(TIMES)
+    title = "1 kg on a spring: the oscillation halves every 2.8 s"
+    figure, above, below = over_time(title, "height [m]", "minus formula [µm]")
     above.axhline(exact[-1], color=REFERENCE, linewidth=0.8)
-    curve(above, time, height, color=SKY_BLUE)
-    above.set(ylabel="height [m]", title="1 kg on a spring: the oscillation halves every 2.8 s")
-    curve(below, time, 1e6 * (height - exact), "solve_ivp", at=480, shift=12, color=SKY_BLUE)
-    curve(below, time, 1e6 * (product() - exact), "TetherDynamic", at=480, shift=-12, color=COLOUR["dynamic"])
-    below.set(xlabel="time [s]", ylabel="minus formula [µm]")
-    return Lesson(
-        f"comes to rest {MASS * GRAVITY / STIFFNESS:.3f} m below the unstretched spring", figure, DURATION, seconds
-    )
+    curve(above, TIMES, height, color=SKY_BLUE)
+    curve(below, TIMES, 1e6 * (height - exact), "solve_ivp", at=480, shift=12, color=SKY_BLUE)
+    curve(below, TIMES, 1e6 * (product() - exact), "TetherDynamic", at=480, shift=-12, color=COLOUR["dynamic"])
+    return Lesson(f"comes to rest {SAG:.3f} m below the unstretched spring", figure, DURATION, seconds)
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

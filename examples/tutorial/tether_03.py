@@ -5,17 +5,14 @@ force now has a kink, which the solver steps over without knowing. TetherDynamic
 when slack.
 """
 
-import sys
-
-from lessons import GRAVITY, Lesson, command_line, curve, follow, panels, timed, times
+from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, command_line, curve, follow, over_time, timed
 from scipy.integrate import solve_ivp
-from tether_02 import DAMPING, DURATION, LENGTH, MASS, SPRING, STIFFNESS
+from tether_02 import DAMPING, LENGTH, MASS, SPRING, STIFFNESS
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
 
 SPEED = 4.0  # of the mass at the start, upwards [m/s]
-TOLERANCE = 1e-6
 
 
 def rates(time, state):
@@ -29,7 +26,7 @@ def rates(time, state):
 def simulate(tolerance=TOLERANCE):
     """Height of the mass [m], array (rows,)."""
     start = (-LENGTH, SPEED)
-    return solve_ivp(rates, (0.0, DURATION), start, "DOP853", times(501), rtol=tolerance, atol=tolerance).y[0]
+    return solve_ivp(rates, (0.0, DURATION), start, "DOP853", TIMES, rtol=tolerance, atol=tolerance).y[0]
 
 
 def product(tolerance=TOLERANCE):
@@ -42,20 +39,14 @@ def product(tolerance=TOLERANCE):
 def lesson():
     """Height over time, and the difference of the two solvers."""
     height, seconds = timed(simulate)
-    time = times(501)
-    figure, (above, below) = panels(2, sharex=True)
-    above.fill_between(
-        time, -10.6, height.max(), where=height > -LENGTH, color=SKY_BLUE, alpha=0.25, linewidth=0.0, step="mid"
-    )
+    slack = height > -LENGTH
+    labels = "height [m]", "TetherDynamic minus\nsolve_ivp [mm]"
+    figure, above, below = over_time("1 kg on a spring that cannot push", *labels)
+    above.fill_between(TIMES, -10.6, height.max(), slack, color=SKY_BLUE, alpha=0.25, linewidth=0.0, step="mid")
     above.text(0.5, -10.5, "slack", color=SKY_BLUE, ha="center", weight="bold")
-    curve(above, time, height, color=BLACK)
-    above.set(ylabel="height [m]", title="1 kg on a spring that cannot push")
-    curve(below, time, 1e3 * (product() - height), color=COLOUR["dynamic"])
-    below.set(xlabel="time [s]", ylabel="TetherDynamic minus\nsolve_ivp [mm]")
-    slack = (height > -LENGTH).mean()
-    return Lesson(f"slack for {100 * slack:.0f} % of the time", figure, DURATION, seconds)
+    curve(above, TIMES, height, color=BLACK)
+    curve(below, TIMES, 1e3 * (product() - height), color=COLOUR["dynamic"])
+    return Lesson(f"slack for {100 * slack.mean():.0f} % of the time", figure, DURATION, seconds)
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

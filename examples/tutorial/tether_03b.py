@@ -4,16 +4,11 @@ The solver integrates smooth motion up to the event, where stretch = 0, and star
 locates no events: each of its steps keeps the law of its start, and a step too far over the kink is taken back.
 """
 
-import sys
-
 import numpy as np
-from lessons import GRAVITY, Lesson, command_line, curve, panels, timed, times
+from lessons import DURATION, GRAVITY, SOLVER_COLOUR, TIMES, TOLERANCE, Lesson, command_line, curve, panels, timed
 from scipy.integrate import solve_ivp
-from tether_02 import DAMPING, DURATION, LENGTH, MASS, STIFFNESS
-from tether_03 import SPEED, TOLERANCE, product
-from tether_03 import simulate as without_events
-
-from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
+from tether_02 import DAMPING, LENGTH, MASS, STIFFNESS
+from tether_03 import SPEED, product, simulate
 
 EXACT = 1e-13  # tolerance of the motion that all are compared with
 
@@ -25,7 +20,7 @@ def rates(time, state, taut):
     return speed, -GRAVITY + (spring - DAMPING * speed) / MASS
 
 
-def simulate(tolerance=TOLERANCE):
+def with_events(tolerance=TOLERANCE):
     """Height of the mass [m], array (rows,), and the times of the events [s]."""
     time, state, taut = 0.0, (-LENGTH, SPEED), False
     heights, events = [], []
@@ -35,7 +30,7 @@ def simulate(tolerance=TOLERANCE):
             return -state[0] - LENGTH
 
         stretch.terminal, stretch.direction = True, -1.0 if taut else 1.0
-        rows = times(501)[times(501) >= time]
+        rows = TIMES[time <= TIMES]
         options = {"events": stretch, "args": (taut,), "rtol": tolerance, "atol": tolerance}
         solved = solve_ivp(rates, (time, DURATION), state, "DOP853", rows, **options)
         heights.append(np.reshape(solved.y, (2, -1))[0])  # also where no row lies between two events
@@ -48,23 +43,18 @@ def simulate(tolerance=TOLERANCE):
 
 def lesson():
     """Error over time of the solver without and with events, and of TetherDynamic, at the same tolerance."""
-    (located, events), seconds = timed(simulate)
-    exact, _ = simulate(EXACT)
-    errors = {
-        "solve_ivp without events": (without_events() - exact, SKY_BLUE),
-        "TetherDynamic": (product() - exact, COLOUR["dynamic"]),
-        "solve_ivp with events": (located - exact, BLACK),
-    }
+    (located, events), seconds = timed(with_events)
+    exact, _ = with_events(EXACT)
+    heights = {"solve_ivp without events": simulate(), "TetherDynamic": product(), "solve_ivp with events": located}
     figure, axes = panels()
     for each in events:
         axes.axvline(each, color="lightgray", linewidth=0.8)
-    for text, (error, colour) in errors.items():
-        curve(axes, times(501), np.maximum.accumulate(np.abs(error)).clip(1e-12), text, color=colour)
+    for name, height in heights.items():
+        error = np.maximum.accumulate(np.abs(height - exact)).clip(1e-12)
+        curve(axes, TIMES, error, name, color=SOLVER_COLOUR[name])
     axes.set(yscale="log", xlabel="time [s]", ylabel="largest error so far [m]")
     axes.set_title(f"A kink that is stepped over costs accuracy (grey: its {len(events)} events, tolerance {TOLERANCE:g})")
     return Lesson(f"{len(events)} events, error {np.abs(located - exact).max():.1e} m", figure, DURATION, seconds)
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,22 +1,19 @@
 """How do two masses move on two springs in series?
 
-The step from one spring to a chain: positions and velocities are arrays, and each segment pulls at its two masses. Two
-segments of 10 m, three masses of 1 kg of which the first is held; the last one starts upwards at 4 m/s, the middle one at 2
-m/s. The damper sees the whole relative velocity of its two masses, also across the segment; this motion has none.
+From one spring to a chain: positions and velocities are arrays, and each segment pulls at its two masses. Two segments of
+10 m, three masses of 1 kg, the first one held; the last one starts upwards at 4 m/s, the middle one at 2 m/s. The damper
+sees the whole relative velocity of its two masses, also across the segment; this motion has none.
 """
 
-import sys
-
 import numpy as np
-from lessons import GRAVITY, Lesson, command_line, curve, follow, panels, timed, times
+from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, command_line, compare, curve, follow, over_time, timed
 from scipy.integrate import solve_ivp
-from tether_02 import DAMPING, DURATION, LENGTH, MASS, SPRING, STIFFNESS
+from tether_02 import DAMPING, LENGTH, MASS, SPRING, STIFFNESS
 from tether_03 import SPEED
 
 from tetherfmu import TetherDynamic
-from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
+from tetherfmu.console.colours import BLACK, SKY_BLUE
 
-TOLERANCE = 1e-6
 POSITIONS = LENGTH * np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, -2.0]])
 VELOCITIES = SPEED * np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.0, 0.0, 1.0]])
 
@@ -27,9 +24,7 @@ def rates(time, state):
     r, u = np.diff(x, axis=0), np.diff(v, axis=0)
     length = np.linalg.norm(r, axis=1, keepdims=True)
     pull = np.where(length > LENGTH, STIFFNESS * (length - LENGTH), 0.0) * r / length + DAMPING * u
-    acceleration = np.tile((0.0, 0.0, -GRAVITY), (3, 1))
-    acceleration[:-1] += pull / MASS
-    acceleration[1:] -= pull / MASS
+    acceleration = np.diff(pull, axis=0, prepend=0.0, append=0.0) / MASS - (0.0, 0.0, GRAVITY)
     acceleration[0] = 0.0  # held
     return np.concatenate((v, acceleration)).ravel()
 
@@ -37,7 +32,7 @@ def rates(time, state):
 def simulate(tolerance=TOLERANCE):
     """Positions of the masses [m], array (rows, 3, 3)."""
     start = np.concatenate((POSITIONS, VELOCITIES)).ravel()
-    solved = solve_ivp(rates, (0.0, DURATION), start, "DOP853", times(501), rtol=tolerance, atol=tolerance)
+    solved = solve_ivp(rates, (0.0, DURATION), start, "DOP853", TIMES, rtol=tolerance, atol=tolerance)
     return solved.y.T.reshape(-1, 2, 3, 3)[:, 0]
 
 
@@ -52,16 +47,12 @@ def product(tolerance=TOLERANCE):
 def lesson():
     """Heights over time, and the difference from TetherDynamic."""
     positions, seconds = timed(simulate)
-    difference = np.abs(product() - positions).max(axis=(1, 2))
-    figure, (above, below) = panels(2, sharex=True)
+    title = "Three masses on two springs that cannot push, the first one held"
+    figure, above, below = over_time(title, "height over the start [m]")
     for node, (name, colour) in {1: ("middle mass", SKY_BLUE), 2: ("last mass", BLACK)}.items():
-        curve(above, times(501), positions[:, node, 2] - positions[0, node, 2], name, color=colour)
-    above.set(ylabel="height over the start [m]", title="Three masses on two springs that cannot push, the first one held")
-    curve(below, times(501), 1e3 * difference, color=COLOUR["dynamic"])
-    below.set(xlabel="time [s]", ylabel="TetherDynamic against\nsolve_ivp [mm]")
+        curve(above, TIMES, positions[:, node, 2] - positions[0, node, 2], name, color=colour)
+    compare(below, product(), positions)
     return Lesson(f"the last mass falls to {positions[:, 2, 2].min():.2f} m", figure, DURATION, seconds)
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

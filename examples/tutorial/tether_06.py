@@ -6,23 +6,16 @@ mass of each segment. Its solver, Rodas4P, chooses its steps; with `fixed_step`,
 steps, which damp.
 """
 
-import sys
-
 import numpy as np
-from lessons import STEP, Lesson, Movie, command_line, curve, panels, timed, times
+from lessons import DURATION, STEP, TIMES, Lesson, Movie, beside_motion, command_line, curve, timed
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE, SKY_BLUE
 
-LENGTH, ANGLE, REEL_OUT, DURATION, EXACT = 50.0, np.pi / 10.0, 2.0, 10.0, 1e-9  # m, rad, m/s, s, tolerance
+LENGTH, ANGLE, REEL_OUT, EXACT = 50.0, np.pi / 10.0, 2.0, 1e-9  # m, rad, m/s, tolerance
 END = LENGTH * np.array([-np.sin(ANGLE), 0.0, -np.cos(ANGLE)])
-DYNEEMA = {  # besides the start values of `Tether`; slack stiffness of Tethers.jl: s/(1 + s) of the taut one, s = 0.01
-    "segments": 5,
-    "initial_length": LENGTH,
-    "slack_stiffness_ratio": 0.01 / 1.01,
-    "initial_shape": "straight",
-    "free_ends": (False, True),
-}
+DYNEEMA = {"segments": 5, "initial_length": LENGTH, "initial_shape": "straight", "free_ends": (False, True)}
+DYNEEMA |= {"slack_stiffness_ratio": 0.01 / 1.01}  # as in Tethers.jl: s/(1 + s) of the taut stiffness, s = 0.01
 SOLVERS = {  # options, colour, shift of the name
     "fixed 20 ms": ({"fixed_step": 0.02}, BLACK, 0),
     "fixed 5 ms": ({"fixed_step": 0.005}, SKY_BLUE, 0),
@@ -50,21 +43,14 @@ def kinetic_energy(motion):
 def lesson():
     """Shapes, and the kinetic energy that each solver has lost, against the motion at a tolerance of 1e-9."""
     exact, (motion, seconds) = simulate(EXACT), timed(simulate)
-    figure, (left, right) = panels(1, 2, size=(8.0, 4.6), width_ratios=(2, 3))
-    for row in range(0, 501, 100):
-        left.plot(*motion[row, 0, :, [0, 2]], "o-", markersize=3, color=BLACK, alpha=0.15 + 0.85 * row / 500)
-        left.annotate(f"{row * STEP:.0f} s", motion[row, 0, -1, [0, 2]], (0, -12), textcoords="offset points", ha="center")
-    left.set(xlabel="x [m]", ylabel="height [m]", title="Reeled out at 2 m/s", aspect="equal")
-    left.margins(0.12)
+    figure, right = beside_motion(motion[:, 0], 100, "Reeled out at 2 m/s")
     shown = slice(100, None, 5)  # the first motion has hardly any energy
     for name, (options, colour, shift) in SOLVERS.items():
         lost = 100.0 * (1.0 - kinetic_energy(simulate(**options)) / np.maximum(kinetic_energy(exact), 1e-9))
-        curve(right, times(501)[shown], lost[shown], name, shift=shift, color=colour)
+        curve(right, TIMES[shown], lost[shown], name, shift=shift, color=colour)
     right.set(xlabel="time [s]", ylabel="kinetic energy lost [%]", title="Energy that the solver loses")
     answer = f"the free end falls at {motion[-1, 1, -1, 2]:.1f} m/s at the end"
     return Lesson(answer, figure, DURATION, seconds, Movie(motion[:, 0], "Reeling out"))
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -5,8 +5,6 @@ for it: TetherDynamic takes the drag of each segment across its direction, in th
 an input.
 """
 
-import sys
-
 import numpy as np
 from lessons import Lesson, command_line, curve, follow, panels, timed
 from tether_06 import DYNEEMA, END, LENGTH, REEL_OUT
@@ -48,5 +46,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -5,10 +5,8 @@ while the tether is reeled out at 0.3 m/s. To hold a tether until it rests took 
 an equilibrium, which Newton's method finds: `initial_shape="static_equilibrium"`, the default.
 """
 
-import sys
-
 import numpy as np
-from lessons import Lesson, Movie, command_line, follow, panels, timed
+from lessons import MEDIUM, Lesson, Movie, command_line, draw_motion, follow, panels, timed
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
@@ -29,10 +27,8 @@ def simulate(ends=ENDS, **options):
 def lesson():
     """Shapes every second; and the start between five other points."""
     positions, seconds = timed(simulate)
-    figure, (left, right) = panels(1, 2, size=(8.0, 4.6))
-    for row in range(0, SHOWN, EVERY):
-        late = row / (SHOWN - 1)
-        left.plot(*positions[row, :, [0, 2]], color=COLOUR["dynamic"], alpha=0.15 + 0.85 * late)
+    figure, (left, right) = panels(1, 2, size=MEDIUM)
+    draw_motion(left, positions[:SHOWN], EVERY, "Released: every second of ten", COLOUR["dynamic"], labelled=False)
     left.plot(*positions[0, :, [0, 2]], "o-", markersize=3, color=BLACK)
     left.annotate("at rest", positions[0, 9, [0, 2]], (-6, 6), textcoords="offset points", color=BLACK, ha="center")
     left.annotate("10 s", positions[SHOWN - 1, -1, [0, 2]], (6, 0), textcoords="offset points", color=COLOUR["dynamic"])
@@ -42,12 +38,10 @@ def lesson():
         tether.initialize(kite, wind_velocity=WIND)
         right.plot(*tether.positions[:, [0, 2]].T, "o-", markersize=3, color=BLACK)
         right.plot([0.0, kite[0]], [0.0, kite[2]], color=REFERENCE, linewidth=0.6)
-    left.set(xlabel="x [m]", ylabel="height [m]", title="Released: every second of ten", aspect="equal")
+    left.set(ylabel="height [m]")
     right.set(xlabel="x [m]", title="At rest between other points", aspect="equal")
     answer = f"the released end sweeps {np.ptp(positions[:, -1, 0]):.0f} m sideways"
     return Lesson(answer, figure, DURATION, seconds, Movie(positions, "Released"))
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

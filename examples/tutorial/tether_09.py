@@ -5,8 +5,6 @@ ground, node n at the kite, and segment i joins nodes i and i + 1. Forces are th
 point along the tether.
 """
 
-import sys
-
 import numpy as np
 from lessons import STEP, Lesson, command_line, plt, timed
 
@@ -55,5 +53,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

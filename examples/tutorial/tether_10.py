@@ -5,10 +5,8 @@ are joined in series, and `point_masses` puts a knot between them. Here the lowe
 s.
 """
 
-import sys
-
 import numpy as np
-from lessons import STEP, Lesson, command_line, follow, panels, timed
+from lessons import STEP, Lesson, command_line, draw_motion, follow, panels, timed
 
 from tetherfmu import MovingEnd, Tether, TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
@@ -47,11 +45,9 @@ def lesson():
         "lower end let go: 3 s": (free(), 25, SKY_BLUE),
     }
     for axes, (title, (positions, every, colour)) in zip(found, cases.items(), strict=True):
-        for late, shape in enumerate(positions[::every]):
-            axes.plot(*shape[:, [0, 2]].T, color=colour, alpha=0.15 + 0.85 * late * every / len(positions))
+        draw_motion(axes, positions, every, title, colour, labelled=False)
         axes.plot(*positions[:, -1, [0, 2]].T, color=BLACK, linewidth=0.8)
         axes.plot(0.0, 0.0, "s", color=BLACK)
-        axes.set(xlabel="x [m]", title=title, aspect="equal")
     found[1].plot(*heavy[-1, KNOT, [0, 2]], "o", color=BLACK, markersize=8)
     found[0].set(ylabel="height [m]")
     difference = 1e3 * np.abs(two - one).max()
@@ -59,5 +55,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

@@ -5,7 +5,6 @@ TetherDynamic.fmu, which is built if dist/ has none: positions and velocities of
 shape come out. Every tool that imports FMUs gets these numbers.
 """
 
-import sys
 from functools import cache
 
 import numpy as np
@@ -53,5 +52,3 @@ def lesson():
 
 
 main = command_line(lesson)
-if __name__ == "__main__":
-    sys.exit(main())

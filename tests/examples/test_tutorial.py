@@ -14,6 +14,7 @@ from tetherfmu.commands.tutorial import lessons
 from tetherfmu.libraries.sources import EXAMPLES
 
 LONGEST = 3.0  # seconds of processor time of a lesson
+MOST_LINES = 60  # of its file: what a newcomer reads at a sitting
 LINE = re.compile(r"^(\w+): .+; [\d.e+-]+ s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
 NAMES = list(lessons())
 COSTS = [
@@ -44,6 +45,22 @@ for name in {names}:
         assert [
             re.sub(r"\d+\.\d\d ms, error \d\.\de-\d\d m", "COST", line) for line in lines if "published" in line
         ] == COSTS
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_lesson_is_short(name):
+    """The whole file, with its docstring and blank lines."""
+    assert len(lessons()[name].read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+
+
+def test_a_script_runs_its_own_lesson_only(tmp_path):
+    """It imports other lessons; wrong options end it with status 2, from any folder."""
+    script = lessons()["03"]
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["tether_03"]
+    wrong = subprocess.run([sys.executable, script, "--nonsense"], cwd=tmp_path, capture_output=True, text=True)
+    assert wrong.returncode == 2
+    assert "--nonsense" in wrong.stderr
 
 
 def test_the_list_has_each_lesson_with_its_question(capsys):

@@ -28,7 +28,6 @@ import tether_06c
 import tether_07
 import tether_08
 import tether_10
-from lessons import follow
 from test_at_rest import PUBLISHED
 
 from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady
@@ -63,7 +62,7 @@ def test_02_is_a_damped_oscillation(way, allowed):
 # Nine events, each within the tolerance of 10 m; observed 3e-6 and 1e-7 at 1e-6, 2e-8 and 1e-8 at 1e-8.
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 @pytest.mark.parametrize(
-    "way", [lambda each: tether_03b.simulate(each)[0], tether_03.product], ids=["events", "TetherDynamic"]
+    "way", [lambda each: tether_03b.with_events(each)[0], tether_03.product], ids=["events", "TetherDynamic"]
 )
 def test_03_with_events_and_in_the_product(way, tolerance):
     assert largest(way(tolerance), read("tether_03.csv")["p1_z"]) < 10.0 * tolerance
@@ -73,25 +72,17 @@ def test_03_without_events_is_less_exact():
     """The kink is stepped over: the method loses its order until its steps are short enough to find it by their error."""
     expected = read("tether_03.csv")["p1_z"]
     assert largest(tether_03.simulate(1e-10), expected) < 1e-7
-    without, located = (largest(each, expected) for each in (tether_03.simulate(1e-8), tether_03b.simulate(1e-8)[0]))
+    without, located = (largest(each, expected) for each in (tether_03.simulate(1e-8), tether_03b.with_events(1e-8)[0]))
     assert 100.0 * located < without < 1e-4
 
 
 def test_03b_events_are_where_the_spring_has_its_length():
-    height, events = tether_03b.simulate(1e-10)
+    height, events = tether_03b.with_events(1e-10)
     time = 0.02 * np.arange(501)
     crossings = np.flatnonzero(np.diff(height > -10.0))
     crossings = crossings[crossings > 0]  # the start is one
     assert len(events) == len(crossings) == 9
     assert (np.abs(events - 0.5 * (time[crossings] + time[crossings + 1])) <= 0.0101).all()
-
-
-def product_04(tolerance):
-    return tether_04.product(tolerance)
-
-
-def product_05(tolerance):
-    return follow(tether_05.tether(tolerance), 10.0)
 
 
 # Steps over kinks; observed by hand 9e-6 and 3e-5 at 1e-6, 6e-8 and 2e-7 at 1e-8, with TetherDynamic 4e-7 at 1e-6 and less.
@@ -100,9 +91,9 @@ def product_05(tolerance):
     ("scene", "segments", "way", "allowed"),
     [
         ("04", 2, tether_04.simulate, 50.0),
-        ("04", 2, product_04, 10.0),
+        ("04", 2, tether_04.product, 10.0),
         ("05", 5, tether_05.simulate, 50.0),
-        ("05", 5, product_05, 10.0),
+        ("05", 5, tether_05.product, 10.0),
     ],
 )
 def test_04_and_05_chains(scene, segments, way, allowed, tolerance):
@@ -167,7 +158,7 @@ def test_06c_events_are_missed_at_a_loose_tolerance_and_not_needed():
     exact, count = tether_06c.with_events(1e-9)
     missed, fewer = tether_06c.with_events(1e-6)
     assert fewer < count
-    assert largest(product_05(1e-6), exact) < 0.01 * largest(missed, exact)
+    assert largest(tether_05.product(1e-6), exact) < 0.01 * largest(missed, exact)
 
 
 def test_07_the_oscillation_dies_out_in_wind_only():
