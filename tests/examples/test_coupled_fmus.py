@@ -90,9 +90,11 @@ def test_a_wrong_step_is_refused_in_one_line(example):
     assert re.fullmatch(r".+--step: '-1' is not possible; it must be .+\n", done.stderr)
 
 
-@pytest.mark.parametrize(("example", "package"), [("bridle", "scipy"), ("coupling_limits", "pandas")])
-def test_a_missing_package_is_named_in_one_line(example, package):
+@pytest.mark.parametrize(
+    ("example", "package", "extra"), [("bridle", "scipy", "examples"), ("coupling_limits", "pandas", "study")]
+)
+def test_a_missing_package_is_named_in_one_line(example, package, extra):
     code = f"import sys; sys.modules[{package!r}] = None; import {example}; sys.exit({example}.main([]))"
     done = subprocess.run([sys.executable, "-c", code], cwd=EXAMPLES, capture_output=True, text=True, check=False)
     assert done.returncode == 2
-    assert done.stderr == f'{package} is not installed: pip install "tetherfmu[study]"\n'
+    assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'
