@@ -26,11 +26,16 @@ SLAVES = {  # name: script
 PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
 
 
-def slave(name):
-    """Class of the slave of an FMU of the examples."""
+def module(name):
+    """Module of the examples, such as `fmus.winch`."""
     if str(EXAMPLES) not in search_path:
         search_path.append(str(EXAMPLES))
-    return getattr(import_module(f"fmus.{Path(SLAVES[name]).stem}"), name)
+    return import_module(name)
+
+
+def slave(name):
+    """Class of the slave of an FMU of the examples."""
+    return getattr(module(f"fmus.{Path(SLAVES[name]).stem}"), name)
 
 
 def table_of(name):
@@ -63,8 +68,7 @@ def build(name, folder, starts=()):
 
 def _page(name, script, description):
     """Text of documentation/index.html: the equations as the sources have them, and the tables of all variables."""
-    table = table_of(name)  # which finds the package `fmus`
-    texts = [import_module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
+    texts = [module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
     shown = texts if name.endswith("Kite") else texts[:2]
     return filled(
         "example.html",
@@ -72,5 +76,5 @@ def _page(name, script, description):
         version=__version__,
         description=escape(description),
         physics="\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown)),
-        **style_and_tables(table),
+        **style_and_tables(table_of(name)),
     )
