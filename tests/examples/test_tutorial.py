@@ -10,8 +10,8 @@ import pytest
 from test_at_rest import assert_is_drawn, run
 
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.commands import example_files
 from tetherfmu.commands.tutorial import lessons
+from tetherfmu.libraries.sources import EXAMPLES
 
 LONGEST = 3.0  # seconds of processor time of a lesson
 LINE = re.compile(r"^(\w+): .+; [\d.e+-]+ s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
@@ -57,7 +57,7 @@ def test_the_list_has_each_lesson_with_its_question(capsys):
 
 
 def test_an_animation_is_written_as_gif_or_with_its_frames(tmp_path, monkeypatch, capsys):
-    monkeypatch.syspath_prepend(example_files.folder() / "tutorial")
+    monkeypatch.syspath_prepend(EXAMPLES / "tutorial")
     import lessons
     import tether_05
 
