@@ -24,9 +24,9 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-Partners for a tether: kites, a winch, a flight controller, a prescribed flight. They are PythonFMU slaves of some 80
-lines each (`examples/fmus/`), to fly at once and to put your own model into. They need what a tether FMU needs, and no
-kernels.
+Partners for a tether: kites, a winch, a flight controller, a prescribed flight. They are PythonFMU slaves of 70 to
+150 lines (`examples/fmus/`), to fly at once and to put your own model into. They need what a tether FMU of PythonFMU
+needs, and no kernels.
 
 ```text
 tetherfmu build --examples
@@ -47,8 +47,8 @@ its profile, the air density. The ground station is the origin.
 
 Both kites have one aerodynamics. The one without mass is the better partner: the bond between kite and tether is stiff,
 and in `TetherDynamicFree` it is solved inside. `FlyingKite` gets the force one communication step late, which limits the
-step to some milliseconds ([interface](interface.md), "Coupling by force"), unless the importer repeats steps: its state
-can be saved and restored bit for bit, as that of every example FMU.
+step to some milliseconds, unless it goes after the tether or the importer repeats steps ([Coupling](coupling.md)): its
+state can be saved and restored bit for bit, as that of every example FMU.
 
 ## Exchange
 

@@ -18,7 +18,7 @@ TEXT = """# Interface
 Inputs, outputs and parameters of {fmus}.
 Names, units, causality and signs are the same in each, so that one replaces another without rewiring; only
 `TetherDynamicFree.fmu` differs at [the kite end](#a-free-kite-end).
-FMI 2.0 co-simulation, SI units, structured names.
+FMI 2.0 co-simulation, SI units, structured names; what differs in FMI 3.0: [Importing](importing.md).
 
 Frame: right-handed, z up, origin where you want it; gravity acts along -z, heights count from z = 0.
 

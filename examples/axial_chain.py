@@ -9,6 +9,7 @@ by the exponential of its matrix, its end along the cubic of docs/theory.md, "Dr
 import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from ways_of_coupling import FORCES
 
 STEPS = np.geomspace(1e-3, 0.5, 82)  # among which the first that grows is looked for [s]
 GROWS = 1e-10  # |eigenvalue| - 1 of a deviation that is not rounding
@@ -108,12 +109,3 @@ class AxialChain:
                 return brentq(growth, before, h, rtol=1e-3)
             before = h
         return np.inf
-
-
-FORCES = {  # at the start and at the end of a step of the kite, from those of the tether one step before, before, after it
-    "parallel": lambda _, before, after: (before, before),
-    "parallel, linear": lambda last, before, after: (before, 2.0 * before - last),
-    "sequential": lambda _, before, after: (after, after),
-    "sequential, linear": lambda _, before, after: (before, after),
-    "two iterations": lambda _, before, after: (before, after),
-}

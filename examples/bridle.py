@@ -9,7 +9,7 @@ a `TetherDynamicFree` that carries the balloon; to it, the other two, each a `Te
 `kite_end_mass`; its weight is in their forces already.
 
 The forces of the two are one communication step late, so the step must suit a knot of this mass on legs of this stiffness:
-h < 0.2 sqrt(M/k), docs/coupling.md, "Knots". With scipy, the example also prints how far the forces are from the exact ones.
+h < 0.2 sqrt(M/k), docs/coupling.md, "Knots". The example also prints how far the forces are from the exact ones.
 """
 
 import sys

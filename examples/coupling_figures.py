@@ -4,11 +4,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from ways_of_coupling import DRIVEN, WAYS
 
+from tetherfmu.console.colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE, VERMILLION
 from tetherfmu.runtime.parameters import Tether
 
-COLORS = dict(
-    zip(WAYS, ("#D55E00", "#000000", "#E69F00", "#CC79A7", "#009E73", "#56B4E9", "#0072B2"), strict=True)
-)  # Okabe and Ito
+COLOURS = dict(zip(WAYS, (VERMILLION, BLACK, ORANGE, PURPLE, GREEN, SKY_BLUE, BLUE), strict=True))
 STIFFNESS = Tether().axial_stiffness / Tether().initial_length  # of the tether of the growth figure [N/m]
 GAP = 0.075  # between labels, of the height of an axis
 MARKERS = dict(zip(WAYS, "spvD^oo", strict=True))
@@ -41,9 +40,9 @@ def label_lines(axis, ends):
             (1.03, height),
             textcoords="axes fraction",
             va="center",
-            color=COLORS[name],
+            color=COLOURS[name],
             annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": COLORS[name], "linewidth": 0.6, "relpos": (0.0, 0.5)},
+            arrowprops={"arrowstyle": "-", "color": COLOURS[name], "linewidth": 0.6, "relpos": (0.0, 0.5)},
         )
 
 
@@ -55,7 +54,7 @@ def draw_errors(table):
     figure.subplots_adjust(0.08, 0.13, 0.84, 0.9, wspace=0.12)
     for axis, (kite, mine) in zip(axes, table.groupby("kite", sort=False), strict=True):
         for way, curve in mine.groupby("way", sort=False):
-            style = {"color": COLORS[way], "marker": MARKERS[way], "linestyle": "--" if way == "free end, held" else "-"}
+            style = {"color": COLOURS[way], "marker": MARKERS[way], "linestyle": "--" if way == "free end, held" else "-"}
             axis.loglog(1e3 * curve.step, 100.0 * curve.error, markersize=4, **style)
         axis.set(title=kite, xlabel="communication step [ms]", ylim=(1e-4, 100.0))
         axis.set_xticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
@@ -65,14 +64,14 @@ def draw_errors(table):
     axes[0].set_ylabel("error of the tether force, rms [%]")
     axes[0].text(0.83, 0.45, "0.5 %", color="0.4", va="top", fontsize=9)
     free = "free end, held or linear:\nthe solver's own error"
-    axes[0].text(9.5, 1.5e-3, free, color=COLORS[WAYS[-1]], fontsize=9, va="top")
+    axes[0].text(9.5, 1.5e-3, free, color=COLOURS[WAYS[-1]], fontsize=9, va="top")
     last = table[table.kite == kite].groupby("way", sort=False).last()
     ends = {way: (1e3 * row.step, 100.0 * row.error) for way, row in last.iterrows()}
     for way, height in (("parallel, linear", 45.0), ("parallel", 10.0)):  # these end far from the edge
         if way in ends:
-            leader = {"arrowstyle": "-", "color": COLORS[way], "linewidth": 0.6, "relpos": (1.0, 0.5)}
+            leader = {"arrowstyle": "-", "color": COLOURS[way], "linewidth": 0.6, "relpos": (1.0, 0.5)}
             axes[1].annotate(
-                way, ends.pop(way), (9.0, height), color=COLORS[way], ha="right", va="center", arrowprops=leader
+                way, ends.pop(way), (9.0, height), color=COLOURS[way], ha="right", va="center", arrowprops=leader
             )
     label_lines(axes[1], ends)
     return figure
@@ -95,9 +94,9 @@ def draw_growth(table):
     for way in DRIVEN:
         mine = table[table.way == way]
         x = 1e3 * mine.step
-        axis.plot(x, mine.theory, "-", color=COLORS[way])
-        axis.plot(x, mine.formula, ":", color=COLORS[way])
-        axis.plot(x, mine.measured, MARKERS[way], color=COLORS[way], markersize=5)
+        axis.plot(x, mine.theory, "-", color=COLOURS[way])
+        axis.plot(x, mine.formula, ":", color=COLOURS[way])
+        axis.plot(x, mine.measured, MARKERS[way], color=COLOURS[way], markersize=5)
         ends[way] = x.iloc[-1], mine.theory.iloc[-1]
     axis.axhline(0.0, color="0.3", linewidth=0.8)
     axis.text(x.iloc[-1], 0.01, "grows", color="0.3", fontsize=9, ha="right")
@@ -117,9 +116,11 @@ def draw_limits(table):
     for axis, (length, mine) in zip(axes, panels, strict=True):
         ends = {}
         for way, curve in mine.groupby("way", sort=False):
-            axis.loglog(curve.kite_mass, 1e3 * curve.largest_step, "-", color=COLORS[way], marker=MARKERS[way], markersize=4)
             axis.loglog(
-                curve.kite_mass, 1e3 * curve.safe_step, ":", color=COLORS[way] if way.startswith("parallel") else "0.4"
+                curve.kite_mass, 1e3 * curve.largest_step, "-", color=COLOURS[way], marker=MARKERS[way], markersize=4
+            )
+            axis.loglog(
+                curve.kite_mass, 1e3 * curve.safe_step, ":", color=COLOURS[way] if way.startswith("parallel") else "0.4"
             )
             ends[way] = curve.kite_mass.iloc[-1], 1e3 * curve.largest_step.iloc[-1]
         axis.set(title=f"{length:g} m", xlabel="kite [kg]", ylim=(1.0, 500.0))
@@ -127,8 +128,8 @@ def draw_limits(table):
         axis.set_yticks([1, 10, 100], ["1", "10", "100"])
         axis.grid(color="0.9")
     axes[0].set_ylabel("largest stable communication step [ms]")
-    axes[-1].text(1.3, 1.15, "2 c/k", color=COLORS[WAYS[0]], fontsize=9)
-    axes[-1].text(14.0, 6.0, r"0.1 $\sqrt{M/k}$", color=COLORS[WAYS[1]], fontsize=9)
+    axes[-1].text(1.3, 1.15, "2 c/k", color=COLOURS[WAYS[0]], fontsize=9)
+    axes[-1].text(14.0, 6.0, r"0.1 $\sqrt{M/k}$", color=COLOURS[WAYS[1]], fontsize=9)
     axes[-1].text(1.2, 75.0, r"0.2 $\sqrt{M/k}$", color="0.4", fontsize=9)
     label_lines(axes[-1], ends)
     return figure

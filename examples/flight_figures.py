@@ -10,19 +10,10 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from tetherfmu.console.colours import BLACK, BLUE, COLOUR, GREEN, ORANGE, PURPLE, SKY_BLUE, VERMILLION
-from tetherfmu.runtime.variants import class_name
+from tetherfmu.console.colours import BLACK, GREEN, ORANGE, SKY_BLUE, coloured
 
-COLOURS = {class_name(variant): colour for variant, colour in COLOUR.items()}
-OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE)  # of flights that are not named after an FMU
 COMPONENTS = {"x": SKY_BLUE, "y": ORANGE, "z": GREEN, "magnitude": BLACK}
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
-
-
-def coloured(flights):
-    """Triples (name, flight, colour)."""
-    for number, (name, flight) in enumerate(flights.items()):
-        yield name, flight, COLOURS.get(name, OTHERS[number % len(OTHERS)])
 
 
 def label_ends(axes, labels):

@@ -3,11 +3,8 @@
 import numpy as np
 import plotly.graph_objects as go
 
-from tetherfmu.console.colours import BLACK, BLUE, COLOUR, GREEN, GREY, ORANGE, PURPLE, VERMILLION
-from tetherfmu.runtime.variants import class_name
+from tetherfmu.console.colours import BLACK, GREY, coloured
 
-COLOURS = {class_name(variant): colour for variant, colour in COLOUR.items()}
-OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE)  # of flights that are not named after an FMU
 ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
 HEAD = 0.18  # of an arrow, part of its length
@@ -40,8 +37,8 @@ def scene(points):
 def moment(flights, k, scale):
     """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows."""
     drawn = []
-    for number, (name, flight) in enumerate(flights.items()):
-        colour, shape = COLOURS.get(name, OTHERS[number % len(OTHERS)]), np.asarray(flight.shape[k])
+    for name, flight, colour in coloured(flights):
+        shape = np.asarray(flight.shape[k])
         drawn.append(line(shape, name, "lines+markers", colour))
         for field, end in (("kite_force", -1), ("ground_force", 0)):
             if getattr(flight, field, None) is not None:

@@ -38,7 +38,7 @@ def description_of(fmu_file):
 
 
 class Variables(NamedTuple):
-    """The variables of an FMU; `variables_of` reads them."""
+    """The variables of an FMU; `all_variables` reads them."""
 
     file: Path
     description: Any  # of FMPy
@@ -59,18 +59,23 @@ class Variables(NamedTuple):
         return {name: references for name, references in found.items() if references}
 
 
+def all_variables(fmu_file):
+    """`Variables` of any FMU for co-simulation by FMI 2.0; WrongUse if the file is none."""
+    description = description_of(fmu_file)
+    return Variables(fmu_file, description, {each.name: each.valueReference for each in description.modelVariables})
+
+
 def variables_of(fmu_file, free=False):
-    """`Variables` of an FMU for co-simulation by FMI 2.0; WrongUse if the file is none, or has the other kite end.
+    """`Variables` of a tether FMU; WrongUse if the file is none, or has the other kite end.
 
     free : whether the kite end has to be free; otherwise it has to be driven.
     """
-    description = description_of(fmu_file)
-    reference = {each.name: each.valueReference for each in description.modelVariables}
-    if free and "kite_load[1]" not in reference:
+    variables = all_variables(fmu_file)
+    if free and "kite_load[1]" not in variables.reference:
         raise WrongUse(f"{fmu_file} has no free kite end: no variable kite_load; take TetherDynamicFree.fmu")
-    if not free and "kite_load[1]" in reference:
+    if not free and "kite_load[1]" in variables.reference:
         raise WrongUse(f"{fmu_file} has a free kite end, whose motion cannot be prescribed; take one with driven ends")
-    return Variables(fmu_file, description, reference)
+    return variables
 
 
 def add_fmu(parser, default="those in dist/, built where they are missing"):

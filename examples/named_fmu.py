@@ -1,18 +1,16 @@
-"""An FMU whose variables are read and set by name. Helper of the examples that couple several FMUs."""
+"""An FMU whose variables are read and set by name. Helper of the examples."""
 
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
-from fmu_tools import Variables, description_of, running
+from fmu_tools import all_variables, running
 
 
 class NamedFmu:
     """An instance; a name is that of a variable, or of a vector with the elements [1], [2], [3]."""
 
-    def __init__(self, fmu_file, instance, description):
-        self.fmu = instance
-        known = {variable.name: variable.valueReference for variable in description.modelVariables}
-        self.variables, self.found = Variables(fmu_file, description, known), {}
+    def __init__(self, variables, instance):
+        self.variables, self.fmu, self.found = variables, instance, {}
 
     def references(self, name):
         """Value references of a variable."""
@@ -56,9 +54,8 @@ def all_running(fmu_files):
     """A list of `NamedFmu`, one of each file, and a function to call between steps, for Ctrl-C."""
     with ExitStack() as stack:
         fmus, stops = [], []
-        for each in fmu_files:
-            description = description_of(each)
-            instance, stop_if_pressed = stack.enter_context(running(each, description))
-            fmus.append(NamedFmu(each, instance, description))
+        for variables in [all_variables(each) for each in fmu_files]:
+            instance, stop_if_pressed = stack.enter_context(running(variables.file, variables.description))
+            fmus.append(NamedFmu(variables, instance))
             stops.append(stop_if_pressed)
         yield fmus, stops[0]  # the first hears Ctrl-C

@@ -11,14 +11,15 @@ inputs that belong to the end of the step already, and interpolate (`input_conti
 """
 
 import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from fmu_tools import description_of, find_fmu, running
+from fmu_tools import all_variables, find_fmu
 from kite_power_system import FMUS, START, given_by, starts_for, wanted_by
+from named_fmu import all_running
 
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder, number
@@ -86,23 +87,21 @@ def system(start, master, fmus=FMUS):
 
     start : dict of start values, set in each FMU that has the name.  master : of `MASTERS`.
     """
-    files = {instance: find_fmu(name) for instance, name in fmus.items()}
-    descriptions = {instance: description_of(file) for instance, file in files.items()}
-    given = [name for each in descriptions.values() for name in given_by(each.modelVariables)]
-    places = {name: place for place, name in enumerate(given)}
-    with ExitStack() as stack:
-        opened = [stack.enter_context(running(file, descriptions[instance])) for instance, file in files.items()]
+    with all_running([find_fmu(name) for name in fmus.values()]) as (opened, stop_if_pressed):
+        tables = [each.variables.description.modelVariables for each in opened]
+        given = [name for table in tables for name in given_by(table)]
+        places = {name: place for place, name in enumerate(given)}
         parts, signals = [], [0.0] * len(given)
-        for (instance, description), (fmu, _) in zip(descriptions.items(), opened, strict=True):
-            behind = master == "gauss_seidel" and instance != "tether"
-            begin(fmu, description.modelVariables, start | ({"input_continuation": INTERPOLATED} if behind else {}))
-            parts.append(part_of(fmu, description.modelVariables, places))
+        for name, each, table in zip(fmus, opened, tables, strict=True):
+            behind = master == "gauss_seidel" and name != "tether"
+            begin(each.fmu, table, start | ({"input_continuation": INTERPOLATED} if behind else {}))
+            parts.append(part_of(each.fmu, table, places))
         for part in (*parts, *parts):  # the second time with the first steering
             part.receive(signals)
             part.send(signals)
         for part in parts:
             part.fmu.exitInitializationMode()
-        yield parts, signals, places, opened[0][1]  # of nested ones the first hears of Ctrl-C
+        yield parts, signals, places, stop_if_pressed
 
 
 def part_of(fmu, variables, places):
@@ -133,7 +132,7 @@ def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False):
     exchange, rows, bounds, kept = MASTERS[master], [], [], []
     with system(start, master) as (parts, signals, places, stop_if_pressed):
         read, depower = [places[name] for name in READ], places["depower"]
-        shape = [v.valueReference for v in description_of(find_fmu(FMUS["tether"])).modelVariables if v.name[:6] == "shape["]
+        shape = all_variables(find_fmu(FMUS["tether"])).of("shape") if frames else []
         every, wall_time = max(1, round(FRAMES_EVERY / step)), 0.0
         with tqdm(total=cycles + 1, desc="pumping", unit="cycle", disable=None, leave=False) as bar:
             while len(bounds) <= cycles:

@@ -6,11 +6,13 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from tetherfmu.console.colours import BLACK, BLUE, GREEN, VERMILLION
+
 PANELS = (  # name of the values, factor, label, colour
-    ("ground_tension", 1e-3, "force [kN]", "tab:red"),
-    ("reel_out_speed", 1.0, "reel-out speed [m/s]", "tab:blue"),
-    ("power", 1e-3, "power [kW]", "tab:green"),
-    ("tether_length", 1.0, "length [m]", "black"),
+    ("ground_tension", 1e-3, "force [kN]", VERMILLION),
+    ("reel_out_speed", 1.0, "reel-out speed [m/s]", BLUE),
+    ("power", 1e-3, "power [kW]", GREEN),
+    ("tether_length", 1.0, "length [m]", BLACK),
 )
 
 
@@ -33,7 +35,7 @@ def plot_series(flight):
             axes.axvline(flight.time[row], color="black", linestyle="--", linewidth=0.8)
         axes.set(ylabel=label, xlim=(0.0, flight.time[-1]))
         axes.grid(alpha=0.4)
-    panels[2].axhline(mean, color="tab:green", linestyle=":")
+    panels[2].axhline(mean, color=GREEN, linestyle=":")
     panels[0].set_title(f"Pumping cycles: mean {mean:.2f} kW (dotted), depowered (shaded), a cycle begins (dashed)")
     panels[-1].set_xlabel("time [s]")
     return figure

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from fmu_tools import running, variables_of
+from named_fmu import NamedFmu
 
 
 class Rest(NamedTuple):
@@ -22,24 +23,15 @@ def hold(fmu_file, cases, kite, shape=False):
     """
     variables, rests = variables_of(fmu_file), []
     outputs = variables.of("ground_force", "kite_force", *(["shape"] if shape else []))
-    with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
-
-        def set_values(values):
-            for name, value in values.items():
-                put = fmu.setInteger if isinstance(value, int) else fmu.setReal
-                put(variables.of(name), np.ravel(value))
-
+    with running(fmu_file, variables.description) as (instance, stop_if_pressed):
+        fmu = NamedFmu(variables, instance)
         for case in cases:
-            fmu.setupExperiment(startTime=0.0)
-            set_values({name: value for name, value in case.items() if name != "wind"})
-            fmu.enterInitializationMode()
-            set_values({"kite_position": kite})
-            wind = case.get("wind", (0.0, 0.0, 0.0))
+            inputs, wind = {"kite_position": kite}, case.get("wind", (0.0, 0.0, 0.0))
             if any(wind) or variables.those_of("wind_velocity"):  # an FMU of a scene without wind has none
-                set_values({"wind_velocity": wind})
-            fmu.exitInitializationMode()
-            values = np.array(fmu.getReal(outputs))
+                inputs["wind_velocity"] = wind
+            fmu.start(inputs, **{name: value for name, value in case.items() if name != "wind"})
+            values = np.array(instance.getReal(outputs))
             rests.append(Rest(values[:3], values[3:6], values[6:].reshape(-1, 3)))
-            fmu.reset()
+            instance.reset()
             stop_if_pressed()
     return rests

@@ -118,6 +118,18 @@ def advanced(scene, tethers, h, motion):
     ]
 
 
+FORCES = {  # on the mass at the start and at the end of a step, by those of the tethers a step earlier, before, after it
+    "parallel": lambda _, before, after: (before, before),
+    "parallel, linear": lambda earlier, before, after: (before, before + (before - earlier)),
+    "sequential": lambda _, before, after: (after, after),
+    "sequential, linear": lambda _, before, after: (before, after),
+    "two iterations": lambda _, before, after: (before, after),
+}
+DRIVEN = tuple(FORCES)
+FREE = {"free end, held": "held", "free end, linear": "linear"}
+WAYS = (*DRIVEN, *FREE)
+
+
 def step_driven(way, scene, tethers, mass, outputs, memory, h):
     """One communication step [s] with driven ends; outputs at its end. `mass` and `memory` are modified.
 
@@ -126,12 +138,7 @@ def step_driven(way, scene, tethers, mass, outputs, memory, h):
     given, states = (mass.position, mass.velocity), [tether.get_state() for tether in tethers]
     later, inertia = advanced(scene, tethers, h, given), mass.inertia(outputs)
     before, after = total(outputs), total(later)
-    first, last = {
-        "parallel": (before, before),
-        "parallel, linear": (before, before + (before - memory[2])),
-        "sequential": (after, after),
-    }.get(way, (before, after))
-    motion = mass.after(h, first, last, inertia)
+    motion = mass.after(h, *FORCES[way](memory[2], before, after), inertia)
     if way == "two iterations":
         for tether, state in zip(tethers, states, strict=True):
             tether.set_state(state)
@@ -177,11 +184,6 @@ def fly_free(continuation, scene, h, **solver):
         forces.append([each.kite_force for each in (mine, *outputs)])
         positions.append(mine.kite_position)
     return Flown(np.array(forces), np.array(positions))
-
-
-DRIVEN = ("parallel", "parallel, linear", "sequential", "sequential, linear", "two iterations")
-FREE = {"free end, held": "held", "free end, linear": "linear"}
-WAYS = (*DRIVEN, *FREE)
 
 
 def fly(way, scene, h, **solver):

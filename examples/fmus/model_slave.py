@@ -179,7 +179,7 @@ class ModelSlave(BaseSlave):
         return [f"{self.table[k].name} = {self.values[k]:g}" for k in order[:3]]
 
     def warnings(self):
-        """What was told in the last step."""
+        """Warnings of the last step, taken away."""
         said, self._sentences = self._sentences, []
         return said
 

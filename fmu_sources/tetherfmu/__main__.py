@@ -22,7 +22,7 @@ COMMANDS = {  # name: (module, what it does)
 def usage():
     """All commands, a line each."""
     lines = [f"  {name:<10} {about}" for name, (_, about) in COMMANDS.items()]
-    return "\n".join(["usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help tells the options", "", *lines])
+    return "\n".join(["usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the options", "", *lines])
 
 
 @command

@@ -114,7 +114,7 @@ class Flown(NamedTuple):
 
 
 class PlausibilityWarning(UserWarning):
-    """Something that no tether and no kite does, told once since `initialize`; the numbers stay what they are.
+    """Something that no tether and no kite does, one warning since `initialize`; the numbers stay what they are.
 
     A stretch beyond 5 %, an end that is accelerated beyond 1000 g or faster than sound, velocities that contradict
     positions; docs/theory.md, "Plausibility".
@@ -123,9 +123,9 @@ class PlausibilityWarning(UserWarning):
     --------
     >>> import warnings
     >>> from tetherfmu import TetherStraight
-    >>> with warnings.catch_warnings(record=True) as told:
+    >>> with warnings.catch_warnings(record=True) as given:
     ...     start = TetherStraight(initial_length=100.0).initialize(kite_position=(300.0, 0.0, 400.0))
-    >>> told[0].category.__name__
+    >>> given[0].category.__name__
     'PlausibilityWarning'
     """
 

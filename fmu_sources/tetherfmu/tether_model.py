@@ -348,7 +348,7 @@ class TetherModel:
 
     @property
     def implausible(self) -> list[str]:
-        """Sentences on what has been implausible since the start, each also told as a `PlausibilityWarning`."""
+        """Sentences on what has been implausible since the start, each also a `PlausibilityWarning`."""
         return sentences(self._state)
 
     @property

@@ -3,8 +3,8 @@
     python tests/benchmarks/advice.py 1001 2001 [--scenes 15] [--allowed 0.03 0.01]
 
 The numbers are seeds of `random_scenes`. Each scene is asked for with each allowed error. Printed are a line for each case
-and a table: how often the allowed error was told to be met and was not, how often the true error lay within the two that
-were told, and the time of the processor. Fifteen scenes take some two minutes, most of them for their references.
+and a table: how often the allowed error was said to be met and was not, how often the true error lay within the two that
+were given, and the time of the processor. Fifteen scenes take some two minutes, most of them for their references.
 """
 
 import argparse
@@ -20,8 +20,8 @@ from tetherfmu.study.scenes.random_scenes import random_scenes
 def line(seed, found):
     """A verdict of `judged` for people."""
     texts = [
-        f"{'met' if each['met'] else 'WRONG' if each['wrong'] else 'not told to be met'}, "
-        f"{percent(each['least'])} to {percent(each['expected'])} told, {percent(each['error'])} true, "
+        f"{'met' if each['met'] else 'WRONG' if each['wrong'] else 'not said to be met'}, "
+        f"{percent(each['least'])} to {percent(each['expected'])} said, {percent(each['error'])} true, "
         f"{each['seconds']:.2f} s, {each['tried']} tried"
         for each in (found, found["fast"])
     ]

@@ -193,10 +193,10 @@ def test_one_chain_is_the_whole_system_in_series():
 
 
 def test_ways_are_all_in_the_figure():
-    from coupling_figures import COLORS
+    from coupling_figures import COLOURS
 
-    assert set(COLORS) == set(WAYS)
-    assert len(set(COLORS.values())) == len(WAYS)
+    assert set(COLOURS) == set(WAYS)
+    assert len(set(COLOURS.values())) == len(WAYS)
 
 
 @pytest.mark.parametrize(("part", "grows"), [(0.8, False), (1.2, True)])

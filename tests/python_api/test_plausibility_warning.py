@@ -13,12 +13,12 @@ every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.va
 POSITIONS = np.array([circle(0.02 * k)[0] for k in range(40)])
 
 
-def told_in(act):
-    with warnings.catch_warnings(record=True) as told:
+def warnings_of(act):
+    with warnings.catch_warnings(record=True) as given:
         warnings.simplefilter("always")
         act()
-    assert all(each.category is PlausibilityWarning and each.filename == __file__ for each in told)
-    return [str(each.message) for each in told]
+    assert all(each.category is PlausibilityWarning and each.filename == __file__ for each in given)
+    return [str(each.message) for each in given]
 
 
 def step_along(tether, positions=POSITIONS):
@@ -30,11 +30,11 @@ def step_along(tether, positions=POSITIONS):
 def test_once_and_again_after_a_new_start(model):
     tether = model(initial_length=525.0)
     for _ in range(2):
-        assert told_in(lambda: tether.initialize(POSITIONS[0])) == []
+        assert warnings_of(lambda: tether.initialize(POSITIONS[0])) == []
         assert tether.implausible == []
-        (first,) = told_in(lambda: step_along(tether))
+        (first,) = warnings_of(lambda: step_along(tether))
         assert first.startswith("kite_velocity contradicts kite_position: it leaves 100 % of the way of the kite end")
-        assert told_in(lambda: step_along(tether, POSITIONS[::-1])) == []
+        assert warnings_of(lambda: step_along(tether, POSITIONS[::-1])) == []
         assert tether.implausible == [first]
 
 
@@ -44,39 +44,39 @@ def test_a_flight_in_compiled_code(model):
     tether.initialize(POSITIONS[0])
     inputs = inputs_along(len(POSITIONS), 0.02)
     inputs[:, :3], inputs[:, 3:6] = POSITIONS, 0.0
-    assert len(told_in(lambda: tether.fly(inputs, 0.02))) == 1
-    assert told_in(lambda: tether.fly(inputs[::-1], 0.02)) == []
+    assert len(warnings_of(lambda: tether.fly(inputs, 0.02))) == 1
+    assert warnings_of(lambda: tether.fly(inputs[::-1], 0.02)) == []
 
 
 @every_model
 def test_a_start_on_a_tether_that_is_too_short(model):
     tether = model(initial_length=100.0)
-    assert "stretched by 400 %" in told_in(lambda: tether.initialize((300.0, 0.0, 400.0)))[0]
-    assert told_in(lambda: tether.step(0.02)) == []
+    assert "stretched by 400 %" in warnings_of(lambda: tether.initialize((300.0, 0.0, 400.0)))[0]
+    assert warnings_of(lambda: tether.step(0.02)) == []
 
 
 def test_states():
-    """A state that has told it is silent in another tether, too; one that no tether has is refused."""
+    """A state that has warned is silent in another tether, too; one that no tether has is refused."""
     tether, another = (TetherStraight(initial_length=525.0) for _ in range(2))
     tether.initialize(POSITIONS[0])
     before = tether.get_state()
-    told_in(lambda: step_along(tether))
+    warnings_of(lambda: step_along(tether))
     after = tether.get_state()
     another.set_state(after)
-    assert told_in(lambda: step_along(another, POSITIONS[::-1])) == []
+    assert warnings_of(lambda: step_along(another, POSITIONS[::-1])) == []
     assert another.implausible == tether.implausible
     tether.set_state(before)
-    assert told_in(lambda: step_along(tether)) == []
+    assert warnings_of(lambda: step_along(tether)) == []
     fresh = TetherStraight(initial_length=525.0)
     fresh.set_state(before)
-    assert len(told_in(lambda: step_along(fresh))) == 1
+    assert len(warnings_of(lambda: step_along(fresh))) == 1
     with pytest.raises(ValueError, match="state has numbers that no tether has"):
         fresh.set_state(np.full_like(before, np.nan))
 
 
 def test_a_refused_start_keeps_what_was_told():
     tether = TetherStraight(initial_length=100.0)
-    told_in(lambda: tether.initialize((300.0, 0.0, 400.0)))
+    warnings_of(lambda: tether.initialize((300.0, 0.0, 400.0)))
     with pytest.raises(ValueError, match="kite_position"):
         tether.initialize((np.nan, 0.0, 0.0))
-    assert told_in(lambda: tether.step(0.02)) == []
+    assert warnings_of(lambda: tether.step(0.02)) == []

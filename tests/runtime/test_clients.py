@@ -1,6 +1,6 @@
 """Every client gets the numbers of FMPy, to the last bit: all outputs, Real and Integer, at the start and after each step.
 
-FMPy, told to step by 0.02 s, is the measure. A client that rounds the size of its steps is compared with FMPy that does the
+FMPy, which steps by 0.02 s, is the measure. A client that rounds the size of its steps is compared with FMPy that does the
 same steps.
 """
 

@@ -1,4 +1,4 @@
-"""The model description is valid, complete and offers the plug of docs/interface.md."""
+"""The model description is valid, complete and offers the interface of docs/interface.md."""
 
 import math
 import subprocess
@@ -22,7 +22,7 @@ SCALARS = {
         *("solver_steps", "solver_rejections", "solver_iterations"),
     ],
 }
-PARAMETERS = {  # name: (start, unit), as the plug says
+PARAMETERS = {  # name: (start, unit), as the page says
     "segments": ("20", None),
     "initial_length": ("505", "m"),
     "diameter": ("0.004", "m"),

@@ -1,4 +1,4 @@
-"""Calls in the wrong phase and of unknown variables: told in words at once, the next step refused, then all is as before."""
+"""Calls in the wrong phase and of unknown variables: a message at once, the next step refused, then all is as before."""
 
 import math
 
@@ -83,7 +83,7 @@ def test_phases(fmu_folder):
 @every_flavour
 @in_own_process
 def test_time_that_jumps(fmu_folder):
-    """Nothing depends on time: a step from another point is done, the jump is told once; NaN and infinity are refused."""
+    """Nothing depends on time: a step from another point is done, with one warning; NaN and infinity are refused."""
     host, twin = Host(fmu_folder / "TetherDynamic.fmu").start(), Host(fmu_folder / "TetherDynamic.fmu").start()
     host.messages.clear()
     for time in (0.0, 5.0, 1.0):

@@ -1,6 +1,6 @@
 """Check FMUs on this machine: `python -m tetherfmu.check FILE.fmu [FILE.fmu ...]`; needs FMPy.
 
-It validates the archive and the model description, looks for what is known to make trouble and tells the remedy, and runs
+It validates the archive and the model description, looks for what is known to make trouble and names the remedy, and runs
 the evidence set in a process of its own. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
 """
 

@@ -111,7 +111,7 @@ def layout(names, version):
     missing = [name for name in (ICONS.get(version, ICONS["2"]), *RECOMMENDED) if name not in names]
     if missing:
         return [Finding(NOTE, f"FMI recommends files that are not there: {', '.join(missing)}")]
-    return [Finding(OK, "page, icon, licences and external dependencies are where FMI wants them")]
+    return [Finding(OK, "page, icon, licences and external dependencies are where FMI recommends them")]
 
 
 def platforms(names, version):

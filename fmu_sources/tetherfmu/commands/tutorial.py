@@ -13,8 +13,8 @@ from .example_files import example
 ROOM = "tutorial"
 NEEDED = (  # what to install for the copied files
     'all of them: pip install "tetherfmu[examples]"',
-    'circular_flight.py --html: pip install "tetherfmu[html]"',
-    'tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
+    'circular_flight.py and pumping_cycle.py with --html: pip install "tetherfmu[html]"',
+    'coupling_limits.py, tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
 )
 
 

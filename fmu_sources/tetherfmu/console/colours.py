@@ -3,7 +3,9 @@
 An example takes them as `from tetherfmu.console.colours import COLOUR`.
 """
 
-ORANGE, SKY_BLUE, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
+from tetherfmu.runtime.variants import class_name
+
+ORANGE, SKY_BLUE, GREEN = "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#CC79A7", "#000000", "#808080"
 
 #: colour of a variant by its name
@@ -16,3 +18,11 @@ COLOUR = {
 }
 #: colour of what a variant is compared with: a formula, a peer, an experiment
 REFERENCE = GREY
+OF_FMUS = {class_name(variant): colour for variant, colour in COLOUR.items()}
+OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE)
+
+
+def coloured(flights):
+    """Triples (name, flight, colour) of a dict: the colour of the FMU of that name, or by its place if there is none."""
+    for number, (name, flight) in enumerate(flights.items()):
+        yield name, flight, OF_FMUS.get(name, OTHERS[number % len(OTHERS)])

@@ -98,11 +98,19 @@ def page(name, variant, description, table, paths, native):
         version=__version__,
         description=escape(description),
         physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
-        inputs=rows(table, INPUT, unit, start, meaning),
-        outputs=rows(table, OUTPUT, unit, meaning),
-        parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
         files=_listed(paths),
+        **style_and_tables(table),
     )
+
+
+def style_and_tables(table):
+    """What the pages of all FMUs share: the style, and the rows of their tables of variables."""
+    return {
+        "style": (ASSETS / "page.css").read_text(encoding="utf-8").strip(),
+        "inputs": rows(table, INPUT, unit, start, meaning),
+        "outputs": rows(table, OUTPUT, unit, meaning),
+        "parameters": rows(table, PARAMETER, unit, start, allowed, meaning),
+    }
 
 
 def folded(listed):

@@ -140,7 +140,7 @@ def text_of(value, digits):
 
 
 def _table(names, rows, digits):
-    """CSV as FMI's cross-check wants it: quoted names, commas, the time first."""
+    """CSV as FMI's cross-check asks for it: quoted names, commas, the time first."""
     lines = [",".join(f'"{name}"' for name in ("time", *names))]
     for k, row in enumerate(rows):
         lines.append(",".join([f"{k * STEP:.10g}", *(text_of(value, digits) for value in row)]))

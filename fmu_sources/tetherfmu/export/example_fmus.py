@@ -11,10 +11,9 @@ from xml.etree import ElementTree
 from tetherfmu.libraries.sources import EXAMPLES
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.resources import OPTIONS_FILE
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
 
 from .archive import DESCRIPTION, pack, seal, write_archive, write_package
-from .documents import ASSETS, allowed, filled, meaning, of_every_fmu, rows, start, unit
+from .documents import ASSETS, filled, of_every_fmu, style_and_tables
 
 FOLDER = EXAMPLES / "fmus"
 SLAVES = {  # name: script
@@ -27,11 +26,16 @@ SLAVES = {  # name: script
 PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
 
 
-def slave(name):
-    """Class of the slave of an FMU of the examples."""
+def module(name):
+    """Module of the examples, such as `fmus.winch`."""
     if str(EXAMPLES) not in search_path:
         search_path.append(str(EXAMPLES))
-    return getattr(import_module(f"fmus.{Path(SLAVES[name]).stem}"), name)
+    return import_module(name)
+
+
+def slave(name):
+    """Class of the slave of an FMU of the examples."""
+    return getattr(module(f"fmus.{Path(SLAVES[name]).stem}"), name)
 
 
 def table_of(name):
@@ -64,8 +68,7 @@ def build(name, folder, starts=()):
 
 def _page(name, script, description):
     """Text of documentation/index.html: the equations as the sources have them, and the tables of all variables."""
-    table = table_of(name)
-    texts = [import_module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
+    texts = [module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
     shown = texts if name.endswith("Kite") else texts[:2]
     return filled(
         "example.html",
@@ -73,7 +76,5 @@ def _page(name, script, description):
         version=__version__,
         description=escape(description),
         physics="\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown)),
-        inputs=rows(table, INPUT, unit, start, meaning),
-        outputs=rows(table, OUTPUT, unit, meaning),
-        parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
+        **style_and_tables(table_of(name)),
     )

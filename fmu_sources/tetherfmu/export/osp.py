@@ -1,4 +1,4 @@
-"""The plug as groups of variables for the Open Simulation Platform (OSP-IS): each end of the tether is one connection.
+"""The interface as groups of variables for the Open Simulation Platform (OSP-IS): each end of the tether is one connection.
 
 libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system structure, not inside the FMU.
 """

@@ -5,15 +5,12 @@ parameter set holds what a fidelity changes. Each fidelity has a system structur
 one that is called SystemStructure.ssd is what importers open.
 """
 
-import sys
 import tempfile
-from importlib import import_module
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fmpy import read_model_description
 
-from tetherfmu.libraries.sources import EXAMPLES
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number
 
@@ -29,9 +26,7 @@ PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}
 
 def write_all(folder, platforms=None):
     """Write the systems of the examples to a folder; returns their paths.  platforms : as for `archive.build`."""
-    if str(EXAMPLES) not in sys.path:
-        sys.path.append(str(EXAMPLES))
-    given = import_module("kite_power_system")
+    given = example_fmus.module("kite_power_system")
     power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
     return [
         write("kite_power_system", given.FMUS, given.START, power, Path(folder), platforms),
@@ -58,7 +53,7 @@ def write(name, fmus, start, fidelities, folder, platforms=None):
 
 def _structure(name, fidelity, fmus, variables, values):
     """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
-    wiring = import_module("kite_power_system")
+    wiring = example_fmus.module("kite_power_system")
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
     root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
     system = SubElement(root, "ssd:System", name=name)

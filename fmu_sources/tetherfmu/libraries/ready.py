@@ -98,7 +98,7 @@ def _fitting_way():
 
 
 def _compile(folders, platforms, way):
-    """Compile variants in a process of its own, told on stderr; folders : dict of variant to folder, in their order."""
+    """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
     expected = SECONDS_TO_START + sum(SLOWEST_FIRST[variant] for variant in folders)
     expected *= SLOW_WAY if way == "plain" else 1
     print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
@@ -122,7 +122,7 @@ def _compile(folders, platforms, way):
 
 
 def _follow(command, environment, problems, began):
-    """Run what compiles, and tell which variants are done; RuntimeError with what it wrote to the file `problems`."""
+    """Run what compiles, and say which variants are done; RuntimeError with what it wrote to the file `problems`."""
     with child(command, env=environment, stdout=subprocess.PIPE, stderr=problems) as started:
         for line in started.stdout:
             print(f"  {line.strip()} after {monotonic() - began:.0f} s", file=sys.stderr, flush=True)

@@ -126,7 +126,7 @@ class Instance:
         return self.state[position : position + 3] + self.state[velocity:]
 
     def take(self, state):
-        """Go on from a state, an array of its size; what was implausible in it is not told again.
+        """Continue from a state, an array of its size; there is no second warning of what was implausible in it.
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """

@@ -94,7 +94,7 @@ class TetherSlave(BaseSlave):
             self.values[_KITE_END] = self._instance.kite_end()
 
     def _records(self, values):
-        """What `Instance.set_up` wants, from an array of all values; ValueError if one is out of range."""
+        """What `Instance.set_up` takes, from an array of all values; ValueError if one is out of range."""
         numbers = values[self._instance.parameters_at :]
         classes = variables.records_of(self.variant)
         tether, environment, solver, *kites = variables.records(classes, self.table, numbers)

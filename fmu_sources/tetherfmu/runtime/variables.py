@@ -1,4 +1,4 @@
-"""The plug: the table of FMI variables, made from the records. One table for every tether.
+"""The table of FMI variables, made from the records. One table for every tether.
 
 A variable lives at one place of the flat arrays (`layout.py`), which has its name: an input, an output, or a parameter of a
 record. Its value reference is its place in `Instance.values`. The motion of a free kite end is an output; it stands where it

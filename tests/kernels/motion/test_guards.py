@@ -14,7 +14,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
-FACES = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
+MODELS = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
 SOLVERS = [Solver(), Solver(fixed_step=0.01)]
 KITE = (3.0, 0.0, 4.0)
 
@@ -30,12 +30,12 @@ def nodes(model, state):
     return state[at.STATE_HEADER :].reshape(2, model.segments + 1, 3)
 
 
-@pytest.mark.parametrize("face", FACES)
+@pytest.mark.parametrize("tether", MODELS)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_reeling_in_stops_at_a_centimetre_per_segment(face, solver):
+def test_reeling_in_stops_at_a_centimetre_per_segment(tether, solver):
     """`layout.MIN_SEGMENT_LENGTH`: without it the stiffness EA/l0 grows beyond all bounds, then changes its sign."""
-    segments = 1 if face in FACES[2:] else 4
-    model = face(Tether(segments=4, initial_length=5.0), solver=solver)
+    segments = 1 if tether in MODELS[2:] else 4
+    model = tether(Tether(segments=4, initial_length=5.0), solver=solver)
     model.initialize(kite_position=KITE)
     model.step(0.01, kite_position=KITE)
     before = model.get_state()

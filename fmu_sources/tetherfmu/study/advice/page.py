@@ -35,16 +35,16 @@ def verdict(scene, reference, advisor):
     """What is true of an advice for the force on the kite: a dict of texts, numbers and times [s] of the processor.
 
     Errors are measured against a finer reference than the advisor's own, and are known up to that one's own error. `met`,
-    `wrong`: the allowed error was told to be met, and is or is not. `inside`: the error lies within the two that were told.
+    `wrong`: the allowed error was said to be met, and is or is not. `inside`: the error lies within the two that were said.
     """
     began = process_time()
     advice = advisor(scene)
-    told = {"seconds": process_time() - began, "advised": advice.config.words(), "cost": advice.point.cost}
-    told |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": advice.tried}
+    said = {"seconds": process_time() - began, "advised": advice.config.words(), "cost": advice.point.cost}
+    said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": advice.tried}
     error = measure(scene, advice.config, reference.run.flown).error(NAMES)
     own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
     inside = advice.least - own <= error <= advice.expected + own
-    return told | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
+    return said | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
 
 
 def judged(scene, reference):

@@ -18,7 +18,7 @@ SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)  # communication steps [s]
 SHORT_STEP = 0.002  # [s]
-LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is told
+LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is named
 REFERENCE_ERROR = 3e-4  # asked of the reference: a tenth of the smallest level
 LONG_RUN = 0.05  # [s], not repeated
 

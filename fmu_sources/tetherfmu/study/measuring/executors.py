@@ -31,7 +31,7 @@ def executor_of(dask=None, processes=None, **more):
         try:
             yield executor
         except BrokenProcessPool:
-            sleep(1.0)  # after Ctrl-C the processes may end before this one is told of it
+            sleep(1.0)  # after Ctrl-C the processes may end before this one hears of it
             raise
         finally:
             executor.shutdown(cancel_futures=True)

@@ -43,7 +43,7 @@ def parameters_of(scene, config):
 
 @contextmanager
 def unwarned():
-    """Keeps plausibility warnings of the tethers back: each run of a study would tell the same."""
+    """Keeps plausibility warnings of the tethers back: each run of a study would give the same."""
     with catch_warnings():
         simplefilter("ignore", PlausibilityWarning)
         yield

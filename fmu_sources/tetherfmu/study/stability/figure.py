@@ -14,7 +14,7 @@ from tetherfmu.console.colours import BLACK, BLUE, ORANGE, SKY_BLUE
 EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour
 # by column of the results as `report.prepared` makes them: head in tables; name, unit and bands as a region; axis in maps;
-# name where the largest is told
+# name where the largest is written
 QUANTITIES = pd.read_csv(Path(__file__).with_name("quantities.csv"), index_col="name")
 ENDS = {"length": "axial_stiffness"}, {"slack_percent": "wind"}
 PAIRS = ENDS[0] | {"step": "axial_stiffness", "segment_length": "step"} | ENDS[1]

@@ -152,11 +152,11 @@ def described(fmu_folder, variant):
 
 @every_variant
 def test_fmus_have_the_same_variables(fmu_folder, variant):
-    def plug(variables):
+    def interface(variables):
         facts = ("name", "valueReference", "causality", "variability", "initial", "type", "unit", "start", "min", "max")
         return [tuple(getattr(each, fact) for fact in facts) for each in variables]
 
-    assert plug(described(fmu_folder, variant)) == plug(described(fmu_folder, "TetherDynamic"))
+    assert interface(described(fmu_folder, variant)) == interface(described(fmu_folder, "TetherDynamic"))
 
 
 @every_variant
