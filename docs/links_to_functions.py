@@ -1,22 +1,9 @@
 """Sphinx extension: on the pages of equations a name such as `segment.tension` becomes a link to that function."""
 
-import re
-from pathlib import Path
-
 from docutils import nodes
+from named_functions import MODULES, NAME, PAGES
 from sphinx import addnodes
 from sphinx.transforms.post_transforms import SphinxPostTransform
-
-PACKAGE = Path(__file__).resolve().parents[1] / "fmu_sources" / "tetherfmu"
-FOLDERS = ("[a-z]*.py", "runtime/[a-z]*.py", "kernels/**/[a-z]*.py")
-#: modules that compute, by the name that the pages call them
-MODULES = {
-    path.stem: ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
-    for folder in FOLDERS
-    for path in PACKAGE.glob(folder)
-}
-NAME = re.compile(rf"({'|'.join(MODULES)})\.(\w+)")
-PAGES = ("theory", "numerics")
 
 
 class Links(SphinxPostTransform):

@@ -21,7 +21,7 @@ PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 sys.path.append(str(ROOT / "docs"))
 
 import make_fmu_table  # noqa: E402
-from links_to_functions import MODULES, NAME, PAGES  # noqa: E402
+from named_functions import MODULES, NAME, PAGES  # noqa: E402
 
 
 def page(name):
