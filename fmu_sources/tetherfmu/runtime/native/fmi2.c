@@ -151,34 +151,26 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
     ENTER(c);
-    Status status = check_saved(tether, FMUstate);
-    DONE(status == OK ? restore(tether, FMUstate) : status);
+    DONE(restore(tether, FMUstate));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
     ENTER(c);
-    if (!FMUstate || !*FMUstate) return fmi2OK; /* as the standard has it */
-    if (check_saved(tether, *FMUstate) != OK) return fmi2Error;
-    free_saved(*FMUstate);
-    *FMUstate = NULL;
-    return fmi2OK;
+    DONE(free_saved(tether, (Saved **)FMUstate));
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
 {
     ENTER(c);
     NEED(size);
-    if (check_saved(tether, FMUstate) != OK) return fmi2Error;
-    *size = ((const Saved *)FMUstate)->size;
-    return fmi2OK;
+    DONE(saved_size(tether, FMUstate, size));
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
 {
     ENTER(c);
     NEED(serializedState);
-    if (check_saved(tether, FMUstate) != OK) return fmi2Error;
     DONE(serialize(tether, FMUstate, serializedState, size));
 }
 

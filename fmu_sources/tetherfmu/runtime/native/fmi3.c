@@ -213,34 +213,26 @@ fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState)
 {
     ENTER(instance);
-    Status status = check_saved(tether, FMUState);
-    DONE(status == OK ? restore(tether, FMUState) : status);
+    DONE(restore(tether, FMUState));
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
 {
     ENTER(instance);
-    if (!FMUState || !*FMUState) return fmi3OK; /* as the standard has it */
-    if (check_saved(tether, *FMUState) != OK) return fmi3Error;
-    free_saved(*FMUState);
-    *FMUState = NULL;
-    return fmi3OK;
+    DONE(free_saved(tether, (Saved **)FMUState));
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size)
 {
     ENTER(instance);
     NEED(size);
-    if (check_saved(tether, FMUState) != OK) return fmi3Error;
-    *size = ((const Saved *)FMUState)->size;
-    return fmi3OK;
+    DONE(saved_size(tether, FMUState, size));
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
 {
     ENTER(instance);
     NEED(serializedState);
-    if (check_saved(tether, FMUState) != OK) return fmi3Error;
     DONE(serialize(tether, FMUState, serializedState, size));
 }
 

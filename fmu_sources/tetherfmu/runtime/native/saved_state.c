@@ -44,17 +44,30 @@ static Saved *make_room(Saved *old, size_t size)
     return saved;
 }
 
-void free_saved(Saved *saved)
-{
-    saved->identity = NULL;
-    free(saved);
-}
-
 /* Whether a pointer is one of an FMU state of this FMU. */
-Status check_saved(const Tether *tether, const Saved *saved)
+static Status check_saved(const Tether *tether, const Saved *saved)
 {
     if (!saved) return say(tether, ERROR, IS_NULL, FACTS(word("argument", "FMUstate")));
     return saved->identity == &THIS_FMU ? OK : say(tether, ERROR, NO_FMU_STATE, NULL);
+}
+
+/* Free a state, and forget it in `*saved`. As the standard has it, nothing is done where there is none. */
+Status free_saved(const Tether *tether, Saved **saved)
+{
+    if (!saved || !*saved) return OK;
+    if (check_saved(tether, *saved) != OK) return ERROR;
+    (*saved)->identity = NULL;
+    free(*saved);
+    *saved = NULL;
+    return OK;
+}
+
+/* Bytes that `serialize` needs. */
+Status saved_size(const Tether *tether, const Saved *saved, size_t *size)
+{
+    if (check_saved(tether, saved) != OK) return ERROR;
+    *size = saved->size;
+    return OK;
 }
 
 /* Write the whole state to `*saved`, which is made if it is NULL. */
@@ -79,6 +92,7 @@ Status save(Tether *tether, Saved **saved)
 
 Status serialize(const Tether *tether, const Saved *saved, void *bytes, size_t size)
 {
+    if (check_saved(tether, saved) != OK) return ERROR;
     if (size < saved->size)
         return say(tether, ERROR, SHORT_BUFFER, FACTS(whole("count", (double)size), whole("needed", (double)saved->size)));
     uint32_t checksum = crc32(saved->bytes + HEADER, saved->size - HEADER);
@@ -179,6 +193,7 @@ static Status restore_chain(Tether *tether, const Head *head, const double *valu
 Status restore(Tether *tether, const Saved *saved)
 {
     Head head;
+    if (check_saved(tether, saved) != OK) return ERROR;
     memcpy(&head, saved->bytes, sizeof head);
     const double *values = (const double *)(saved->bytes + sizeof head);
     if (check_integers(tether, values) != OK) return ERROR;

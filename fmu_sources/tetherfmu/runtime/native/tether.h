@@ -108,9 +108,9 @@ Status set_values(
 /* --- saved_state.c */
 
 Status save(Tether *tether, Saved **saved);
-void free_saved(Saved *saved);
+Status free_saved(const Tether *tether, Saved **saved);
 Status restore(Tether *tether, const Saved *saved);
-Status check_saved(const Tether *tether, const Saved *saved);
+Status saved_size(const Tether *tether, const Saved *saved, size_t *size);
 Status serialize(const Tether *tether, const Saved *saved, void *bytes, size_t size);
 Status deserialize(const Tether *tether, const void *bytes, size_t size, Saved **saved);
 
