@@ -45,7 +45,7 @@ def test_layout_of_the_bytes():
     """Magic, length and checksum (16 bytes), facts (40 bytes), then doubles: it never changes under this magic."""
     blob = to_bytes(saved())
     assert len(blob) == 56 + 8 * (len(VALUES) + len(STATE))
-    assert struct.unpack_from("<8sI", blob) == (b"tether04", len(blob) - 16)
+    assert struct.unpack_from("<8sI", blob) == (b"tether05", len(blob) - 16)
     assert struct.unpack_from("<16sIIdd", blob, 16) == (b"quasi_steady".ljust(16, b"\0"), STEPPING, SEGMENTS, 1e-5, 0.3)
     assert (HEADER.size, FACTS.size) == (16, 40)
 
@@ -68,7 +68,7 @@ def test_every_length_is_guarded():
         read(blob + b"\0")
 
 
-@pytest.mark.parametrize("blob", [None, 5, "tether04" * 10, bytearray(to_bytes(saved())), b""])
+@pytest.mark.parametrize("blob", [None, 5, "tether05" * 10, bytearray(to_bytes(saved())), b""])
 def test_what_is_no_state(blob):
     with pytest.raises(ValueError, match="is no state of a tether"):
         read(blob)

@@ -130,7 +130,9 @@ class Instance:
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """
-        self._told |= plausibility.kinds(state)
+        told = plausibility.kinds(state)
+        plausibility.bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)
+        self._told |= told
         self.state[:] = state
 
     def warnings(self):

@@ -78,7 +78,9 @@ WARNINGS = 41  # sum of 2**k, k of all that was implausible since the start, see
 WARNED_VALUES = 42  # for each k the value that was, 0 without
 LAST_REEL_OUT_SPEED = 42 + WARNING_KINDS  # input at the start of the last communication step [m/s]
 LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
-STATE_HEADER = LAST_KITE_LOAD + 3
+GIVEN_DERIVATIVES = LAST_KITE_LOAD + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
+STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 
 # outputs
 GROUND_FORCE = 0

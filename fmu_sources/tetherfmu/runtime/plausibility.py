@@ -45,12 +45,16 @@ def facts(kind):
     return {"end": _END.get(kind, "kite"), "allowed": 100.0 * (LARGEST_STRETCH - 1.0)}
 
 
+def bits(number, count):
+    """A number of a state as a set of so many bits; ValueError if no state holds such a number."""
+    if not (0.0 <= number < 1 << count and number == int(number)):
+        raise ValueError(STATE_IMPOSSIBLE)
+    return int(number)
+
+
 def kinds(state):
     """What was implausible since the start of a state, as a set of bits; ValueError if no state holds such a number."""
-    noted = state[at.WARNINGS]
-    if not (0.0 <= noted < 1 << at.WARNING_KINDS and noted == int(noted)):
-        raise ValueError(STATE_IMPOSSIBLE)
-    return int(noted)
+    return bits(state[at.WARNINGS], at.WARNING_KINDS)
 
 
 def sentences(state, told=0):

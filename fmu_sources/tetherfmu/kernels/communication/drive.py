@@ -7,9 +7,10 @@ from tetherfmu.runtime import layout as at
 from ..algebra.vectors import along, get, put, scale, vector_at
 from ..chain.properties import chain_at
 from ..compilation import kernel, view
-from .continuation import load_rate, reel_acceleration, reeled
+from .continuation import load_rate, reel_acceleration, reeled, wind_after
 from .driven_end import curve, position_at, turning_accelerations, velocity_at
 from .ends import motions
+from .given_derivatives import given_derivatives
 
 Drive = namedtuple("Drive", "n parameters ground kite first last length reeling acceleration wind load load_rate")
 Drive.__doc__ = """A chain and what acts on it during one communication step.
@@ -18,7 +19,7 @@ n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `driven_end.curve`.
 first, last : first and last node that moves freely.
 length, reeling, acceleration : unstretched length at the start [m], its rate there [m/s], the constant rate of that [m/s2].
-wind : at the reference height [m/s].  load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
+wind : at the reference height [m/s], the mean over the step.  load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
 
 
@@ -28,7 +29,8 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
     ground, kite = motions(parameters, inputs, step, state)
     if state[at.LAST_STEP] <= 0.0 and parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
         ground_turns, kite_turns = turning_accelerations(ground, kite, step)
-        ground, kite = (ground[0], ground[1], ground_turns), (kite[0], kite[1], kite_turns)
+        ground = ground[0], ground[1], given_derivatives(state, at.GROUND_VELOCITY, ground_turns)
+        kite = kite[0], kite[1], given_derivatives(state, at.KITE_VELOCITY, kite_turns)
     kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
     return Drive(
         n,
@@ -40,7 +42,7 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
         state[at.LENGTH],
         inputs[at.REEL_OUT_SPEED],
         reel_acceleration(parameters, inputs, step, state),
-        vector_at(inputs, at.WIND_VELOCITY),
+        wind_after(inputs, 0.5 * step, state),
         scale(1.0 if kite_is_free else 0.0, vector_at(inputs, at.KITE_LOAD)),
         scale(1.0 if kite_is_free else 0.0, load_rate(parameters, inputs, step, state)),
     )

@@ -1,7 +1,8 @@
 """Motion with which the ends are led in a communication step: from the inputs alone, or derived from positions.
 
 With `end_velocities = given` the velocities are inputs. With `derived` they are differences of the positions of the last
-steps, and the inputs are not read (`driven_end.derived_motion`).
+steps, and the inputs are not read (`driven_end.derived_motion`). Derivatives that the importer gives replace both: that of a
+velocity the acceleration, that of a position the derived velocity.
 """
 
 from tetherfmu.runtime import layout as at
@@ -10,6 +11,7 @@ from ..algebra.vectors import put, vector_at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from .driven_end import derived_motion, difference, estimated_acceleration, target
+from .given_derivatives import given_derivatives
 
 
 @kernel
@@ -36,12 +38,19 @@ def velocities(parameters, inputs, state):
 
 
 @kernel
-def motion_of_end(parameters, position, velocity, last_velocity, step, state):
-    """Position [m], velocity [m/s] and acceleration [m/s2] with which an end is led in a step [s]."""
+def motion_of_end(parameters, inputs, place, velocity, last_velocity, step, state):
+    """Position [m], velocity [m/s] and acceleration [m/s2] with which an end is led in a step [s].
+
+    place : of its position among the inputs; its velocity stands behind.  velocity, last_velocity : of `velocities` [m/s].
+    """
+    position, last_step = vector_at(inputs, place), state[at.LAST_STEP]
     if are_derived(parameters):
-        last_step, step_before = state[at.LAST_STEP], state[at.STEP_BEFORE]
-        return derived_motion(position, velocity, last_velocity, last_step, step_before, step)
-    return position, velocity, estimated_acceleration(velocity, last_velocity, state[at.LAST_STEP], step)
+        motion = derived_motion(position, velocity, last_velocity, last_step, state[at.STEP_BEFORE], step)
+        position, velocity, acceleration = motion
+        velocity = given_derivatives(state, place, velocity)
+    else:
+        acceleration = estimated_acceleration(velocity, last_velocity, last_step, step)
+    return position, velocity, given_derivatives(state, place + 3, acceleration)
 
 
 @kernel
@@ -50,8 +59,8 @@ def motions(parameters, inputs, step, state):
     ground, kite = velocities(parameters, inputs, state)
     last_ground, last_kite = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
     return (
-        motion_of_end(parameters, vector_at(inputs, at.GROUND_POSITION), ground, last_ground, step, state),
-        motion_of_end(parameters, vector_at(inputs, at.KITE_POSITION), kite, last_kite, step, state),
+        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, last_ground, step, state),
+        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, last_kite, step, state),
     )
 
 

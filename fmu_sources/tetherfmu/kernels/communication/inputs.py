@@ -9,8 +9,9 @@ from ..algebra.vectors import put_at, vector_at
 from ..arrays import copy, state_size, trial_state
 from ..chain.properties import chain_at, rest_length
 from ..compilation import kernel, view
-from .continuation import reel_acceleration, reeled, shortest_reeled
+from .continuation import reel_acceleration, reeled, shortest_reeled, wind_after
 from .ends import place_at_start, velocities
+from .given_derivatives import use_up
 from .plausibility import note_shape, note_step
 
 
@@ -76,11 +77,12 @@ def remember(parameters, inputs, step, state):
     put_at(state, at.LAST_KITE_LOAD, vector_at(inputs, at.KITE_LOAD))
     state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
-    put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
+    put_at(state, at.WIND, wind_after(inputs, step, state))
     put_at(state, at.LAST_KITE_VELOCITY, kite)
     put_at(state, at.LAST_GROUND_VELOCITY, ground)
     put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
     put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
+    use_up(state)
 
 
 @kernel
