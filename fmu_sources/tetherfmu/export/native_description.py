@@ -11,14 +11,14 @@ from .native_tables import references
 CAPABILITIES = {
     "needsExecutionTool": "false",
     "canHandleVariableCommunicationStepSize": "true",
-    "canInterpolateInputs": "false",
+    "canInterpolateInputs": "true",
     "maxOutputDerivativeOrder": "0",
     "canRunAsynchronuously": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
     "canNotUseMemoryManagementFunctions": "true",
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
-    "providesDirectionalDerivative": "false",
+    "providesDirectionalDerivative": "true",
 }
 CATEGORIES = {
     "logStatusWarning": "what is implausible; it was done",

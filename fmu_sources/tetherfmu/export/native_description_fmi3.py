@@ -18,6 +18,7 @@ CAPABILITIES = {
     "canGetAndSetFMUState": "true",
     "canSerializeFMUState": "true",
     "canHandleVariableCommunicationStepSize": "true",
+    "providesDirectionalDerivatives": "true",
     "providesIntermediateUpdate": "false",
     "mightReturnEarlyFromDoStep": "false",
     "hasEventMode": "false",

@@ -11,7 +11,7 @@ from .linking import KERNELS_NEED, MACHO, link, zig
 from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
-PARTS = ("messages", "chain", "saved_state", "tether")
+PARTS = ("messages", "chain", "saved_state", "derivatives", "tether")
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen", "strncmp"),

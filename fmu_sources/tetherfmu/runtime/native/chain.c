@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-int32_t KERNEL(observe)(int64_t, const double *, const double *, int64_t, double *, double *);
-
 static double parameter(const double *values, int number)
 {
     return values[PARAMETERS_AT + number];
@@ -93,13 +91,14 @@ Chain *make_chain(const double *values, double importer_tolerance)
 {
     int64_t n = effective_segments(values);
     size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = WORK_SIZE(n);
-    Chain *chain = calloc(1, sizeof *chain + (parameters + 2 * state + work + VALUES) * sizeof(double));
+    Chain *chain = calloc(1, sizeof *chain + (parameters + 3 * state + work + VALUES) * sizeof(double));
     if (!chain) return NULL;
     chain->segments = n;
     chain->parameters = (double *)(chain + 1);
     chain->state = chain->parameters + parameters;
     chain->before = chain->state + state;
-    chain->work = chain->before + state;
+    chain->spare = chain->before + state;
+    chain->work = chain->spare + state;
     chain->values = chain->work + work;
     memcpy(chain->values, values, VALUES * sizeof(double));
     pack(chain->parameters, n, values, tolerance_of(values, importer_tolerance));
@@ -109,6 +108,16 @@ Chain *make_chain(const double *values, double importer_tolerance)
 void free_chain(Chain *chain)
 {
     free(chain);
+}
+
+/* First shape for the inputs in `values`, which get its outputs; returns the kernel's status. */
+int32_t first_shape(const Chain *chain, double *values)
+{
+#if FREE_KITE
+    memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, 6 * sizeof(double));
+#endif
+    int32_t result = KERNEL(initialize)(chain->segments, chain->parameters, values, chain->state, chain->work);
+    return result ? result : observe(chain, values);
 }
 
 /* Outputs in `values` that belong to the state; returns the kernel's status. */

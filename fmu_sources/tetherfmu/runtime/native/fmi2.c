@@ -139,6 +139,32 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     DONE(say(tether, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), word("value", value[0] ? value[0] : "NULL"))));
 }
 
+/* --- derivatives */
+
+fmi2Status fmi2SetRealInputDerivatives(
+    fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], const fmi2Real value[])
+{
+    ENTER(c);
+    if (!nvr) return fmi2OK;
+    NEED(vr);
+    NEED(order);
+    NEED(value);
+    DONE(set_input_derivatives(tether, vr, nvr, order, value));
+}
+
+fmi2Status fmi2GetDirectionalDerivative(
+    fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown, const fmi2ValueReference vKnown_ref[],
+    size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[])
+{
+    ENTER(c);
+    if (nUnknown) NEED(vUnknown_ref);
+    if (nUnknown) NEED(dvUnknown);
+    if (nKnown) NEED(vKnown_ref);
+    if (nKnown) NEED(dvKnown);
+    DONE(directional_derivative(
+        tether, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, nKnown, dvUnknown, nUnknown));
+}
+
 /* --- state */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
@@ -228,14 +254,8 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 #define REFERENCES const fmi2ValueReference vr[], size_t nvr
 NOT_OFFERED_CALL(fmi2Status, fmi2CancelStep, fmi2Component instance)
 NOT_OFFERED_CALL(
-    fmi2Status, fmi2SetRealInputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[],
-    const fmi2Real value[])
-NOT_OFFERED_CALL(
     fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[],
     fmi2Real value[])
-NOT_OFFERED_CALL(
-    fmi2Status, fmi2GetDirectionalDerivative, fmi2Component instance, REFERENCES, const fmi2ValueReference known[],
-    size_t nKnown, const fmi2Real seed[], fmi2Real sensitivity[])
 
 /* --- model exchange */
 

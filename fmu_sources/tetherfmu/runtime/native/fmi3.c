@@ -201,6 +201,21 @@ fmi3Status fmi3SetClock(ARGUMENTS, const fmi3Clock values[])
     DONE(refuse_references(tether, CANNOT_BE_SET, valueReferences, nValueReferences));
 }
 
+/* --- derivatives */
+
+fmi3Status fmi3GetDirectionalDerivative(
+    fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[],
+    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    ENTER(instance);
+    if (nUnknowns) NEED(unknowns);
+    if (nSensitivity) NEED(sensitivity);
+    if (nKnowns) NEED(knowns);
+    if (nSeed) NEED(seed);
+    DONE(directional_derivative(
+        tether, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity));
+}
+
 /* --- state */
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
@@ -264,9 +279,6 @@ NOT_OFFERED_CALL(
 NOT_OFFERED_CALL(
     fmi3Status, fmi3GetVariableDependencies, fmi3Instance instance, fmi3ValueReference dependent, size_t elements[],
     fmi3ValueReference independents[], size_t others[], fmi3DependencyKind kinds[], size_t count)
-NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetDirectionalDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[],
-    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 NOT_OFFERED_CALL(
     fmi3Status, fmi3GetAdjointDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[],
     size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)

@@ -145,10 +145,12 @@ static Status check_integers(const Tether *tether, const double *values)
     return OK;
 }
 
-static bool says_what_was_implausible(const double *state)
+/* Whether the sets of bits in a state are such. */
+static bool has_sets(const double *state)
 {
-    double noted = state[AT_WARNINGS];
-    return 0.0 <= noted && noted < (1 << AT_WARNING_KINDS) && noted == floor(noted);
+    double noted = state[AT_WARNINGS], given = state[AT_GIVEN_DERIVATIVES];
+    bool warnings = 0.0 <= noted && noted < (1 << AT_WARNING_KINDS) && noted == floor(noted);
+    return warnings && 0.0 <= given && given < (1 << AT_INPUTS) && given == floor(given);
 }
 
 /* Why the numbers of a state array cannot be used, or NULL if the chain has taken them. */
@@ -156,7 +158,7 @@ static const char *problem_of_state(Chain *chain, const Head *head, const double
 {
     if (chain->segments != (int64_t)head->segments) return STATE_DAMAGED;
     memcpy(chain->state, state, STATE_SIZE(chain->segments) * sizeof(double));
-    if (!says_what_was_implausible(chain->state) || observe(chain, chain->values)) return STATE_IMPOSSIBLE;
+    if (!has_sets(chain->state) || observe(chain, chain->values)) return STATE_IMPOSSIBLE;
     read_free_kite(chain, chain->values);
     return NULL;
 }
@@ -200,6 +202,7 @@ Status restore(Tether *tether, const Saved *saved)
     if (head.phase < STEPPING) {
         memcpy(tether->values, values, VALUES * sizeof(double));
         clear_outputs(tether->values);
+        memset(tether->derivatives, 0, sizeof tether->derivatives); /* the record has no place for them */
     } else if (restore_chain(tether, &head, values) != OK) {
         return ERROR;
     }

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-int32_t KERNEL(initialize)(int64_t, const double *, const double *, double *, double *);
-int32_t KERNEL(advance)(int64_t, const double *, const double *, double, double *, double *);
-
 const char THIS_FMU = 0;
 const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 
@@ -55,6 +52,7 @@ void to_start_values(Tether *tether)
     free_chain(tether->chain);
     tether->chain = NULL;
     memcpy(tether->values, START, sizeof START);
+    memset(tether->derivatives, 0, sizeof tether->derivatives);
     tether->values[TIME] = 0.0;
     tether->phase = BEFORE;
     tether->stop_is_defined = tether->warned_of_time = false;
@@ -159,25 +157,15 @@ void take_chain(Tether *tether, Chain *chain)
     memcpy(tether->values, chain->values, VALUES * sizeof(double));
 }
 
-/* First shape of a new chain, with its outputs among its values; returns the kernel's status. */
-static int32_t first_shape(Chain *chain)
-{
-#if FREE_KITE
-    memcpy(chain->values + AT_KITE_POSITION, chain->values + PARAMETERS_AT + INITIAL_KITE_POSITION, 6 * sizeof(double));
-#endif
-    int32_t result = KERNEL(initialize)(chain->segments, chain->parameters, chain->values, chain->state, chain->work);
-    return result ? result : observe(chain, chain->values);
-}
-
 /* Check the parameters and find the first shape; `refusal` is the status if that is not possible, and nothing is changed. */
-static Status start(Tether *tether, Status refusal)
+Status start(Tether *tether, Status refusal)
 {
     char problem[LONGEST_TEXT];
     if (!check_parameters(tether->values, problem))
         return say(tether, refusal, "{problem}", FACTS(word("problem", problem)));
     Chain *chain = make_chain(tether->values, tether->tolerance);
     if (!chain) return say(tether, ERROR, NO_MEMORY, NULL);
-    int32_t result = first_shape(chain);
+    int32_t result = first_shape(chain, chain->values);
     if (result) {
         say_kernel_status(tether, refusal, chain, chain->values, result, 0.0);
         free_chain(chain);
@@ -194,6 +182,7 @@ Status exit_initialization(Tether *tether)
     Status status = start(tether, ERROR);
     if (status != OK) return status;
     tether->phase = STEPPING;
+    memcpy(tether->chain->state + AT_GIVEN_DERIVATIVES, tether->derivatives, sizeof tether->derivatives);
     return warn(tether);
 }
 
@@ -215,6 +204,16 @@ static Status check_time(Tether *tether, double time, double step)
     return say(tether, WARNING, TIME_JUMPS, FACTS(real("time", time), real("end", tether->time)));
 }
 
+/* Remember from where and with which inputs a step was done. */
+static void remember(Chain *chain, const double *values)
+{
+    double *before = chain->spare;
+    chain->spare = chain->before;
+    chain->before = before;
+    memcpy(chain->inputs, values, sizeof chain->inputs);
+    chain->is_repeatable = true;
+}
+
 /* One communication step [s] with the inputs at its start. */
 Status advance(Tether *tether, double time, double step)
 {
@@ -222,15 +221,16 @@ Status advance(Tether *tether, double time, double step)
     if (status > WARNING) return status;
     Chain *chain = tether->chain;
     size_t size = STATE_SIZE(chain->segments) * sizeof(double);
-    memcpy(chain->before, chain->state, size);
+    memcpy(chain->spare, chain->state, size);
     int32_t result = KERNEL(advance)(chain->segments, chain->parameters, tether->values, step, chain->state, chain->work);
     if (!result) result = observe(chain, tether->values);
     if (result) {
         say_kernel_status(tether, DISCARD, chain, tether->values, result, step); /* with the length that was tried */
-        memcpy(chain->state, chain->before, size);
+        memcpy(chain->state, chain->spare, size);
         observe(chain, tether->values);
         return DISCARD;
     }
+    remember(chain, tether->values);
     read_free_kite(chain, tether->values);
     tether->time = tether->values[TIME] = time + step;
     Status warned = warn(tether);
@@ -240,13 +240,13 @@ Status advance(Tether *tether, double time, double step)
 /* --- values */
 
 /* Kind of a value reference; 0 of one that is none of the kinds asked for. */
-static unsigned kind_of(unsigned reference, unsigned kinds)
+unsigned kind_of(unsigned reference, unsigned kinds)
 {
     return reference <= VALUES && KIND[reference] & kinds ? KIND[reference] : 0;
 }
 
 /* Whether `room` values are as many as the variables have. */
-static Status check_count(const Tether *tether, const unsigned *references, size_t count, size_t room)
+Status check_count(const Tether *tether, const unsigned *references, size_t count, size_t room)
 {
     size_t needed = 0;
     for (size_t i = 0; i < count; i++) needed += WIDTH[references[i]];

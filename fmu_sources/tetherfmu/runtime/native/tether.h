@@ -20,8 +20,11 @@ typedef enum { FLOAT64, INT32, INT64 } Type;         /* of the numbers that the 
 typedef struct {
     int64_t segments;
     double *parameters, *state, *work;
-    double *before; /* the state before the last step */
+    double *before; /* the state before the last step that was done */
+    double *spare;  /* room for a state */
     double *values; /* of the tether, for a start or a saved state that may be refused */
+    double inputs[AT_INPUTS]; /* of the last step */
+    bool is_repeatable;       /* whether `before` and `inputs` are known: not after a start or a restored state */
 } Chain;
 
 typedef struct Tether Tether;
@@ -42,6 +45,7 @@ struct Tether {
     double start_time, stop_time; /* [s] */
     Chain *chain;                 /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
+    double derivatives[1 + AT_INPUTS]; /* of inputs, given before the first step, see derivatives.c */
 };
 
 /* A saved state. `bytes` is the record of saved_state.py, its checksum is made when it is serialized. */
@@ -59,6 +63,12 @@ static inline bool is_finite(double number)
 {
     return fabs(number) <= DBL_MAX;
 }
+
+/* --- the kernels, see entry_points.py */
+
+int32_t KERNEL(initialize)(int64_t, const double *, const double *, double *, double *);
+int32_t KERNEL(advance)(int64_t, const double *, const double *, double, double *, double *);
+int32_t KERNEL(observe)(int64_t, const double *, const double *, int64_t, double *, double *);
 
 /* --- messages.c: sentences with {names} that are filled in */
 
@@ -81,6 +91,7 @@ enum { LONGEST_TEXT = 1024 };
 bool check_parameters(const double *values, char *problem);
 Chain *make_chain(const double *values, double importer_tolerance);
 void free_chain(Chain *chain);
+int32_t first_shape(const Chain *chain, double *values);
 int32_t observe(const Chain *chain, double *values);
 void read_free_kite(const Chain *chain, double *values);
 
@@ -96,14 +107,25 @@ Status check_categories(const Tether *tether, size_t count, const char *const *c
 Status set_up_experiment(Tether *tether, bool has_tolerance, double tolerance, double start, bool has_stop, double stop);
 Status enter_initialization(Tether *tether);
 Status exit_initialization(Tether *tether);
+Status start(Tether *tether, Status refusal);
 Status advance(Tether *tether, double time, double step);
 Status terminate(Tether *tether);
 double last_successful_time(const Tether *tether);
 
+unsigned kind_of(unsigned reference, unsigned kinds);
+Status check_count(const Tether *tether, const unsigned *references, size_t count, size_t room);
 Status get_values(
     Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
 Status set_values(
     Tether *tether, Type type, unsigned kinds, const unsigned *references, size_t count, const void *values, size_t room);
+
+/* --- derivatives.c */
+
+Status set_input_derivatives(
+    Tether *tether, const unsigned *references, size_t count, const int32_t *orders, const double *values);
+Status directional_derivative(
+    Tether *tether, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count, const double *seed,
+    size_t seeds, double *sensitivity, size_t room);
 
 /* --- saved_state.c */
 

@@ -1,0 +1,157 @@
+/* Derivatives of inputs, which the importer gives for the next step, and of outputs by inputs, which it asks for. */
+#include "tether.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- derivatives of inputs: bits of the inputs that have one, then their values, as in the state (AT_GIVEN_DERIVATIVES) */
+
+static double *waiting_derivatives(Tether *tether)
+{
+    return tether->phase < STEPPING ? tether->derivatives : tether->chain->state + AT_GIVEN_DERIVATIVES;
+}
+
+static Status check_derivative(const Tether *tether, unsigned reference, int32_t order, double value)
+{
+    if (!(kind_of(reference, REAL) & INPUT))
+        return say(tether, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference)));
+    Fact name = word("name", INPUT_NAME[reference]);
+    if (order != 1) return say(tether, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
+    if (fabs(value) <= AT_LARGEST_INPUT) return OK;
+    return say(tether, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));
+}
+
+/* Keep first derivatives of inputs for the next step. All are set, or none. */
+Status set_input_derivatives(
+    Tether *tether, const unsigned *references, size_t count, const int32_t *orders, const double *values)
+{
+    double *derivatives = waiting_derivatives(tether);
+    for (size_t i = 0; i < count; i++)
+        if (check_derivative(tether, references[i], orders[i], values[i]) != OK) return ERROR;
+    for (size_t i = 0; i < count; i++) {
+        derivatives[0] = (double)((uint32_t)derivatives[0] | 1u << references[i]);
+        derivatives[1 + references[i]] = values[i];
+    }
+    return OK;
+}
+
+/* --- derivatives of outputs by inputs: differences of the last step, done again with other inputs */
+
+static const double CHANGE = 1e-5, FASTEST_CHANGE = 100.0; /* part of the scale of an input; [m/s] */
+
+/* Change of an input that matters, in its unit. step : [s], 0 for the start. */
+static double scale_of(const Chain *chain, unsigned place, double step)
+{
+    double length = step > 0.0 ? chain->state[AT_LENGTH] : chain->parameters[AT_INITIAL_LENGTH];
+    double segment = length / (double)chain->segments, stiffness = chain->parameters[AT_PARAMETER_SCALARS + chain->segments];
+    bool is_position = place < AT_KITE_VELOCITY || (AT_GROUND_POSITION <= place && place < AT_GROUND_VELOCITY);
+    if (is_position) return segment;
+    if (place >= AT_KITE_LOAD) return stiffness;
+    bool is_wind = AT_WIND_VELOCITY <= place;
+    return is_wind || !(segment < FASTEST_CHANGE * step) ? FASTEST_CHANGE : segment / step;
+}
+
+/* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's
+status. The tether stays as it is. */
+static int32_t repeat(const Chain *chain, double step, double *values)
+{
+    Chain trial = *chain;
+    trial.state = chain->spare;
+    if (!(step > 0.0)) return first_shape(&trial, values);
+    memcpy(trial.state, chain->before, STATE_SIZE(chain->segments) * sizeof(double));
+    int32_t result = KERNEL(advance)(chain->segments, chain->parameters, values, step, trial.state, chain->work);
+    if (!result) result = observe(&trial, values);
+    if (!result) read_free_kite(&trial, values);
+    return result;
+}
+
+/* The same with inputs changed along a direction by so much; whether it was done in as many internal steps as `values` say. */
+static bool repeat_with(const Chain *chain, double step, const double *values, const double *direction, double by, double *changed)
+{
+    memcpy(changed, values, VALUES * sizeof(double));
+    memcpy(changed, chain->inputs, sizeof chain->inputs);
+    for (int i = 0; i < AT_INPUTS; i++) changed[i] += by * direction[i];
+    if (repeat(chain, step, changed)) return false;
+    const double *before = values + OUTPUTS_AT, *after = changed + OUTPUTS_AT;
+    bool same_steps = before[AT_SOLVER_STEPS] == after[AT_SOLVER_STEPS];
+    return !(step > 0.0) || (same_steps && before[AT_SOLVER_REJECTIONS] == after[AT_SOLVER_REJECTIONS]);
+}
+
+/* Derivative of all values along a direction of the inputs into `derivative`; false where there is none to be found.
+`room` : of VALUES. Central difference, or one to one side if the other one is refused or needs other internal steps. */
+static bool differentiate(
+    const Chain *chain, double step, const double *values, const double *direction, double *derivative, double *room)
+{
+    double largest = 0.0;
+    for (unsigned i = 0; i < AT_INPUTS; i++) {
+        double part = fabs(direction[i]) / scale_of(chain, i, step);
+        if (part > largest) largest = part;
+    }
+    memset(derivative, 0, VALUES * sizeof(double));
+    if (!(largest > 0.0)) return true;
+    double by = CHANGE / largest;
+    bool forwards = repeat_with(chain, step, values, direction, by, derivative);
+    bool backwards = repeat_with(chain, step, values, direction, -by, room);
+    const double *last = forwards ? derivative : values, *first = backwards ? room : values;
+    double distance = (forwards ? by : 0.0) + (backwards ? by : 0.0);
+    for (int i = 0; i < VALUES; i++) derivative[i] = (last[i] - first[i]) / distance;
+    return forwards || backwards;
+}
+
+/* Check the variables and their numbers, and put the seed into a direction of the inputs. */
+static Status read_direction(
+    const Tether *tether, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
+    const double *seed, size_t seeds, size_t room, double *direction)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!(kind_of(unknowns[i], REAL) & OUTPUT))
+            return say(tether, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(whole("reference", unknowns[i])));
+    for (size_t i = 0; i < known_count; i++)
+        if (!(kind_of(knowns[i], REAL) & INPUT))
+            return say(tether, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i])));
+    if (check_count(tether, unknowns, count, room) != OK || check_count(tether, knowns, known_count, seeds) != OK) return ERROR;
+    for (size_t i = 0, k = 0; i < known_count; i++)
+        for (unsigned j = 0; j < WIDTH[knowns[i]]; j++, k++) {
+            if (!(fabs(seed[k]) <= AT_LARGEST_INPUT))
+                return say(tether, ERROR, WRONG_SEED, FACTS(real("value", seed[k]), real("largest", AT_LARGEST_INPUT)));
+            direction[knowns[i] + j] += seed[k];
+        }
+    return OK;
+}
+
+/* The chain to differentiate, with the values of its last step or of a start with the inputs of now. NULL, and a message, if
+there is none. */
+static Chain *differentiable(Tether *tether)
+{
+    Chain *chain = tether->chain;
+    if (tether->phase == INITIALIZING) {
+        if (start(tether, DISCARD) > WARNING) return NULL;
+        chain = tether->chain;
+        memcpy(chain->inputs, tether->values, sizeof chain->inputs);
+        return chain;
+    }
+    if (tether->phase >= STEPPING && chain->is_repeatable) return chain;
+    say(tether, DISCARD, NOTHING_TO_DIFFERENTIATE, NULL);
+    return NULL;
+}
+
+/* Change of outputs along a direction of inputs: of the outputs that the last step has led to, by the inputs that it was
+done with; in initialization mode of those of the start. */
+Status directional_derivative(
+    Tether *tether, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count, const double *seed,
+    size_t seeds, double *sensitivity, size_t room)
+{
+    double direction[AT_INPUTS] = {0.0};
+    if (read_direction(tether, unknowns, count, knowns, known_count, seed, seeds, room, direction) != OK) return ERROR;
+    Chain *chain = differentiable(tether);
+    if (!chain) return DISCARD;
+    double *derivative = calloc(2 * VALUES, sizeof(double));
+    if (!derivative) return say(tether, ERROR, NO_MEMORY, NULL);
+    double step = tether->phase == INITIALIZING ? 0.0 : chain->state[AT_LAST_STEP];
+    bool found = differentiate(chain, step, tether->values, direction, derivative, derivative + VALUES);
+    for (size_t i = 0, k = 0; found && i < count; i++)
+        for (unsigned j = 0; j < WIDTH[unknowns[i]]; j++, k++) sensitivity[k] = derivative[unknowns[i] + j];
+    free(derivative);
+    return found ? OK : say(tether, DISCARD, NO_DERIVATIVE, NULL);
+}
