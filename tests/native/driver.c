@@ -106,15 +106,28 @@ static int set_integers(const unsigned *references, size_t count, const int *val
     return fmi2SetInteger(instance, references, count, values);
 }
 
+static int set_derivatives(const unsigned *references, size_t count, const int *orders, const double *values)
+{
+    return fmi2SetRealInputDerivatives(instance, references, count, orders, values);
+}
+
+static int directional(
+    const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count, const double *seed, size_t seeds,
+    double *sensitivity, size_t room)
+{
+    if (count > room) count = room;
+    if (known_count > seeds) known_count = seeds;
+    return fmi2GetDirectionalDerivative(instance, unknowns, count, knowns, known_count, seed, sensitivity);
+}
+
 static int not_offered(void)
 {
     fmi2EventInfo info;
-    switch (below(6)) {
-    case 0: return fmi2GetDirectionalDerivative(instance, NULL, 1, NULL, 1, NULL, NULL);
-    case 1: return fmi2SetRealInputDerivatives(instance, NULL, 1, NULL, NULL);
-    case 2: return fmi2NewDiscreteStates(instance, &info);
-    case 3: return fmi2CancelStep(instance);
-    case 4: return fmi2SetString(instance, NULL, 1, NULL);
+    switch (below(5)) {
+    case 0: return fmi2GetRealOutputDerivatives(instance, NULL, 1, NULL, NULL);
+    case 1: return fmi2NewDiscreteStates(instance, &info);
+    case 2: return fmi2CancelStep(instance);
+    case 3: return fmi2SetString(instance, NULL, 1, NULL);
     default: return fmi2GetBoolean(instance, NULL, 1, NULL);
     }
 }
@@ -122,7 +135,9 @@ static int not_offered(void)
 static int nulls(void)
 {
     size_t size;
-    switch (below(8)) {
+    switch (below(10)) {
+    case 8: return fmi2SetRealInputDerivatives(instance, NULL, 1, NULL, NULL);
+    case 9: return fmi2GetDirectionalDerivative(instance, NULL, 1, NULL, 1, NULL, NULL);
     case 0: return fmi2GetReal(instance, NULL, 1, NULL);
     case 1: return fmi2SetInteger(instance, NULL, 1, NULL);
     case 2: return fmi2GetFMUstate(instance, NULL);
@@ -191,10 +206,22 @@ static int set_integers(const unsigned *references, size_t count, const int *val
                     : fmi3SetInt64(instance, references, count, wide, count);
 }
 
+static int set_derivatives(const unsigned *references, size_t count, const int *orders, const double *values)
+{
+    return fmi3OK; /* FMI 3 has no such function */
+}
+
+static int directional(
+    const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count, const double *seed, size_t seeds,
+    double *sensitivity, size_t room)
+{
+    return fmi3GetDirectionalDerivative(instance, unknowns, count, knowns, known_count, seed, seeds, sensitivity, room);
+}
+
 static int not_offered(void)
 {
     switch (below(6)) {
-    case 0: return fmi3GetDirectionalDerivative(instance, NULL, 1, NULL, 1, NULL, 1, NULL, 1);
+    case 0: return fmi3GetAdjointDerivative(instance, NULL, 1, NULL, 1, NULL, 1, NULL, 1);
     case 1: return fmi3EnterEventMode(instance);
     case 2: return fmi3UpdateDiscreteStates(instance, NULL, NULL, NULL, NULL, NULL, NULL);
     case 3: return fmi3EnterConfigurationMode(instance);
@@ -206,7 +233,8 @@ static int not_offered(void)
 static int nulls(void)
 {
     size_t size;
-    switch (below(8)) {
+    switch (below(9)) {
+    case 8: return fmi3GetDirectionalDerivative(instance, NULL, 1, NULL, 1, NULL, 1, NULL, 1);
     case 0: return fmi3GetFloat64(instance, NULL, 1, NULL, 1);
     case 1: return fmi3SetInt32(instance, NULL, 1, NULL, 1);
     case 2: return fmi3GetFMUState(instance, NULL);
@@ -260,6 +288,21 @@ static int some_integers(bool set)
     return set ? set_integers(references, count, values) : get_integers(references, count, found);
 }
 
+static int some_input_derivatives(void)
+{
+    unsigned references[AT_ONCE];
+    int orders[AT_ONCE];
+    double values[AT_ONCE];
+    size_t count = 1 + below(AT_ONCE);
+    bool good = below(2);
+    for (size_t i = 0; i < count; i++) {
+        references[i] = good ? (unsigned)(AT_GROUND_POSITION + below(7)) : any_reference();
+        orders[i] = good || below(4) ? 1 : (int)draw();
+        values[i] = good || below(2) ? (double)below(40) : any_number();
+    }
+    return set_derivatives(references, count, orders, values);
+}
+
 static size_t bytes_of(Byte *bytes)
 {
     State state = NULL;
@@ -267,6 +310,35 @@ static size_t bytes_of(Byte *bytes)
     if (GET_STATE(instance, &state) || SERIALIZED_SIZE(instance, state, &size) || size > MOST * 8) fault("no state");
     if (SERIALIZE(instance, state, bytes, size) || FREE_STATE(instance, &state) || state) fault("no bytes");
     return size;
+}
+
+/* References of inputs or of outputs, or of anything; returns the number of their values. */
+static size_t draw_references(unsigned first, unsigned number, size_t count, unsigned *references)
+{
+    size_t room = 0;
+    for (size_t i = 0; i < count; i++) {
+        references[i] = below(8) ? first + below(number) : any_reference();
+        room += references[i] <= VALUES ? WIDTH[references[i]] : 1;
+    }
+    return below(10) ? room : below(AT_ONCE);
+}
+
+/* A directional derivative: whatever the answer, the state is that of before, and what is found is finite. */
+static int some_derivative(void)
+{
+    static Byte before[MOST * 8], after[MOST * 8];
+    enum { ROOM = AT_ONCE * (3 * SHAPE_POINTS + 3) };
+    unsigned unknowns[AT_ONCE], knowns[AT_ONCE];
+    double seed[ROOM], sensitivity[ROOM] = {0.0};
+    size_t count = 1 + below(3), known_count = 1 + below(3), size = bytes_of(before);
+    size_t room = draw_references(OUTPUTS_AT, 6, count, unknowns), seeds = draw_references(0, AT_INPUTS, known_count, knowns);
+    for (size_t i = 0; i < seeds; i++) seed[i] = below(8) ? (double)below(3) : any_number();
+    int status = directional(unknowns, count, knowns, known_count, seed, seeds, sensitivity, room);
+    if (((Tether *)instance)->phase != INITIALIZING && (bytes_of(after) != size || memcmp(before, after, size)))
+        fault("a derivative has changed the state");
+    for (size_t i = 0; i < ROOM; i++)
+        if (!is_finite(sensitivity[i])) fault("a derivative is not finite");
+    return status;
 }
 
 static int read_bytes(void)
@@ -321,7 +393,9 @@ static int one_call(void)
     static const double SIZES[] = {0.001, 0.02, 0.1, 0.0, -0.02, NAN, INFINITY, 1e7};
     double foreign[4] = {0.0};
     State other = foreign;
-    switch (below(30)) {
+    switch (below(34)) {
+    case 30: return some_input_derivatives();
+    case 31: case 32: case 33: return some_derivative();
     case 0: case 1: return enter();
     case 24: case 25: return begin();
     case 26: case 27: case 28: case 29: return counted(step(0.0, SIZES[below(3)]));

@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 
+import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from runtime.host import Host
@@ -82,3 +83,11 @@ def masses(path, diameters):
         found.append(host.all_outputs())
         host.free()
     return found
+
+
+def give(host, **derivatives):
+    """First derivatives of inputs for the next step; a vector gives those of name[1], name[2], ..."""
+    for name, value in derivatives.items():
+        names = [name] if name in host.reference else [f"{name}[{i}]" for i in (1, 2, 3)]
+        numbers = np.atleast_1d(value).tolist()
+        host.fmu.setRealInputDerivatives([host.reference[each] for each in names], [1] * len(names), numbers)

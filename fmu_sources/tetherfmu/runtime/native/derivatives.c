@@ -36,11 +36,15 @@ Status set_input_derivatives(
     return OK;
 }
 
-/* --- derivatives of outputs by inputs: differences of the last step, done again with other inputs */
+/* --- derivatives of outputs by inputs: differences of the last step, done again with other inputs
 
-static const double CHANGE = 1e-5, FASTEST_CHANGE = 100.0; /* part of the scale of an input; [m/s] */
+Changes of the inputs in parts of their scales. Internal steps must stay as they were, and no segment may go over the kink
+between taut and slack, so a tether with internal steps takes small ones; the others are in an equilibrium whose iteration
+ends at 1e-9. If the first part of a pair fails, the second is tried. */
+static const double WITH_STEPS[] = {1e-7, 1e-8}, WITHOUT_STEPS[] = {1e-5, 1e-6};
+static const double SAME_STEP = 1e-3; /* relative difference of the internal step that would follow: more after other steps */
 
-/* Change of an input that matters, in its unit. step : [s], 0 for the start. */
+/* Scale of an input, in its unit. step : [s], 0 for the start. */
 static double scale_of(const Chain *chain, unsigned place, double step)
 {
     double length = step > 0.0 ? chain->state[AT_LENGTH] : chain->parameters[AT_INITIAL_LENGTH];
@@ -48,8 +52,8 @@ static double scale_of(const Chain *chain, unsigned place, double step)
     bool is_position = place < AT_KITE_VELOCITY || (AT_GROUND_POSITION <= place && place < AT_GROUND_VELOCITY);
     if (is_position) return segment;
     if (place >= AT_KITE_LOAD) return stiffness;
-    bool is_wind = AT_WIND_VELOCITY <= place;
-    return is_wind || !(segment < FASTEST_CHANGE * step) ? FASTEST_CHANGE : segment / step;
+    if (place >= AT_WIND_VELOCITY) return 1000.0;
+    return segment < 100.0 * step ? segment / step : 100.0;
 }
 
 /* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's
@@ -66,20 +70,39 @@ static int32_t repeat(const Chain *chain, double step, double *values)
     return result;
 }
 
-/* The same with inputs changed along a direction by so much; whether it was done in as many internal steps as `values` say. */
+/* Whether a step that was done again took the same internal steps as before, which led to `values`. */
+static bool took_same_steps(const Chain *chain, const double *values, const double *changed)
+{
+    const double *before = values + OUTPUTS_AT, *after = changed + OUTPUTS_AT;
+    double next = chain->state[AT_SOLVER_STEP], off = fabs(chain->spare[AT_SOLVER_STEP] - next);
+    bool as_many = before[AT_SOLVER_STEPS] == after[AT_SOLVER_STEPS] && before[AT_SOLVER_REJECTIONS] == after[AT_SOLVER_REJECTIONS];
+    return as_many && off <= SAME_STEP * next;
+}
+
+/* The same with inputs changed along a direction by so much; whether it can be compared. */
 static bool repeat_with(const Chain *chain, double step, const double *values, const double *direction, double by, double *changed)
 {
     memcpy(changed, values, VALUES * sizeof(double));
     memcpy(changed, chain->inputs, sizeof chain->inputs);
     for (int i = 0; i < AT_INPUTS; i++) changed[i] += by * direction[i];
-    if (repeat(chain, step, changed)) return false;
-    const double *before = values + OUTPUTS_AT, *after = changed + OUTPUTS_AT;
-    bool same_steps = before[AT_SOLVER_STEPS] == after[AT_SOLVER_STEPS];
-    return !(step > 0.0) || (same_steps && before[AT_SOLVER_REJECTIONS] == after[AT_SOLVER_REJECTIONS]);
+    return !repeat(chain, step, changed) && (!(step > 0.0) || took_same_steps(chain, values, changed));
 }
 
-/* Derivative of all values along a direction of the inputs into `derivative`; false where there is none to be found.
-`room` : of VALUES. Central difference, or one to one side if the other one is refused or needs other internal steps. */
+/* Difference quotient of all values into `quotient`: between both sides, or with one of them if the other side cannot be
+compared; false if neither can. room : of VALUES. */
+static bool find_quotient(
+    const Chain *chain, double step, const double *values, const double *direction, double by, double *quotient, double *room)
+{
+    bool forwards = repeat_with(chain, step, values, direction, by, quotient);
+    bool backwards = repeat_with(chain, step, values, direction, -by, room);
+    if (!forwards && !backwards) return false;
+    const double *last = forwards ? quotient : values, *first = backwards ? room : values;
+    double distance = forwards && backwards ? 2.0 * by : by;
+    for (int i = 0; i < VALUES; i++) quotient[i] = (last[i] - first[i]) / distance;
+    return true;
+}
+
+/* Derivative of all values along a direction of the inputs into `derivative`; false where there is none to be found. */
 static bool differentiate(
     const Chain *chain, double step, const double *values, const double *direction, double *derivative, double *room)
 {
@@ -90,13 +113,9 @@ static bool differentiate(
     }
     memset(derivative, 0, VALUES * sizeof(double));
     if (!(largest > 0.0)) return true;
-    double by = CHANGE / largest;
-    bool forwards = repeat_with(chain, step, values, direction, by, derivative);
-    bool backwards = repeat_with(chain, step, values, direction, -by, room);
-    const double *last = forwards ? derivative : values, *first = backwards ? room : values;
-    double distance = (forwards ? by : 0.0) + (backwards ? by : 0.0);
-    for (int i = 0; i < VALUES; i++) derivative[i] = (last[i] - first[i]) / distance;
-    return forwards || backwards;
+    const double *part = chain->state[AT_STEPS] > 0.0 ? WITH_STEPS : WITHOUT_STEPS;
+    return find_quotient(chain, step, values, direction, part[0] / largest, derivative, room) ||
+           find_quotient(chain, step, values, direction, part[1] / largest, derivative, room);
 }
 
 /* Check the variables and their numbers, and put the seed into a direction of the inputs. */
