@@ -7,7 +7,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from native.flights import give
+from native.flights import flown, give
 from runtime.host import Host
 from runtime.test_rollback import blob_of, restore
 from tetherfmu.export.archive import SLAVES
@@ -53,53 +53,6 @@ def test_wind_at_the_end_of_a_step(native_folder):
     growing.step(STEP, wind_velocity=wind)
     constant.step(STEP, wind_velocity=wind + STEP * rate)
     assert growing.all_outputs() == pytest.approx(constant.all_outputs(), rel=1e-13)
-
-
-def motion(time):
-    """Position [m], velocity [m/s] and acceleration [m/s2] of a kite on a figure of eight."""
-    slow, fast = 0.5 * time, 1.0 * time
-    return (
-        np.array([300.0 + 60.0 * np.cos(slow), 60.0 * np.sin(slow), 380.0 + 20.0 * np.sin(fast)]),
-        np.array([-30.0 * np.sin(slow), 30.0 * np.cos(slow), 20.0 * np.cos(fast)]),
-        np.array([-15.0 * np.cos(slow), -15.0 * np.sin(slow), -20.0 * np.sin(fast)]),
-    )
-
-
-def scene(name, time):
-    """Inputs at a time and their derivatives, two dicts: all of them change."""
-    inputs = {
-        "reel_out_speed": (1.5 * np.sin(1.3 * time), 1.95 * np.cos(1.3 * time)),
-        "wind_velocity": (
-            np.array([8.0 + 2.0 * np.sin(0.9 * time), 1.0, 0.0]),
-            np.array([1.8 * np.cos(0.9 * time), 0.0, 0.0]),
-        ),
-    }
-    if name == "TetherDynamicFree":
-        load = np.array([100.0 * np.sin(time), 120.0 * np.cos(1.2 * time), 800.0 + 100.0 * np.sin(1.1 * time)])
-        change = np.array([100.0 * np.cos(time), -144.0 * np.sin(1.2 * time), 110.0 * np.cos(1.1 * time)])
-        inputs["kite_load"] = load, change
-    else:
-        position, velocity, acceleration = motion(time)
-        inputs |= {"kite_position": (position, velocity), "kite_velocity": (velocity, acceleration)}
-    return {key: both[0] for key, both in inputs.items()}, {key: both[1] for key, both in inputs.items()}
-
-
-def flown(path, step, given, tolerance=1e-6):
-    """What is pulled and where the kite is every 0.2 s of 6 s, array (rows, 6)."""
-    start = dict(zip(("kite_position", "kite_velocity"), motion(0.0), strict=False))
-    if path.stem == "TetherDynamicFree":
-        start = {f"initial_{key}": value for key, value in start.items()}
-    host = Host(path).start(initial_length=525.0, relative_tolerance=tolerance, initial_shape=2, **start)
-    rows = []
-    for k in range(round(6.0 / step)):
-        inputs, derivatives = scene(path.stem, k * step)
-        if given:
-            give(host, **derivatives)
-        host.step(step, **inputs)
-        if (k + 1) % round(0.2 / step) == 0:
-            last = "kite_position" if path.stem == "TetherDynamicFree" else "kite_force"
-            rows.append(host.get("ground_force") + host.get(last))
-    return np.array(rows)
 
 
 @every_fmu

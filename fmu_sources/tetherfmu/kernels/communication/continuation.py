@@ -1,7 +1,8 @@
 """How inputs go on within a communication step: with the derivative that the importer gives, else from the last two of them.
 
 With `input_continuation = linear` an input u of a step of length h has the rate (u - u_last)/max(h_last, h/4), in the first
-step 0; with `held` it is 0. The wind is held unless its derivative is given. The unstretched length of a tether that reels at u + a t grows by u t + a t^2/2.
+step 0; with `held` it is 0. The wind is held unless its derivative is given. The unstretched length of a tether that reels
+at u + a t grows by u t + a t^2/2.
 
 Theory: docs/theory.md, "Inputs within a step".
 """

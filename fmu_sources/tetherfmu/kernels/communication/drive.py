@@ -19,7 +19,8 @@ n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `driven_end.curve`.
 first, last : first and last node that moves freely.
 length, reeling, acceleration : unstretched length at the start [m], its rate there [m/s], the constant rate of that [m/s2].
-wind : at the reference height [m/s], the mean over the step.  load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
+wind : mean over the step, at the reference height [m/s].
+load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
 
 

@@ -42,7 +42,7 @@ Changes of the inputs in parts of their scales. Internal steps must stay as they
 between taut and slack, so a tether with internal steps takes small ones; the others are in an equilibrium whose iteration
 ends at 1e-9. If the first part of a pair fails, the second is tried. */
 static const double WITH_STEPS[] = {1e-7, 1e-8}, WITHOUT_STEPS[] = {1e-5, 1e-6};
-static const double SAME_STEP = 1e-3; /* relative difference of the internal step that would follow: more after other steps */
+static const double SAME_STEP = 1e-3; /* relative difference of the internal step that would follow: larger after other ones */
 
 /* Scale of an input, in its unit. step : [s], 0 for the start. */
 static double scale_of(const Chain *chain, unsigned place, double step)
@@ -70,28 +70,30 @@ static int32_t repeat(const Chain *chain, double step, double *values)
     return result;
 }
 
-/* Whether a step that was done again took the same internal steps as before, which led to `values`. */
-static bool took_same_steps(const Chain *chain, const double *values, const double *changed)
+/* Whether a step that was done again took the same internal steps as before. */
+static bool took_same_steps(const Chain *chain)
 {
-    const double *before = values + OUTPUTS_AT, *after = changed + OUTPUTS_AT;
-    double next = chain->state[AT_SOLVER_STEP], off = fabs(chain->spare[AT_SOLVER_STEP] - next);
-    bool as_many = before[AT_SOLVER_STEPS] == after[AT_SOLVER_STEPS] && before[AT_SOLVER_REJECTIONS] == after[AT_SOLVER_REJECTIONS];
+    const double *before = chain->state, *after = chain->spare;
+    double next = before[AT_SOLVER_STEP], off = fabs(after[AT_SOLVER_STEP] - next);
+    bool as_many = before[AT_STEPS] == after[AT_STEPS] && before[AT_REJECTIONS] == after[AT_REJECTIONS];
     return as_many && off <= SAME_STEP * next;
 }
 
 /* The same with inputs changed along a direction by so much; whether it can be compared. */
-static bool repeat_with(const Chain *chain, double step, const double *values, const double *direction, double by, double *changed)
+static bool repeat_with(
+    const Chain *chain, double step, const double *values, const double *direction, double by, double *changed)
 {
     memcpy(changed, values, VALUES * sizeof(double));
     memcpy(changed, chain->inputs, sizeof chain->inputs);
     for (int i = 0; i < AT_INPUTS; i++) changed[i] += by * direction[i];
-    return !repeat(chain, step, changed) && (!(step > 0.0) || took_same_steps(chain, values, changed));
+    return !repeat(chain, step, changed) && (!(step > 0.0) || took_same_steps(chain));
 }
 
 /* Difference quotient of all values into `quotient`: between both sides, or with one of them if the other side cannot be
 compared; false if neither can. room : of VALUES. */
 static bool find_quotient(
-    const Chain *chain, double step, const double *values, const double *direction, double by, double *quotient, double *room)
+    const Chain *chain, double step, const double *values, const double *direction, double by, double *quotient,
+    double *room)
 {
     bool forwards = repeat_with(chain, step, values, direction, by, quotient);
     bool backwards = repeat_with(chain, step, values, direction, -by, room);
@@ -129,7 +131,8 @@ static Status read_direction(
     for (size_t i = 0; i < known_count; i++)
         if (!(kind_of(knowns[i], REAL) & INPUT))
             return say(tether, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i])));
-    if (check_count(tether, unknowns, count, room) != OK || check_count(tether, knowns, known_count, seeds) != OK) return ERROR;
+    if (check_count(tether, unknowns, count, room) != OK) return ERROR;
+    if (check_count(tether, knowns, known_count, seeds) != OK) return ERROR;
     for (size_t i = 0, k = 0; i < known_count; i++)
         for (unsigned j = 0; j < WIDTH[knowns[i]]; j++, k++) {
             if (!(fabs(seed[k]) <= AT_LARGEST_INPUT))
