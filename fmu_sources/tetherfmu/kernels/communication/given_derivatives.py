@@ -11,7 +11,8 @@ from ..compilation import kernel
 @kernel
 def given_derivative(state, place, estimate):
     """Derivative of the input at a place [unit/s]: the given one, else the estimate."""
-    if int(state[at.GIVEN_DERIVATIVES]) >> place & 1 == 1:
+    given = state[at.GIVEN_DERIVATIVES]
+    if given != 0.0 and int(given) >> place & 1 == 1:  # nearly always 0
         return state[at.INPUT_DERIVATIVES + place]
     return estimate
 
@@ -19,7 +20,7 @@ def given_derivative(state, place, estimate):
 @kernel
 def given_derivatives(state, place, estimates):
     """The same of the three inputs from a place on."""
-    if state[at.GIVEN_DERIVATIVES] == 0.0:  # as nearly always
+    if state[at.GIVEN_DERIVATIVES] == 0.0:
         return estimates
     return (
         given_derivative(state, place, estimates[0]),
