@@ -93,8 +93,8 @@ def comparison(result, wanted, units):
         exceeded = not all(deviation <= allowed for deviation in deviations)  # true for NaN
         level = PROBLEM if exceeded else level
         if name != "time":
-            verdict = "  TOO MUCH" if exceeded else ""
-            lines.append(f"{name:<18} {max(deviations):9.2e} of {allowed:9.2e} {units.get(name) or ''}{verdict}")
+            verdict, unit = "  TOO MUCH" if exceeded else "", units.get(name) or units.get(name.partition("[")[0])
+            lines.append(f"{name:<18} {max(deviations):9.2e} of {allowed:9.2e} {unit or ''}{verdict}")
     head = f"evidence set: {len(times) - 1} steps; largest deviation of each output from the reference, of that allowed:"
     remedy = "build the FMU again; if that does not help, report it with this text" if level == PROBLEM else ""
     return [Finding(level, "\n".join([head, *lines]), remedy)]

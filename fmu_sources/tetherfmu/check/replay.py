@@ -9,7 +9,11 @@ import json
 import sys
 import tempfile
 import zipfile
+from contextlib import suppress
+from itertools import pairwise
+from math import prod
 from pathlib import Path, PurePosixPath
+from shutil import rmtree
 from typing import NamedTuple
 
 EVIDENCE_FOLDER = "documentation/evidence/"
@@ -20,7 +24,8 @@ class Evidence(NamedTuple):
     """The evidence set of an FMU."""
 
     inputs: str  # text of the input file
-    reference: dict  # name to list of numbers, "time" among them
+    outputs: list  # names of the variables, without "time"; in FMI 3 those of arrays
+    reference: dict  # name to list of numbers, "time" among them; those of an array are name[1], name[2], ...
     options: dict  # name to number
 
 
@@ -36,9 +41,18 @@ def evidence_of(path):
         return None
     head, *rows = csv.reader(io.StringIO(files["ref.csv"]))
     columns = zip(*rows, strict=True)
-    reference = {name: [float(text) for text in column] for name, column in zip(head, columns, strict=True)}
+    reference = {}
+    for name, column in zip(head, columns, strict=True):
+        reference |= by_element(name, [[float(number) for number in cell.split(" ")] for cell in column])
     given = {name: float(value) for name, value in csv.reader(io.StringIO(files["ref.opt"]), skipinitialspace=True)}
-    return Evidence(files["in.csv"], reference, {name: given[name] for name in OPTIONS})
+    return Evidence(files["in.csv"], head[1:], reference, {name: given[name] for name in OPTIONS})
+
+
+def by_element(name, rows):
+    """Values of a variable, a list for each time, as a dict of the name of each element to its list of numbers."""
+    columns = list(zip(*rows, strict=True))
+    names = [name] if len(columns) == 1 else [f"{name}[{i}]" for i in range(1, len(columns) + 1)]
+    return {name: list(column) for name, column in zip(names, columns, strict=True)}
 
 
 def replay(path, evidence):
@@ -51,6 +65,8 @@ def replay(path, evidence):
         inputs.write_text(evidence.inputs, encoding="utf-8")
         signals = read_csv(str(inputs))
     options = evidence.options
+    if any(signals.dtype[name].shape for name in signals.dtype.names):
+        return step_by_step(path, signals, evidence)
     result = simulate_fmu(
         str(path),
         fmi_type="CoSimulation",
@@ -59,9 +75,46 @@ def replay(path, evidence):
         output_interval=options["StepSize"],
         relative_tolerance=options["RelTol"],
         input=signals,
-        output=[name for name in evidence.reference if name != "time"],
+        output=evidence.outputs,
     )
     return {name: result[name].tolist() for name in result.dtype.names}
+
+
+def step_by_step(path, signals, evidence):
+    """As `replay`, for arrays of FMI 3, which FMPy's `simulate_fmu` cannot feed beside scalars (0.3.32)."""
+    from fmpy import extract, read_model_description
+    from fmpy.fmi1 import FMICallException
+    from fmpy.fmi3 import FMU3Slave
+
+    description, folder, options = read_model_description(str(path)), extract(str(path)), evidence.options
+    variables = {variable.name: variable for variable in description.modelVariables}
+    model = description.coSimulation.modelIdentifier
+    fmu = FMU3Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=model, instanceName=model)
+    fmu.instantiate()
+
+    def put(row):
+        for name in signals.dtype.names[1:]:
+            fmu.setFloat64([variables[name].valueReference], row[name].ravel().tolist())
+
+    def outputs():
+        wanted = {name: variables[name] for name in evidence.outputs}
+        return {name: fmu.getFloat64([each.valueReference], prod(each.shape or (1,))) for name, each in wanted.items()}
+
+    put(signals[0])
+    fmu.enterInitializationMode(tolerance=options["RelTol"], startTime=options["StartTime"], stopTime=options["StopTime"])
+    fmu.exitInitializationMode()
+    rows = [{"time": [options["StartTime"]]} | outputs()]
+    with suppress(FMICallException):  # a refused step is the end
+        for row, end in pairwise(signals):
+            put(row)
+            fmu.doStep(float(row["time"]), float(end["time"] - row["time"]))
+            rows.append({"time": [float(end["time"])]} | outputs())
+    fmu.freeInstance()
+    rmtree(folder, ignore_errors=True)
+    found = {}
+    for name in rows[0]:
+        found |= by_element(name, [row[name] for row in rows])
+    return found
 
 
 if __name__ == "__main__":

@@ -26,17 +26,17 @@ def documents(name, variant, description, options, platforms, scene_page=None, n
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
     options : dict of the build options.  platforms : names of those that the FMU has kernels for.
     scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
-    native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. Evidence set and groups are for FMI 2.
+    native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. The groups of variables are for FMI 2.
     """
     table = table_of(variant, options)
     texts = of_every_fmu(platforms, native)
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
-    if not scene_page and native != 3:
+    if not scene_page:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         tether = Tether(segments=options["segments"], **dict(options.get("starts", ())))
-        for file, text in evidence.files(name, tether).items():
+        for file, text in evidence.files(name, tether, arrays=native == 3).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
     texts["documentation/index.html"] = scene_page or page(name, variant, description, table, texts, native)
     return {

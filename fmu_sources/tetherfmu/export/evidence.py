@@ -73,16 +73,17 @@ def _around(time):
     return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
-def files(name, tether):
+def files(name, tether, arrays=False):
     """Inputs and reference of an FMU: dict of file name to text.
 
-    name : of the FMU and of its class in `models`.  tether : `Tether` of the start values of the FMU.
+    name : of the FMU and of its class in `models`.  tether : `Tether` of the start values of the FMU.  arrays : whether a
+    vector is one variable, as in FMI 3; its numbers then stand in one cell, with blanks between them, as FMPy reads them.
     """
     model = getattr(models, name)
     scene, inputs = scene_of(model, tether), names_of(variables(model.variant, 0), INPUT)
     return {
-        f"{name}_in.csv": _table(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS),
-        f"{name}_ref.csv": _table(recorded(model.variant), reference(model, tether, scene), OUTPUT_DIGITS),
+        f"{name}_in.csv": _table(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
+        f"{name}_ref.csv": _table(recorded(model.variant), reference(model, tether, scene), OUTPUT_DIGITS, arrays),
     }
 
 
@@ -139,9 +140,13 @@ def text_of(value, digits):
     return f"{round(value, digits - 2) + 0.0:.{digits}g}"
 
 
-def _table(names, rows, digits):
+def _table(names, rows, digits, arrays):
     """CSV as FMI's cross-check asks for it: quoted names, commas, the time first."""
-    lines = [",".join(f'"{name}"' for name in ("time", *names))]
+    columns = [name.partition("[")[0] if arrays else name for name in names]
+    lines = [",".join(f'"{name}"' for name in ("time", *dict.fromkeys(columns)))]
     for k, row in enumerate(rows):
-        lines.append(",".join([f"{k * STEP:.10g}", *(text_of(value, digits) for value in row)]))
+        cells = {}
+        for name, value in zip(columns, row, strict=True):
+            cells.setdefault(name, []).append(text_of(value, digits))
+        lines.append(",".join([f"{k * STEP:.10g}", *map(" ".join, cells.values())]))
     return "\n".join(lines) + "\n"
