@@ -12,6 +12,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv, validate_tree
 from lxml import etree
 
 from isolation import in_own_process, own_process
+from runtime import clients
 from tetherfmu.export import ssp
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -19,6 +20,7 @@ STEPS = 150  # 3 s: the first turn
 FOLLOWED = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "kite_tension")
 SHOWN = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension")  # the container shows what is linked
 FIDELITIES = {"coarse": 3, "standard": 10, "fine": 30}
+needs_ecos = pytest.mark.skipif(find_spec("ecospy") is None, reason="ecospy is for 64-bit Linux")
 needs_libcosim = pytest.mark.skipif(find_spec("libcosimpy") is None, reason="libcosimpy is not installed")
 
 
@@ -91,6 +93,18 @@ def by_libcosim(folder, ssd, names):
     return rows
 
 
+def by_ecos(path, names):
+    """Rows of the tether's outputs by Ecos, in the system's own structure."""
+    with clients.ecos().EcosSimulation(ssp_path=str(path), step_size=0.02) as simulation:
+        assert simulation.init()
+        rows = []
+        for _ in range(STEPS):
+            simulation.step()
+            rows.append([simulation.get_real(f"tether::{name}") for name in names])
+        simulation.terminate()
+    return rows
+
+
 def fmus_of(fmu_folder, example_folder, folder):
     for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
         (folder / each.name).symlink_to(each)
@@ -111,6 +125,15 @@ def test_kite_power_system_in_libcosim(ssp_folder, fmu_folder, example_folder, t
     ours = own_process(by_the_example, names=FOLLOWED, start=start, fmus=fmus)
     theirs = own_process(by_libcosim, folder=str(extracted), ssd=ssd, names=FOLLOWED)
     np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-9)
+
+
+@needs_ecos
+def test_kite_power_system_in_ecos(ssp_folder, fmu_folder, example_folder, tmp_path):
+    """As the Jacobi master; Ecos sums times."""
+    path = ssp_folder / "kite_power_system.ssp"
+    start, fmus = parameters_of(path, "standard"), fmus_of(fmu_folder, example_folder, tmp_path)
+    ours = own_process(by_the_example, names=FOLLOWED, start=start, fmus=fmus)
+    np.testing.assert_allclose(own_process(by_ecos, path=path, names=FOLLOWED), ours, rtol=1e-9, atol=1e-9)
 
 
 @needs_libcosim

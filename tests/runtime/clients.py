@@ -12,6 +12,7 @@ import sysconfig
 from array import array
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from ctypes import CDLL, RTLD_GLOBAL
 from pathlib import Path
 from threading import Lock
 
@@ -161,6 +162,35 @@ def libcosim(path):
         for name in names:  # in two parts: libcosimpy counts step 0 as an empty place and drops the last sample for it
             result[name] = samples(slave, references[name], 0, 2)[2] + samples(slave, references[name], 1, STEPS)[2]
     return result
+
+
+def ecos():
+    """The module of ecospy's simulations; its library needs one of the package tbb, which lies where no linker looks."""
+    CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=RTLD_GLOBAL)
+    import ecospy
+
+    return ecospy
+
+
+def ecos_step_by_step(path):
+    """Ecos, a master in C++, through ecospy."""
+    _, reals, integers = variables(path)
+    names, rows = flight(path)
+    client, points = ecos(), []
+    with client.EcosSimulationStructure() as structure:
+        structure.add_model("tether", str(path))
+        start = {f"tether::{name}": value for name, value in {**start_reals(path), **START_INTEGERS}.items()}
+        structure.add_parameter_set("start", start)
+        with client.EcosSimulation(structure=structure, step_size=STEP) as simulation:
+            assert simulation.init(parameter_set="start")
+            for k in range(STEPS + 1):
+                point = [simulation.get_real(f"tether::{name}") for name in reals]
+                points.append(point + [simulation.get_integer(f"tether::{name}") for name in integers])
+                for name, value in zip(names, rows[k], strict=True):
+                    simulation.set_real(f"tether::{name}", value)
+                simulation.step()
+            simulation.terminate()
+    return _columns(reals + integers, points)
 
 
 def container(paths, folder, **options):

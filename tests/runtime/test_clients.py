@@ -4,6 +4,8 @@ FMPy, which steps by 0.02 s, is the measure. A client that rounds the size of it
 same steps.
 """
 
+from importlib.util import find_spec
+
 import pytest
 
 from isolation import own_process
@@ -56,6 +58,13 @@ def test_libcosim(fmu_folder, name):
     path = fmu_folder / f"{name}.fmu"
     expected = own_process(clients.fmpy, path=path, steps=clients.NANOSECONDS)
     assert different(own_process(clients.libcosim, path=path), expected) == []
+
+
+@pytest.mark.skipif(find_spec("ecospy") is None, reason="ecospy is for 64-bit Linux")
+@of_every_flavour("name")
+def test_ecos(fmu_folder, name):
+    path = fmu_folder / f"{name}.fmu"
+    assert different(own_process(clients.ecos_step_by_step, path=path), own_process(clients.fmpy, path=path)) == []
 
 
 @of_every_flavour("name")
