@@ -107,10 +107,10 @@ reads parameter sets. Three system structures of the power system differ in the 
 | `SystemStructure_fine.ssd` | 30 | 1e-6 |
 
 libcosim (`CosimExecution.from_ssp_file` of libcosimpy, on the extracted file) flies them as the Jacobi master of the
-example does, to ten digits; so does Ecos (`EcosSimulation(ssp_path=...)` of ecospy). fmu-manipulation-toolbox makes one FMU of a system (`fmucontainer -container
-kite_power_system.ssp:0.02`); its signals are local variables. It starts the kite without its first steering, which moves
-the path by centimetres. `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step, with which a kite at the
-ground station is refused: use one of the others."""
+example does, to ten digits; so does Ecos (`EcosSimulation(ssp_path=...)` of ecospy). fmu-manipulation-toolbox makes one
+FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); its signals are local variables. It starts the kite
+without its first steering, which moves the path by centimetres. `simulate_ssp` of FMPy sets all connected inputs to 0 in
+the first step, with which a kite at the ground station is refused: use one of the others."""
 
 
 def section(name):
