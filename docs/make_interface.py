@@ -38,7 +38,8 @@ the last two velocities ([Driven ends](theory.md#driven-ends)). Position and vel
 tether follows the position and trusts the velocity. It gives one warning if they contradict each other, as when
 `kite_velocity` is left at 0. The reel-out speed continues within the step as from its last to its present value
 ([Inputs within a step](theory.md#inputs-within-a-step)); where it jumps, as the set points of a winch do, set
-`input_continuation` to 2 (held). The wind is held. The outputs at t = 0 are there when the initialization ends; in
+`input_continuation` to 2 (held). The wind is held. A native FMU takes the derivatives of inputs instead of all these
+estimates, if the importer has them ([Derivatives](importing.md#derivatives)). The outputs at t = 0 are there when the initialization ends; in
 initialization mode they are calculated whenever they are read.
 
 A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
