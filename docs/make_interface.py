@@ -39,8 +39,8 @@ tether follows the position and trusts the velocity. It gives one warning if the
 `kite_velocity` is left at 0. The reel-out speed continues within the step as from its last to its present value
 ([Inputs within a step](theory.md#inputs-within-a-step)); where it jumps, as the set points of a winch do, set
 `input_continuation` to 2 (held). The wind is held. A native FMU takes the derivatives of inputs instead of all these
-estimates, if the importer has them ([Derivatives](importing.md#derivatives)). The outputs at t = 0 are there when the initialization ends; in
-initialization mode they are calculated whenever they are read.
+estimates, if the importer has them ([Derivatives](importing.md#derivatives)). The outputs at t = 0 are there when the
+initialization ends; in initialization mode they are calculated whenever they are read.
 
 A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
 at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm: 1.6 % instead of 0.3 %); in the first step
