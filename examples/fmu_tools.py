@@ -92,7 +92,7 @@ def running(fmu_file, description):
             yield fmu, stop_if_pressed
             fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
     except FMICallException as error:
-        raise RuntimeError(f"{fmu_file}: {error}; the FMU has said why") from None
+        raise RuntimeError(f"{fmu_file}: {str(error).rstrip('.')}; the FMU has said why") from None
 
 
 def load(fmu_file, description, folder):

@@ -168,6 +168,7 @@ def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder
 
 def test_missing_platforms(tmp_path):
     source = build("TetherStraight", tmp_path, platforms=[this_platform(), "aarch64-linux"])
+    assert f"platforms: aarch64-linux, {this_platform()}; this one is among them" in run(source)[1]  # those of the kernels
     no_library = changed(
         source, tmp_path / "a.fmu", lambda name, content: None if name.startswith("binaries/linux") else content
     )
@@ -179,6 +180,7 @@ def test_missing_platforms(tmp_path):
     no_kernels = changed(source, tmp_path / "b.fmu", lambda name, content: None if here in name else content)
     status, said = run(no_kernels)
     assert status == 1
+    assert f"has no kernels for {this_platform()}, only for aarch64-linux\n" in said
     assert f"build it with: tetherfmu build --platforms {this_platform()}" in said
     assert "the evidence set was not run" in said
 
