@@ -55,7 +55,7 @@ def test_interface_page_is_what_the_script_writes(monkeypatch):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_names_in_formulas_are_mathematics(name):
-    """In text, as in `\\texttt`, MathJax 3, which GitHub has, too, shows the backslash of `\\_`; in `\\mathtt` it does not."""
+    """In text, as in `\\texttt`, MathJax 3, as on GitHub, shows the backslash of `\\_`; in `\\mathtt` it does not."""
     assert re.findall(r"\\text\w*\{[^}]*\\_[^}]*\}", page(name)) == []
 
 
