@@ -15,15 +15,21 @@ The headers of FMI come with FMPy. For Linux; on macOS and Windows the path of t
 
 #include "fmi2Functions.h"
 
-#define CALL(function) fmi2##function##TYPE *function = (fmi2##function##TYPE *)dlsym(library, "fmi2" #function)
+#define CALL(function) fmi2##function##TYPE *function = (fmi2##function##TYPE *)address(library, "fmi2" #function)
 
-static void stop(const char *reason) {
-    fprintf(stderr, "fly_from_c: %s\n", reason);
+static void stop(const char *reason, const char *name) {
+    fprintf(stderr, "fly_from_c: %s%s\n", reason, name);
     exit(1);
 }
 
+static void *address(void *library, const char *function) {
+    void *found = dlsym(library, function);
+    if (!found) stop("the library of the FMU has no function ", function);
+    return found;
+}
+
 static void check(fmi2Status status) {
-    if (status > fmi2Warning) stop("the FMU refused a call; its message says why");
+    if (status > fmi2Warning) stop("the FMU refused a call; its message says why", "");
 }
 
 static void print_message(fmi2ComponentEnvironment host, fmi2String instance, fmi2Status status, fmi2String category,
@@ -38,11 +44,11 @@ static void print_message(fmi2ComponentEnvironment host, fmi2String instance, fm
 /* Text of an attribute in the first tag of a model description that contains `mark`. */
 static void attribute(const char *xml, const char *mark, const char *name, char *text, size_t size) {
     const char *found = strstr(xml, mark), *end;
-    if (!found) stop(mark);
+    if (!found) stop("the model description has no", mark);
     while (*found != '<') found--;
-    if (!(found = strstr(found, name))) stop(name);
+    if (!(found = strstr(found, name))) stop("the model description has no", name);
     found += strlen(name);
-    if (!(end = strchr(found, '"')) || (size_t)(end - found) >= size) stop(name);
+    if (!(end = strchr(found, '"')) || (size_t)(end - found) >= size) stop("too long in the model description:", name);
     memcpy(text, found, end - found);
     text[end - found] = '\0';
 }
@@ -57,17 +63,17 @@ static fmi2ValueReference reference(const char *xml, const char *variable) {
 int main(int count, char **arguments) {
     static char xml[1 << 20];
     char path[4096], guid[64];
-    if (count != 2) stop("give the folder of an extracted TetherDynamic.fmu");
+    if (count != 2) stop("give the folder of an extracted ", "TetherDynamic.fmu");
     snprintf(path, sizeof path, "%s/modelDescription.xml", arguments[1]);
     FILE *file = fopen(path, "r");
-    if (!file) stop("the folder has no modelDescription.xml");
+    if (!file) stop("the folder has no ", "modelDescription.xml");
     xml[fread(xml, 1, sizeof xml - 1, file)] = '\0';
     fclose(file);
     attribute(xml, " guid=\"", " guid=\"", guid, sizeof guid);
 
     snprintf(path, sizeof path, "%s/binaries/linux64/TetherDynamic.so", arguments[1]);
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!library) stop(dlerror());
+    if (!library) stop("", dlerror());
     CALL(Instantiate);
     CALL(SetupExperiment);
     CALL(EnterInitializationMode);
@@ -83,7 +89,7 @@ int main(int count, char **arguments) {
                                         reference(xml, "kite_force[3]")};
     fmi2CallbackFunctions callbacks = {print_message, calloc, free, NULL, NULL};
     fmi2Component tether = Instantiate("tether", fmi2CoSimulation, guid, "", &callbacks, fmi2False, fmi2False);
-    if (!tether) stop("no instance");
+    if (!tether) stop("the FMU gives no instance", "");
     check(SetupExperiment(tether, fmi2False, 0.0, 0.0, fmi2False, 0.0));
     check(EnterInitializationMode(tether));
     check(SetReal(tether, y, 2, (fmi2Real[]){0.0, speed}));

@@ -120,7 +120,9 @@ def load(fmu_file, description, folder):
 def refuse_to_crash(fmu_file, folder):
     """RuntimeError if an FMU is to be extracted to a folder on whose path PythonFMU's library crashes."""
     characters = crashing_characters(folder)
-    if characters and MADE_BY_PYTHONFMU in zipfile.ZipFile(fmu_file).namelist():
+    with zipfile.ZipFile(fmu_file) as archive:
+        made_by_pythonfmu = MADE_BY_PYTHONFMU in archive.namelist()
+    if characters and made_by_pythonfmu:
         raise RuntimeError(
             f"{fmu_file} would be extracted to {folder}, and PythonFMU's library crashes on {' '.join(characters)} in that "
             "path; set the variable TMPDIR (TEMP on Windows) to a folder with a plain path, or take a native FMU"
