@@ -185,6 +185,19 @@ def test_missing_platforms(tmp_path):
     assert "the evidence set was not run" in said
 
 
+def test_a_library_for_another_processor(tmp_path, native_folder):
+    """In the folder for this machine, as in an FMU for ARM Linux alone: where importers look."""
+    foreign = changed(
+        native_folder / "TetherStraight.fmu",
+        tmp_path / "TetherStraight.fmu",
+        lambda name, content: b"no code of this machine" if name.startswith("binaries/") else content,
+    )
+    status, said = run(foreign)
+    assert status == 1
+    assert "Failed to load shared library" in said
+    assert "remedy: take an FMU for this processor and system" in said
+
+
 def test_an_fmu_that_dies_is_a_finding(tmp_path, fmu_folder):
     def kill(name, content):
         return (
