@@ -63,7 +63,17 @@ def without_fields(app, what, name, obj, skip, options):
     return True if type(obj).__name__ == "_tuplegetter" else skip
 
 
+def for_users(app, what, name, obj, options, signature, returns):
+    """A signature without private arguments, and with the values of constants instead of their names."""
+    if signature:
+        names = getattr(getattr(obj, "__init__", None) if what == "class" else obj, "__globals__", {})
+        signature = re.sub(r", _\w+=(\([^)]*\)|[^,)]*)", "", signature)
+        signature = re.sub(r"(?<==)_?[A-Z][A-Z_]+\b", lambda found: repr(names.get(found[0], found[0])), signature)
+    return signature, returns
+
+
 def setup(app):
-    """Connect the two functions above."""
+    """Connect the functions above."""
     app.connect("autodoc-process-docstring", as_written, priority=600)  # after numpydoc
+    app.connect("autodoc-process-signature", for_users)
     app.connect("autodoc-skip-member", without_fields)

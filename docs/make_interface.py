@@ -51,7 +51,8 @@ leave segments shorter than 1 cm, or the solver fails. The state is then that of
 works. A parameter out of range is refused when the initialization ends, with the allowed range.
 
 One warning each is logged, and the numbers stay what they are, when a segment is stretched by more than 5 %, an end is
-accelerated beyond 1000 g or faster than sound, or positions contradict velocities ([Plausibility](theory.md#plausibility)).
+accelerated beyond 1000 g or moves faster than sound, or positions contradict velocities
+([Plausibility](theory.md#plausibility)).
 
 ## Coupling by force
 

@@ -215,7 +215,8 @@ def main(arguments=None, prog=None):
     if given.html:
         written.append(given.out / "circular_flight.html")
         write_page(flights, written[-1])
-    print("\n".join(map(str, written)))
+    for path in written:
+        print(path)
 
 
 if __name__ == "__main__":

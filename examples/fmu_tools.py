@@ -2,6 +2,7 @@
 
 import atexit
 import tempfile
+import zipfile
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,6 +11,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
+from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
 from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
 from tetherfmu.export import example_fmus
@@ -92,17 +94,18 @@ def running(fmu_file, description):
             yield fmu, stop_if_pressed
             fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
     except FMICallException as error:
-        raise RuntimeError(f"{fmu_file}: {error}; the FMU has said why") from None
+        raise RuntimeError(f"{fmu_file}: {str(error).rstrip('.')}; the FMU has said why") from None
 
 
 def load(fmu_file, description, folder):
-    """Extract an FMU to a folder and instantiate it; RuntimeError if it has no library that this machine can load.
+    """Extract an FMU to a folder and instantiate it; RuntimeError if its library cannot be loaded here, or would crash.
 
     When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
     function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
     `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
     """
     name = description.coSimulation.modelIdentifier
+    refuse_to_crash(fmu_file, folder)
     try:
         extract(str(fmu_file), folder)
         fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
@@ -112,3 +115,15 @@ def load(fmu_file, description, folder):
     except Exception as error:  # FMPy has no other class for this
         raise RuntimeError(f"{fmu_file} cannot be loaded: {one_line(error)}; try tetherfmu check {fmu_file}") from None
     return fmu
+
+
+def refuse_to_crash(fmu_file, folder):
+    """RuntimeError if an FMU is to be extracted to a folder on whose path PythonFMU's library crashes."""
+    characters = crashing_characters(folder)
+    with zipfile.ZipFile(fmu_file) as archive:
+        made_by_pythonfmu = MADE_BY_PYTHONFMU in archive.namelist()
+    if characters and made_by_pythonfmu:
+        raise RuntimeError(
+            f"{fmu_file} would be extracted to {folder}, and PythonFMU's library crashes on {' '.join(characters)} in that "
+            "path; set the variable TMPDIR (TEMP on Windows) to a folder with a plain path, or take a native FMU"
+        )

@@ -22,7 +22,7 @@ def lesson():
         for i, (name, colour) in enumerate(AXES.items()):
             curve(above, time, force[:, i], name, color=colour)
             curve(below, time, missing[:, i], name, color=colour)
-        curve(above, time, np.linalg.norm(force, axis=1), "size", color=BLACK)
+        curve(above, time, np.linalg.norm(force, axis=1), "magnitude", color=BLACK)
         above.set(title=f"Force on the {title}")
         below.set(xlabel="time [s]")
     found[0, 0].set(ylabel="TetherQuasiSteady [N]")

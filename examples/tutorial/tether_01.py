@@ -37,8 +37,8 @@ def lesson():
     figure, above, below = over_time("A mass thrown upwards at 50 m/s", *labels, height_ratios=(3, 1))
     curve(above, TIMES, height, "height of the mass", at=360, color=SKY_BLUE, linewidth=2.0)
     above.plot(top, height.max(), "o", color=VERMILLION)
-    beside = {"xytext": (0, -24), "textcoords": "offset points", "ha": "center"}
-    above.annotate(f"speed 0, located at {top:.4f} s", (top, height.max()), **beside)
+    beside = {"xytext": (0, -36), "textcoords": "offset points", "ha": "center"}
+    above.annotate(f"speed 0,\nlocated at {top:.4f} s", (top, height.max()), **beside)
     curve(below, TIMES, 1e12 * (height - formula), color=REFERENCE)
     return Lesson(f"{height.max():.2f} m high after {top:.4f} s", figure, DURATION, seconds)
 

@@ -51,8 +51,8 @@ def lesson():
     figure, above, below = over_time(title, "height [m]", "minus formula [µm]")
     above.axhline(exact[-1], color=REFERENCE, linewidth=0.8)
     curve(above, TIMES, height, color=SKY_BLUE)
-    curve(below, TIMES, 1e6 * (height - exact), "solve_ivp", at=480, shift=12, color=SKY_BLUE)
-    curve(below, TIMES, 1e6 * (product() - exact), "TetherDynamic", at=480, shift=-12, color=COLOUR["dynamic"])
+    curve(below, TIMES, 1e6 * (height - exact), "solve_ivp", color=SKY_BLUE)
+    curve(below, TIMES, 1e6 * (product() - exact), "TetherDynamic", color=COLOUR["dynamic"])
     return Lesson(f"comes to rest {SAG:.3f} m below the unstretched spring", figure, DURATION, seconds)
 
 

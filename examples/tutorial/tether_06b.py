@@ -47,7 +47,7 @@ def lesson():
     for name, (tether, colour) in SETTINGS.items():
         stretch, seconds = timed(reel_out_hanging, tether)
         tension = reel_out_strained(tether)
-        curve(left, TIMES[1:], stretch, name, at=250, side="above", shift=5 - 25 * (tether is TETHER), color=colour)
+        curve(left, TIMES[1:], stretch, name, at=250, side="above", shift=20 - 40 * (tether is TETHER), color=colour)
         curve(right, TIMES[1:], tension, color=colour)
     right.text(5.0, 614600.0 * STRAIN + 0.4, "61.5 N = EA times strain", color=COLOUR["dynamic"], ha="center")
     right.text(4.0, 78.5, "+ D v/L", color=SKY_BLUE)

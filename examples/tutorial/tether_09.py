@@ -41,8 +41,8 @@ def lesson():
     ):
         tip = node + ARROW * force[[0, 2]] / np.linalg.norm(force)
         axes.annotate("", tip, node, arrowprops={"arrowstyle": "-|>", "color": COLOUR["dynamic"], "linewidth": 2.0})
-        beside = (12, 4) if name == "kite_force" else (-30, -16)
-        axes.annotate(f"{name}, {np.linalg.norm(force):.1f} N", tip, beside, color=COLOUR["dynamic"], **label)
+        beside = {"xytext": (12, 4)} if name == "kite_force" else {"xytext": (0, -16), "ha": "right"}
+        axes.annotate(f"{name}, {np.linalg.norm(force):.1f} N", tip, color=COLOUR["dynamic"], **beside, **label)
     axes.annotate("ground station\nP1, node 0", nodes[0], (-16, 0), ha="right", **label)
     axes.annotate(f"kite\nP{SEGMENTS + 1}, node {SEGMENTS}", nodes[-1], (16, 4), **label)
     axes.plot(*nodes[[0, -1]].T, color=REFERENCE, linewidth=0.6, zorder=0)

@@ -28,7 +28,8 @@ def draw_shapes(axes, shapes, colour, count=20):
         axes.plot(*shape.T, color=colour, linewidth=0.9)
     axes.plot(*shapes[:, -1].T, color=REFERENCE, linewidth=2.0)
     axes.plot(*shapes[0, :1].T, "s", color=BLACK)
-    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set(xlabel="x [m]", zlabel="z [m]", xticks=(-50.0, 50.0))
+    axes.set_ylabel("y [m]", labelpad=12.0)
     axes.set_box_aspect(np.ptp(shapes, axis=(0, 1)), zoom=0.85)
     axes.locator_params(nbins=3)
     axes.view_init(elev=18.0, azim=-40.0)
@@ -44,7 +45,7 @@ def lesson():
     for (name, colour), force in zip(AXES.items(), found.kite_force.T, strict=True):
         curve(axes, found.time, force, name, color=colour)
     size = np.linalg.norm(found.kite_force, axis=1)
-    curve(axes, found.time, size, "size", color=BLACK)
+    curve(axes, found.time, size, "magnitude", color=BLACK)
     axes.set(xlabel="time [s]", ylabel="[N]", title="Force on the kite")
     tidy(axes)
     answer = f"the tether pulls with {size.min():.0f} to {size.max():.0f} N at the kite"

@@ -77,14 +77,14 @@ class TetherDynamicFree(TetherModel):
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
+        The other inputs, the result and the errors are those of `TetherModel.step`.
+
         Parameters
         ----------
         step : float
             Communication step [s].
         kite_load : (3,) array
             External force on the kite [N]: aerodynamics, control; not its weight. 0 from the start on until it is given.
-
-        The other inputs, the result and the errors are those of `TetherModel.step`.
         """
         inputs = None, None, ground_position, ground_velocity, reel_out_speed, kite_load
         return self._step(step, inputs, wind_velocity)

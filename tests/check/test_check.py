@@ -171,6 +171,7 @@ def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder
 
 def test_missing_platforms(tmp_path):
     source = build("TetherStraight", tmp_path, platforms=[this_platform(), "aarch64-linux"])
+    assert f"platforms: aarch64-linux, {this_platform()}; this one is among them" in run(source)[1]  # those of the kernels
     no_library = changed(
         source, tmp_path / "a.fmu", lambda name, content: None if name.startswith("binaries/linux") else content
     )
@@ -182,8 +183,22 @@ def test_missing_platforms(tmp_path):
     no_kernels = changed(source, tmp_path / "b.fmu", lambda name, content: None if here in name else content)
     status, said = run(no_kernels)
     assert status == 1
+    assert f"has no kernels for {this_platform()}, only for aarch64-linux\n" in said
     assert f"build it with: tetherfmu build --platforms {this_platform()}" in said
     assert "the evidence set was not run" in said
+
+
+def test_a_library_for_another_processor(tmp_path, native_folder):
+    """In the folder for this machine, as in an FMU for ARM Linux alone: where importers look."""
+    foreign = changed(
+        native_folder / "TetherStraight.fmu",
+        tmp_path / "TetherStraight.fmu",
+        lambda name, content: b"no code of this machine" if name.startswith("binaries/") else content,
+    )
+    status, said = run(foreign)
+    assert status == 1
+    assert "Failed to load shared library" in said
+    assert "remedy: take an FMU for this processor and system" in said
 
 
 def test_an_fmu_that_dies_is_a_finding(tmp_path, fmu_folder):

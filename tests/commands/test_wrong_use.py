@@ -231,7 +231,7 @@ def test_what_an_fmu_refuses_is_told_without_a_traceback(fmu_folder, tmp_path):
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     assert "wind_velocity" in done.stderr + done.stdout
-    assert done.stderr.splitlines()[-1].endswith("the FMU has said why")
+    assert done.stderr.splitlines()[-1].endswith("); the FMU has said why")
 
 
 def test_a_free_kite_cannot_be_flown_on_a_circle(fmu_folder, capsys, tmp_path):

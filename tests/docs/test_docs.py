@@ -53,6 +53,12 @@ def test_interface_page_is_what_the_script_writes(monkeypatch):
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 
 
+@pytest.mark.parametrize("name", PAGES)
+def test_names_in_formulas_are_mathematics(name):
+    """In text, as in `\\texttt`, MathJax 3, as on GitHub, shows the backslash of `\\_`; in `\\mathtt` it does not."""
+    assert re.findall(r"\\text\w*\{[^}]*\\_[^}]*\}", page(name)) == []
+
+
 @pytest.mark.parametrize(("file", "name", "section"), cited_sections())
 def test_cited_sections_exist(file, name, section):
     assert (name, section) in SECTIONS

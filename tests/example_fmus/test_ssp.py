@@ -1,5 +1,7 @@
 """The systems as SSP files: valid, and the same flight in libcosim, in a container and in the example's own master."""
 
+import re
+import subprocess
 import sys
 import zipfile
 from importlib.util import find_spec
@@ -15,7 +17,8 @@ from isolation import in_own_process, own_process
 from runtime import clients
 from tetherfmu.export import ssp
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
 STEPS = 150  # 3 s: the first turn
 FOLLOWED = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "kite_tension")
 SHOWN = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension")  # the container shows what is linked
@@ -147,6 +150,21 @@ def test_circle_in_libcosim(ssp_folder, fmu_folder, example_folder, tmp_path):
     theirs = own_process(by_libcosim, folder=str(extracted), ssd="SystemStructure.ssd", names=names)
     ours = own_process(by_circular_flight, fmus=fmus_of(fmu_folder, example_folder, fmus))
     np.testing.assert_allclose(theirs, ours[1:], rtol=0.0, atol=1e-6)  # of 100 N
+
+
+@needs_libcosim
+def test_snippet_of_the_manual(ssp_folder, tmp_path):
+    """It prints the tension to which libcosim comes step by step."""
+    page = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
+    snippets = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    (snippet,) = [code for code in snippets if "libcosim" in code]
+    (tmp_path / "dist").symlink_to(ssp_folder, target_is_directory=True)
+    done = subprocess.run([sys.executable, "-c", snippet], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    (printed,) = re.findall(r"^\[([\d.]+)\]$", done.stdout, re.MULTILINE)  # among what libcosim logs
+    extracted = str(tmp_path / "circular_flight")
+    steps = own_process(by_libcosim, folder=extracted, ssd="SystemStructure.ssd", names=["kite_tension"])
+    assert [float(printed)] == steps[-1]
 
 
 def by_circular_flight(fmus):

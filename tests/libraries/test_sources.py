@@ -1,6 +1,10 @@
 """A library is named by what it is made from: each source counts for the variants that use it, and for no other."""
 
 import ast
+import os
+import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -16,8 +20,9 @@ def modules_imported(path):
             base = path.parents[node.level - 1] if node.level else PACKAGE.parent
             base = base.joinpath(*(node.module or "").split("."))
             for place in (base, *(base / alias.name for alias in node.names)):
-                if place.with_suffix(".py").exists():
-                    yield place.with_suffix(".py")
+                file = place.with_suffix(".py")
+                if file.is_relative_to(PACKAGE) and file.exists():
+                    yield file
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -48,3 +53,17 @@ def test_an_edit_renames_the_variants_that_use_the_file(monkeypatch, edited, cha
     monkeypatch.setattr(sources.Path, "read_text", with_a_line_more)
     after = {variant: digest.__wrapped__(variant) for variant in VARIANTS}
     assert {variant for variant in VARIANTS if before[variant] != after[variant]} == changed
+
+
+def test_packages_beside_this_one_do_not_count(tmp_path):
+    """An environment with the wheel has numba's files in the same folder, a checkout has not: the names are the same."""
+    shutil.copytree(PACKAGE, tmp_path / "tetherfmu", ignore=shutil.ignore_patterns("__pycache__", "compiled"))
+    for beside in ("numba/core/cgutils.py", "numba/extending.py", "math.py"):
+        file = tmp_path / beside
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("", encoding="utf-8")
+    program = f"from tetherfmu.libraries.sources import digest; print(*map(digest, {VARIANTS!r}))"
+    command = [sys.executable, "-S", "-c", f"import sys, math; sys.path.insert(0, {str(tmp_path)!r}); {program}"]
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    printed = subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout
+    assert printed.split() == [digest(variant) for variant in VARIANTS]

@@ -43,7 +43,10 @@ def packages(built_once):
 
 @pytest.fixture(scope="module")
 def clean(packages, tmp_path_factory):
-    """Folder of the scripts of a new environment with the wheel; numpy and FMPy come from here, no compiler does."""
+    """Folder of the scripts of a new environment with the wheel; numpy and FMPy come from here, no compiler does.
+
+    A file of numba lies beside the package, as where an extra has brought numba: it must not matter.
+    """
     folder = tmp_path_factory.mktemp("clean") / "venv"
     done(sys.executable, "-m", "venv", "--without-pip", folder)
     python = folder / SCRIPTS / "python"
@@ -51,6 +54,8 @@ def clean(packages, tmp_path_factory):
     site = Path(done(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
     (site / "from_here.pth").write_text(f"{sysconfig.get_path('purelib')}\n")
     (site / "sitecustomize.py").write_text(WITHOUT_COMPILER)
+    (site / "numba" / "core").mkdir(parents=True)
+    (site / "numba" / "core" / "cgutils.py").touch()
     return python.parent
 
 

@@ -22,6 +22,7 @@ from .replay import evidence_of
 
 TIMEOUT = 300.0  # seconds for the run of the evidence set; it takes one or two
 LAST_LINES = 5  # of what a failed run said
+NOT_LOADED = "Failed to load shared library"  # what FMPy says
 
 
 def findings(path):
@@ -72,7 +73,8 @@ def run_apart(path):
     if done.returncode < 0 or done.returncode > 255:
         text = f"the process that ran the FMU died (exit code {done.returncode}); it said last: {said or 'nothing'}"
         return None, Finding(PROBLEM, text, "look at `Traps for hosts` in docs/fmi.md of TetherFMU")
-    return None, Finding(PROBLEM, f"the run of the evidence set failed: {said}")
+    remedy = "take an FMU for this processor and system" if NOT_LOADED in said else ""
+    return None, Finding(PROBLEM, f"the run of the evidence set failed: {said}", remedy)
 
 
 def comparison(result, wanted, units):

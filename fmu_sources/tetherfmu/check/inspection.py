@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.kernel_library import platform_of, this_platform
 
 OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"
 MADE_BY_PYTHONFMU = "resources/slavemodule.txt"
@@ -127,11 +127,11 @@ def platforms(names, version):
             remedy += "; or build a native FMU: tetherfmu build --native"
         text = f"the FMU has no library for {place}, only for {', '.join(libraries) or 'none'}"
         return [Finding(PROBLEM, text, remedy)]
-    kernels = sorted(name.removeprefix(KERNELS) for name in names if name.startswith(KERNELS))
-    if kernels and not any(f"-{this_platform()}." in name for name in kernels):
+    kernels = sorted(platform_of(name) for name in names if name.startswith(KERNELS))
+    if kernels and this_platform() not in kernels:
         remedy = f"build it with: tetherfmu build --platforms {this_platform()}"
-        return [Finding(PROBLEM, f"the FMU has no kernels for {this_platform()}, only {', '.join(kernels)}", remedy)]
-    return [Finding(OK, f"platforms: {', '.join(libraries)}; this one is among them")]
+        return [Finding(PROBLEM, f"the FMU has no kernels for {this_platform()}, only for {', '.join(kernels)}", remedy)]
+    return [Finding(OK, f"platforms: {', '.join(kernels or libraries)}; this one is among them")]
 
 
 def hosts_that_are_not_python():

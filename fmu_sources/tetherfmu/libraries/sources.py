@@ -13,12 +13,16 @@ IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULT
 
 
 def imported(path):
-    """Files of the package that a file imports at its top; `__init__` files of its rooms hold no code."""
+    """Files of the package that a file imports at its top; `__init__` files of its rooms hold no code.
+
+    Other packages do not count, although numba's files lie beside this package in an environment with the wheel.
+    """
     for dots, module, *names in IMPORT.findall(path.read_text(encoding="utf-8")):
         base = path.parents[len(dots) - 1] if dots else PACKAGE.parent
         base = base.joinpath(*module.split(".")) if module else base
         places = [base / name for name in re.findall(r"(\w+)(?: as \w+)?", "".join(names))]
-        yield from (file for place in (base, *places) if (file := place.with_suffix(".py")).exists())
+        files = (place.with_suffix(".py") for place in (base, *places))
+        yield from (file for file in files if file.is_relative_to(PACKAGE) and file.exists())
 
 
 @cache

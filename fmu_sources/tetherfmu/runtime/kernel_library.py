@@ -46,18 +46,22 @@ def file_name(variant, target):
     return f"{variant}-{target}{SUFFIXES[target.rsplit('-', 1)[1]]}"
 
 
+def platform_of(library):
+    """Platform of the library of a variant by its file name: the inverse of `file_name`."""
+    return Path(library).stem.partition("-")[2]
+
+
 @lru_cache
 def load(folder, variant):
     """Entry points of a variant, from its library for this platform in a folder; OSError says what is missing.
 
     Loaded once: all instances share them (they hold no state), and the folder may vanish afterwards.
     """
-    available = sorted(path.name for path in Path(folder).glob(f"{variant}-*"))
-    names = [name for name in available if name.startswith(f"{variant}-{this_platform()}.")]
-    if not names:
+    libraries = {platform_of(path): path for path in sorted(Path(folder).glob(f"{variant}-*"))}
+    if this_platform() not in libraries:
         raise OSError(
-            f"this FMU has no kernels for {this_platform()}, only {', '.join(available)}; "
+            f"this FMU has no kernels for {this_platform()}, only for {', '.join(libraries) or 'no platform'}; "
             f"build it with: tetherfmu build --platforms {this_platform()}"
         )
-    shared = CDLL(str(Path(folder) / names[0]))
+    shared = CDLL(str(libraries[this_platform()]))
     return Kernels(*(getattr(PROTOTYPES, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))

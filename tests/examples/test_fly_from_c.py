@@ -1,0 +1,46 @@
+"""The host in C of the examples prints the forces that the Python API computes with the same inputs."""
+
+import re
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from native.programs import WARNINGS, available
+from tetherfmu import TetherDynamic
+
+SOURCE = Path(__file__).resolve().parents[2] / "examples" / "fly_from_c.c"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+STEP, SPEED, ROUNDING = 0.02, 5.0, 0.5e-3  # s, m/s, N: three digits are printed
+
+pytestmark = pytest.mark.skipif(not available(), reason="needs gcc on 64-bit Linux")
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Path of the compiled example."""
+    command = ["gcc", "-std=c99", *WARNINGS, SOURCE, f"-I{HEADERS}", "-ldl", "-o", tmp_path / "fly_from_c"]
+    subprocess.run([*map(str, command)], check=True)
+    return tmp_path / "fly_from_c"
+
+
+def test_forces_are_those_of_the_python_api(program, native_folder, tmp_path):
+    with zipfile.ZipFile(native_folder / "TetherDynamic.fmu") as archive:
+        archive.extractall(tmp_path / "TetherDynamic")
+    printed = subprocess.run([program, tmp_path / "TetherDynamic"], capture_output=True, text=True, check=True).stdout
+    rows = [[float(number) for number in re.findall(r"-?\d+\.\d+", line)] for line in printed.splitlines()]
+    tether = TetherDynamic()
+    tether.initialize((300.0, 0.0, 400.0), (0.0, SPEED, 0.0))
+    forces = [
+        tether.step(STEP, (300.0, SPEED * STEP * k, 400.0), (0.0, SPEED, 0.0)).kite_force for k in range(round(10.0 / STEP))
+    ]
+    assert [time for time, *_ in rows] == [2.0, 4.0, 6.0, 8.0, 10.0]
+    assert np.allclose([force for _, *force in rows], forces[99::100], rtol=0.0, atol=ROUNDING)
+
+
+def test_a_folder_without_an_fmu_is_refused_in_one_line(program, tmp_path):
+    done = subprocess.run([program, tmp_path], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (1, "fly_from_c: the folder has no modelDescription.xml\n")
