@@ -35,7 +35,8 @@ def description_of(fmu_file):
     except Exception as error:  # also what zipfile and the readers of XML raise
         raise WrongUse(f"{fmu_file} is no FMU that can be read: {one_line(error)}") from None
     if description.fmiVersion != "2.0" or description.coSimulation is None:
-        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0")
+        built = "; build it for that: tetherfmu build --native --fmi 2" if description.fmiVersion.startswith("3") else ""
+        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0{built}")
     return description
 
 

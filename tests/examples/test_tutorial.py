@@ -116,6 +116,9 @@ def test_copies_run_where_they_are(tmp_path, capsys):
     assert (place / "scenes" / "circle.toml").is_file()
     assert (place / "circular_flight.py").is_file()
     assert not list(place.rglob("__pycache__"))
+    readme = (place / "README.md").read_text(encoding="utf-8")
+    assert "docs/coupling.md" in readme
+    assert "](../" not in readme
     mine, changed = place / "tutorial" / "mine.py", place / "tutorial" / "tether_01.py"
     mine.write_text("mine")
     changed.write_text("changed")

@@ -54,7 +54,7 @@ def archive(path):
             found.append(Finding(PROBLEM, f"the archive has the path {name!r}, which leads out of it or has a backslash"))
     if len(set(names)) < len(names):
         found.append(Finding(PROBLEM, "the archive has two files of one name"))
-    return found or [Finding(OK, f"archive: {len(names)} files, {Path(path).stat().st_size / 1024:.0f} kB, none damaged")]
+    return found or [Finding(OK, f"archive: {len(names)} files, {Path(path).stat().st_size / 1000:.0f} kB, none damaged")]
 
 
 def fmi_version(path):

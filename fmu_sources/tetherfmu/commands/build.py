@@ -114,7 +114,7 @@ def build_for_scene(options):
 
 def show(path, platforms):
     """Print a line on a finished FMU."""
-    print(f"{path}  {path.stat().st_size / 1024:.0f} kB  for {', '.join(platforms)}")
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB  for {', '.join(platforms)}")
 
 
 def build(options, name, segments, shape_points, **more):
@@ -138,5 +138,5 @@ def main(arguments=None, prog="tetherfmu build"):
         for name in example_fmus.SLAVES:
             show(example_fmus.build(name, options.out), example_fmus.PLATFORMS)
         for path in ssp.write_all(options.out, options.platforms):
-            print(f"{path}  {path.stat().st_size / 1024:.0f} kB  a system of FMUs")
+            print(f"{path}  {path.stat().st_size / 1000:.0f} kB  a system of FMUs")
     return 0

@@ -63,7 +63,7 @@ def fill(folder):
     text = filled("release.txt", version=__version__, platforms=", ".join(TARGETS))
     (folder / README).write_text(text, encoding="utf-8", newline="\n")
     write_checksums(folder)
-    print("\n".join(f"{path}  {path.stat().st_size / 1024:.0f} kB" for path in sorted(folder.iterdir())))
+    print("\n".join(f"{path}  {path.stat().st_size / 1000:.0f} kB" for path in sorted(folder.iterdir())))
     return 0
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import ast
+import re
 import shutil
 
 from tetherfmu.console.ending import WrongUse, command
@@ -16,6 +17,7 @@ NEEDED = (  # what to install for the copied files
     'circular_flight.py and pumping_cycle.py with --html: pip install "tetherfmu[html]"',
     'coupling_limits.py, tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
 )
+LINK_TO_DOCS = re.compile(r"\[([^]]*)\]\(\.\./docs/[^)]*\)")  # of a README, which leads nowhere from a copy
 
 
 def lessons():
@@ -72,6 +74,8 @@ def copy(place, overwrite):
     for file in files:
         (place / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(origin / file, place / file)
+    readme = place / "README.md"
+    readme.write_text(LINK_TO_DOCS.sub(r"\1", readme.read_text(encoding="utf-8")), encoding="utf-8")
     print(f"{len(files)} files are in {place}. They need:")
     print("\n".join(f"  {each}" for each in NEEDED))
 
