@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.linalg import norm
 
-from tetherfmu.results import StepRefused
+from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -36,11 +36,7 @@ MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
 LINE_DENSITY = DEFAULT.mass_per_meter  # [kg/m]
-REFUSALS = {  # how their sentences begin, and their names in words
-    status.SENTENCES[code].split("{")[0]: name.lower().replace("_", " ")
-    for name, code in vars(status).items()
-    if isinstance(code, int)
-}
+REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
 
 
 class MapFlight(NamedTuple):
@@ -67,11 +63,12 @@ def model_of(point, refinement):
     return model(tether, Environment(gravity=point.gravity), solver, shape_points=2)
 
 
-def strain_and_speed(positions, velocities, lengths, step):
-    """Largest strain of the chord [-] and speed of the kite end [m/s] of a flight, halfway between its calls too.
+def strain_and_speed(flown, step):
+    """Largest strain of the chord [-] and speed of the kite end [m/s], halfway between calls too, a `step` [s] apart.
 
-    positions [m], velocities [m/s] : arrays (calls, 3).  lengths : unstretched, at the calls [m].  step : between them [s].
+    flown : `Outputs` of arrays (calls, ...).
     """
+    positions, velocities, lengths = flown.kite_position, flown.kite_velocity, flown.tether_length
     halfway = 0.5 * (positions[1:] + positions[:-1]) + 0.125 * step * (velocities[:-1] - velocities[1:])
     chords = np.concatenate([norm(positions, axis=1) / lengths, norm(halfway, axis=1) / lengths[1:]])
     speeds = np.concatenate([norm(velocities, axis=1), norm(np.diff(positions, axis=0), axis=1) / step])
@@ -112,7 +109,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             call = partial(model.step, step) if k else model.initialize
             outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
         except StepRefused as error:
-            (refusal,) = (name for sentence, name in REFUSALS.items() if str(error).startswith(sentence))
+            refusal = REFUSALS[error.status]
             break
         finally:
             longest = max(longest, process_time() - started)
@@ -122,11 +119,10 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             break
     if not outputs:
         return MapFlight(refusal, longest=longest)
-    x, v = np.array(states)[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3).swapaxes(0, 1)
-    lengths = np.array([out.tether_length for out in outputs])
-    bound, speed_bound = bounds(point, *strain_and_speed(x[:, -1], v[:, -1], lengths, step))
-    numbers = np.array([np.hstack([*map(np.ravel, out)]) for out in outputs])
-    peak = max(out.max_tension for out in outputs)
-    fastest = norm(v, axis=2).max() if point.variant.startswith("dynamic") else 0.0
-    finite = bool(np.isfinite(states).all() and np.isfinite(numbers).all())
-    return MapFlight(refusal, numbers[::refinement, :6], peak, bound, fastest, speed_bound, work, longest, finite)
+    flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)
+    bound, speed_bound = bounds(point, *strain_and_speed(flown, step))
+    forces = np.hstack([flown.ground_force, flown.kite_force])[::refinement]
+    velocities = np.array(states)[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3)[:, 1]
+    fastest = norm(velocities, axis=2).max() if point.variant.startswith("dynamic") else 0.0
+    finite = all(np.isfinite(numbers).all() for numbers in (states, *flown))
+    return MapFlight(refusal, forces, flown.max_tension.max(), bound, fastest, speed_bound, work, longest, finite)

@@ -12,7 +12,8 @@ import numpy as np
 
 from .flight import LINE_DENSITY, fly
 
-VERDICTS = ("converged", "stable", "refused", "wrong", "crashed", "hanging")
+HELD, FORBIDDEN = ("converged", "stable"), ("wrong", "crashed", "hanging")
+VERDICTS = (*HELD, "refused", *FORBIDDEN)
 CONVERGED = 0.01
 LONGEST_CALL = 2.0  # [s]
 
