@@ -88,16 +88,11 @@ def draw_sweeps(path):
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
-def limits(level=CHART_LEVEL):
-    """Largest number at which a tether is enough for an error, by (group, variant), at a middle stretch."""
-    table = read()
-    rows = table[np.isclose(table.level, level) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
-    return rows.set_index(["group", "variant"]).value
-
-
 def questions():
     """The decision chart: (question, answer that leaves it, variant that it leaves to), and the variant at its end."""
-    most = limits()
+    table = read()
+    rows = table[np.isclose(table.level, CHART_LEVEL) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
+    most = rows.set_index(["group", "variant"]).value  # number up to which a tether is enough
     loads = min(most["weight", "straight"], most["drag", "straight"])
     return (
         ("Does a force that you compute\nmove a kite of finite mass?", "yes", "dynamic_free"),

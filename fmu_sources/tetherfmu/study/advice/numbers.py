@@ -9,7 +9,7 @@
 T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight.
 """
 
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -20,18 +20,8 @@ from tetherfmu.study.measuring.runs import Config, run
 COARSE = 8  # segments of the flight that the numbers come from
 
 
-class Numbers(NamedTuple):
-    """See above."""
-
-    weight: float
-    drag: float
-    stretch: float
-    slack: float
-    wave: float
-
-
 def numbers(scene):
-    """`Numbers` of a scene; StepRefused if a coarse quasi-steady tether cannot fly it."""
+    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether cannot fly it."""
     flown = run(scene, Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
     motion = scene.flight.motion(scene.times[1:])
     tether, force = scene.tether, flown.kite_force
@@ -40,10 +30,10 @@ def numbers(scene):
     load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
     rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
     slack = length / size(motion.kite - motion.ground) - 1.0
-    return Numbers(
-        float(np.mean(weight)) / tension,
-        float(np.mean(size(load))) / tension,
-        tension / tether.axial_stiffness,
-        max(0.0, float(np.mean(slack))),
-        float(np.mean(flown.outputs[:, at.WAVE_TIME])) * rate,
+    return SimpleNamespace(
+        weight=float(np.mean(weight)) / tension,
+        drag=float(np.mean(size(load))) / tension,
+        stretch=tension / tether.axial_stiffness,
+        slack=max(0.0, float(np.mean(slack))),
+        wave=float(np.mean(flown.outputs[:, at.WAVE_TIME])) * rate,
     )

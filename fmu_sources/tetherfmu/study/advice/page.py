@@ -9,13 +9,14 @@ import pandas as pd
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
+from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
 
-from .advise import BUDGET, FAST_BUDGET, advise, fast_advice
+from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
 from .thresholds import read
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
@@ -31,17 +32,18 @@ def asking(scene, allowed):
     return replace(scene, wanted=replace(scene.wanted, outputs=NAMES, allowed_error=allowed))
 
 
-def verdict(scene, reference, advisor):
-    """What is true of an advice for the force on the kite: a dict of texts, numbers and times [s] of the processor.
+def verdict(scene, reference, budget):
+    """What is true of the advice for the force on the kite within a budget [s]: a dict of texts, numbers and times [s].
 
     Errors are measured against a finer reference than the advisor's own, and are known up to that one's own error. `met`,
     `wrong`: the allowed error was said to be met, and is or is not. `inside`: the error lies within the two that were said.
     """
     began = process_time()
-    advice = advisor(scene)
-    said = {"seconds": process_time() - began, "advised": advice.config.words(), "cost": advice.point.cost}
+    advice = advise(scene, budget)
+    config = advice.point.config
+    said = {"seconds": process_time() - began, "advised": config.words(), "cost": advice.point.cost}
     said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": advice.tried}
-    error = measure(scene, advice.config, reference.run.flown).error(NAMES)
+    error = measure(scene, config, reference.run.flown).error(NAMES)
     own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
     inside = advice.least - own <= error <= advice.expected + own
     return said | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
@@ -50,7 +52,7 @@ def verdict(scene, reference, advisor):
 def judged(scene, reference):
     """`verdict` on the advice and, as `fast`, on the fast advice; with the scene and what is allowed."""
     facts = {"scene": scene.name, "allowed": scene.wanted.allowed_error, "own_error": reference.own_error(NAMES)}
-    return facts | verdict(scene, reference, advise) | {"fast": verdict(scene, reference, fast_advice)}
+    return facts | verdict(scene, reference, BUDGET) | {"fast": verdict(scene, reference, FAST_BUDGET)}
 
 
 def summary(verdicts):
@@ -111,21 +113,24 @@ def how_much_tether(results, verdicts):
     return page(TEMPLATE, **declared(), **facts, results=results)
 
 
-def make(scene_files, folder, store_folder, executor, progress):
-    """Measure all and write the page and its figures to a folder; finished points are taken from the stores."""
-    folder = Path(folder)
-    figures = folder / "figures"
-    scenes = [asking(load(path), 0.01) for path in scene_files]
-    stores = [(scene, Store(Path(store_folder) / scene.name / POINTS)) for scene in scenes]
-    studied = [study(scene, store, executor, progress(scene.name), repeats=1) for scene, store in stores]
-    references = [reference for reference, _ in studied]
-    known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))
-    advice = progress("advice")(known, len(scenes))
-    results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
-    others = list(progress("unseen scenes")(others, UNSEEN))
+def measured(scenes, stores):
+    """What `how_much_tether` takes, measured; finished points are taken from the stores, a `Store` for each scene."""
+    with executor_of() as executor:
+        tasks = [(scene, store, executor, progress_bar(scene.name)) for scene, store in zip(scenes, stores, strict=True)]
+        studied = [study(*task, repeats=1) for task in tasks]
+        references = [reference for reference, _ in studied]
+        known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))
+        advice = progress_bar("advice")(known, len(scenes))
+        results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
+        return results, list(progress_bar("unseen scenes")(others, UNSEEN))
+
+
+def run(options):
+    """Measure all and write the page and its figures."""
+    scenes, figures = [asking(load(path), 0.01) for path in options.scenes], options.out / "figures"
+    results, others = measured(scenes, [Store(options.store / scene.name / POINTS) for scene in scenes])
     figures.mkdir(parents=True, exist_ok=True)
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
     draw_chart(figures / "decision.png")
-    text = how_much_tether(results, others)
-    (folder / "how_much_tether.md").write_text(text, encoding="utf-8")
+    (options.out / "how_much_tether.md").write_text(how_much_tether(results, others), encoding="utf-8")

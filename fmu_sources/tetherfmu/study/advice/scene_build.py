@@ -64,7 +64,7 @@ def advised(path, shape_points):
         advice = advise(scene)
     except StepRefused as refusal:
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
-    config, text = advice.config, explain(scene, advice)
+    config, text = advice.point.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = by_name(scene.inputs(config.step))
     no_inputs, no_outputs = still(inputs), unasked(scene, points)

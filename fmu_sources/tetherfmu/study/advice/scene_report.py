@@ -1,17 +1,22 @@
 """The report of a scene: CSV of all points, Pareto figure, one page in Markdown and HTML."""
 
+import tempfile
 from pathlib import Path
 
 import pandas as pd
 from markdown import markdown
 
+from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.errors import worst
+from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import OUTPUTS
+from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
+from tetherfmu.study.scenes.files import OUTPUTS, load
 
 from .figures import draw
-from .tradeoff import LEVELS, cheapest
+from .tradeoff import LEVELS, cheapest, study
 
 FOLDER = Path(__file__).parent
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
@@ -48,3 +53,22 @@ def write(scene, reference, points, through_fmpy, folder):
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text
+
+
+def fmpy_times(scene, points, folder):
+    """Measured time per simulated second through FMPy of the configurations that the report names; builds missing FMUs."""
+    now("measuring through FMPy")
+    best = [cheapest(points, level) for level in {*LEVELS, scene.wanted.allowed_error}]
+    with tempfile.TemporaryDirectory() as temporary:
+        fmus_in(folder or temporary)
+        return {each.config: flown(folder or temporary, scene, each.config)[0] for each in best if each is not None}
+
+
+def run(options):
+    """Study the scene of a file, write and print the report."""
+    scene = load(options.scene)
+    store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
+    with executor_of(options.dask, options.processes) as executor:
+        reference, points = study(scene, store, executor, progress_bar(scene.name))
+    through_fmpy = {} if options.no_fmpy else fmpy_times(scene, points, options.fmus)
+    print(write(scene, reference, points, through_fmpy, store.folder))

@@ -9,7 +9,6 @@ Sweeps, each against a converged reference, with so short communication steps th
     wave     figures of eight of one size on a tether with 0.3 % slack; laps get shorter
 """
 
-from functools import cache
 from itertools import chain
 from pathlib import Path
 
@@ -19,6 +18,7 @@ import pandas as pd
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.errors import converged
+from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.scenes.files import Scene, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
@@ -134,10 +134,14 @@ def write(found, measured, table=TABLE, sweep_table=SWEEPS):
     for path, frame in ((table, found), (sweep_table, measured)):
         rounded = {name: frame[name].map("{:.4g}".format) for name in ("value", "error") if name in frame}
         frame.assign(**rounded).to_csv(path, index=False, lineterminator="\r\n")
-    read.cache_clear()
 
 
-@cache
 def read(table=TABLE):
     """Thresholds, or the points that they come from, as they were stored."""
     return pd.read_csv(table)
+
+
+def run(_):
+    """Measure and store the thresholds."""
+    with executor_of() as executor:
+        write(*thresholds(executor, progress_bar("thresholds")))

@@ -20,14 +20,13 @@ STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
 BREEZE = Wind((8.0, 0.0, 0.0))
 MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
-INPUT_STARTS = (at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY, at.REEL_OUT_SPEED, at.WIND_VELOCITY, at.KITE_LOAD)
 STATIC_START, QUASI_STEADY_START = 1, 2
 
 
 class Release(Flight):
-    """The kite end is held at a point until it is let go."""
+    """The kite end is held at a point until it is let go, and the winch pays out."""
 
-    reel_out_speed = 0.3
+    reel_out_speed = 0.3  # [m/s]
 
     def kite(self, time):
         """Where it is held."""
@@ -43,16 +42,8 @@ class RaceScene(Scene):
     """A scene that all solvers are given."""
 
     every: float = 0.1  # time between two outputs that are compared with the reference [s]
-
-    @property
-    def kite_is_free(self):
-        """Whether nothing holds the kite end after the start."""
-        return isinstance(self.flight, Release)
-
-    @property
-    def reel_out_speed(self):
-        """Constant speed of the winch [m/s]."""
-        return getattr(self.flight, "reel_out_speed", 0.0)
+    kite_is_free: bool = False  # after the start
+    reel_out_speed: float = 0.0  # of the winch, constant [m/s]
 
 
 def circle_scene(segments, duration=REVOLUTION):
@@ -70,7 +61,8 @@ def figure_of_eight_scene(segments, duration=40.0):
 
 def release_scene(segments, duration=10.0):
     """The release with so many segments."""
-    return RaceScene("release", duration, Release(), Tether(segments=segments, initial_length=70.0))
+    tether, winch = Tether(segments=segments, initial_length=70.0), Release.reel_out_speed
+    return RaceScene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)
 
 
 def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=False, **options):
@@ -85,6 +77,6 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=Fa
     solver = Solver(tolerance, initial_shape=shape, input_continuation=at.HELD if held else at.LINEAR)
     model = MODELS[variant](scene.tether, scene.environment, solver, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
-    *ends, (reel_out_speed,), wind_velocity, _ = np.split(first, INPUT_STARTS)
-    model.initialize(*ends, reel_out_speed, wind_velocity)
+    ends, wind_velocity = first[: at.REEL_OUT_SPEED].reshape(4, 3), first[at.WIND_VELOCITY : at.KITE_LOAD]
+    model.initialize(*ends, first[at.REEL_OUT_SPEED], wind_velocity)
     return model

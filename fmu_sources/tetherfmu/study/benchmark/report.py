@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.options import folder, new_file
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.tables import circumstances, page
@@ -20,20 +19,6 @@ from .races import equal_errors, race
 
 PAGE = Path(__file__).with_name("page.md.j2")
 QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
-
-
-def add_arguments(parser):
-    """Declare the options of the command."""
-    parser.add_argument("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
-    parser.add_argument("--flights", action="store_true", help="only the races of the two flights, without compiled C")
-    parser.add_argument("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
-    parser.add_argument("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    parser.add_argument(
-        "--out", type=folder, metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv"
-    )
-    parser.add_argument(
-        "--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file"
-    )
 
 
 def peer(module, package):
