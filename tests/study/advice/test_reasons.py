@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tetherfmu.study.advice.numbers import numbers
-from tetherfmu.study.advice.reasons import thresholds_at
 from tetherfmu.study.advice.thresholds import (
     LEVELS,
     SWEEPS,
@@ -15,6 +14,7 @@ from tetherfmu.study.advice.thresholds import (
     drag_scene,
     read,
     slack_scene,
+    thresholds_at,
     wave_scene,
     weight_scene,
     write,

@@ -13,11 +13,10 @@ import pytest
 
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability.flight import MapFlight, fly
+from tetherfmu.study.stability.flight import MapFlight, Verdict, fly, judge
 from tetherfmu.study.stability.points import VARIANTS, kite, point
 from tetherfmu.study.stability.pool import judge_all, read, table
 from tetherfmu.study.stability.report import common, compared
-from tetherfmu.study.stability.verdict import Verdict, judge
 
 POINTS = [point(1, number) for number in range(400)]
 DEADLY, ENDLESS = POINTS[5], POINTS[3]
@@ -93,7 +92,7 @@ def flight(**changes):
 )
 def test_verdicts(monkeypatch, first, second, expected):
     flights = iter((flight(**first), flight(**second)))
-    monkeypatch.setattr("tetherfmu.study.stability.verdict.fly", lambda *arguments, **options: next(flights))
+    monkeypatch.setattr("tetherfmu.study.stability.flight.fly", lambda *arguments, **options: next(flights))
     assert judge(POINTS[0]).verdict == expected
 
 

@@ -17,7 +17,7 @@ from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
 
 from .numbers import numbers
-from .reasons import reasons
+from .thresholds import reasons
 from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
 TEMPLATE = Path(__file__).with_name("advice.txt.j2")

@@ -11,7 +11,7 @@ from scipy.stats import binned_statistic_2d
 
 from tetherfmu.console.colours import BLACK, BLUE, ORANGE, SKY_BLUE
 
-from .verdict import FORBIDDEN
+from .flight import FORBIDDEN
 
 EDGES = 10  # of the cells along each axis
 FEWEST = 3  # points that a cell needs to have a colour

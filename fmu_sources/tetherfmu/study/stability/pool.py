@@ -10,8 +10,8 @@ from pebble import ProcessExpired, ProcessPool
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.store import Store, key
 
+from .flight import Verdict, judge
 from .points import MapPoint
-from .verdict import Verdict, judge
 
 COLUMNS = MapPoint._fields + Verdict._fields
 ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so

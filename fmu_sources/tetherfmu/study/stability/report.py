@@ -14,10 +14,9 @@ from tetherfmu.study.measuring.tables import markdown, page
 from tetherfmu.study.scenes.standard import MODELS
 
 from .figure import COMPARED, DYNAMIC, FIGURES, QUANTITIES, STATIC, draw
-from .flight import AMPLIFICATION, LINE_DENSITY
+from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge
 from .points import VARIANTS, MapPoint, point
 from .pool import judge_all, read
-from .verdict import FORBIDDEN, HELD, LONGEST_CALL, VERDICTS, judge
 
 PAGE = Path(__file__).with_name("page.md.j2")
 QUICK = 60  # points
