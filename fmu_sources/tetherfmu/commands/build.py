@@ -104,11 +104,11 @@ def build_for_scene(options):
     from tetherfmu.study.advice.scene_build import advised
 
     now(f"flying {options.scene} with what may do, and with a finer model")
-    advice = advised(options.scene, options.shape_points)
-    print(advice.text)
-    if not advice.met:
+    text, met, (name, segments, shape_points, trim) = advised(options.scene, options.shape_points)
+    print(text)
+    if not met:
         return FAILED
-    build(options, advice.fmu, advice.segments, advice.shape_points, scene=advice.trim)
+    build(options, name, segments, shape_points, scene=trim)
     return 0
 
 

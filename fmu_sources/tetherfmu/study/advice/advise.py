@@ -5,7 +5,6 @@ all flights may cost together is bounded: what is not known by then is said.
 """
 
 from math import ceil, inf, sqrt
-from pathlib import Path
 from typing import NamedTuple
 
 from tetherfmu.console.progress import now
@@ -20,7 +19,6 @@ from .numbers import numbers
 from .thresholds import reasons
 from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
-TEMPLATE = Path(__file__).with_name("advice.txt.j2")
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
 HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # what a flight and each of its steps take besides the kernel [s]
 PART_OF_FINER = 0.6  # of the budget: what the finer model may cost
@@ -145,7 +143,7 @@ def explain(scene, advice):
     config, found = advice.point.config, numbers(scene)
     facts = {"numbers": found, "reasons": list(reasons(config, found, scene.wanted.allowed_error)), "worst": worst}
     facts |= {"fmu": class_name(config.variant), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
-    return page(TEMPLATE, scene=scene, advice=advice, **facts).rstrip("\n")
+    return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")
 
 
 def run(options):

@@ -93,15 +93,11 @@ def questions():
     table = read()
     rows = table[np.isclose(table.level, CHART_LEVEL) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
     most = rows.set_index(["group", "variant"]).value  # number up to which a tether is enough
-    loads = min(most["weight", "straight"], most["drag", "straight"])
+    loads, wave = min(most["weight", "straight"], most["drag", "straight"]), most["wave", "catenary"]
     return (
         ("Does a force that you compute\nmove a kite of finite mass?", "yes", "dynamic_free"),
         (f"Is the tether pulled taut, with weight and\ndrag below {100 * loads:.1f} % of the tension?", "yes", "straight"),
-        (
-            f"Does its force F change slowly:\nwave_time · rms(dF/dt) / rms(F) < {most['wave', 'catenary']:.2g}?",
-            "no",
-            "dynamic",
-        ),
+        (f"Does its force F change slowly:\nwave_time · rms(dF/dt) / rms(F) < {wave:.2g}?", "no", "dynamic"),
         (f"Is the drag more than {100 * most['drag', 'catenary']:.0f} % of the tension?", "yes", "quasi_steady"),
     ), "catenary"
 

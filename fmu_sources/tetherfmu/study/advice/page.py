@@ -1,7 +1,6 @@
 """The page docs/how_much_tether.md, with numbers that are measured here; also, whether the advisor keeps its word."""
 
 from dataclasses import replace
-from pathlib import Path
 from time import process_time
 
 import pandas as pd
@@ -21,7 +20,6 @@ from .figures import draw_chart, draw_scenes, draw_sweeps
 from .thresholds import read
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
-TEMPLATE = Path(__file__).with_name("page.md.j2")
 NAMES = ("kite_force",)
 UNSEEN = 40
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
@@ -110,7 +108,7 @@ def how_much_tether(results, verdicts):
     ]
     dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
     facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary}
-    return page(TEMPLATE, **declared(), **facts, results=results)
+    return page("advice/page.md.j2", **declared(), **facts, results=results)
 
 
 def measured(scenes, stores):

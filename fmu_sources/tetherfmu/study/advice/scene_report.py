@@ -18,7 +18,6 @@ from tetherfmu.study.scenes.files import OUTPUTS, load
 from .figures import draw
 from .tradeoff import LEVELS, cheapest, study
 
-FOLDER = Path(__file__).parent
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
 SECONDS = {"seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}  # heads there
 
@@ -35,7 +34,7 @@ def write_csv(points, reference, path):
 
 def html(title, text):
     """A page of HTML from Markdown."""
-    return page(FOLDER / "scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
+    return page("advice/scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
 
 
 def write(scene, reference, points, through_fmpy, folder):
@@ -49,7 +48,7 @@ def write(scene, reference, points, through_fmpy, folder):
     levels = sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)
     most_exact = {variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)}
     facts = {"scene": scene, "reference": reference, "worst": worst, "through_fmpy": through_fmpy, "most_exact": most_exact}
-    text = page(FOLDER / "scene.md.j2", cheapest={level: cheapest(points, level) for level in levels}, **facts)
+    text = page("advice/scene.md.j2", cheapest={level: cheapest(points, level) for level in levels}, **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text

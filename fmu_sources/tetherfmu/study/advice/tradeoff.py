@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
-from tetherfmu.study.measuring.costs import cost, host_cost
+from tetherfmu.study.measuring.costs import HOST_COST, cost
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import finished
 from tetherfmu.study.measuring.runs import Config, run
@@ -41,7 +41,7 @@ class Measured(NamedTuple):
     @property
     def host_cost(self):
         """Estimated time per simulated second with FMPy around it [-]."""
-        return self.cost + host_cost(self.config.step)
+        return self.cost + HOST_COST / self.config.step
 
 
 def steps(scene):
@@ -89,12 +89,10 @@ def study(scene, store, executor, progress, configs=None, repeats=3):
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
     for point in progress(finished(executor, tasks), len(tasks)):
         store.add(keys[point.config], point._asdict())
-    rows = []
-    for config in configs:
-        point = Measured(**{**store.points[keys[config]], "config": config})
-        more = {"error": point.error(names), "host_cost": point.host_cost}
-        rows.append(point._asdict() | config._asdict() | point.errors | more)
-    return reference, pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
+    points = [Measured(**{**store.points[keys[config]], "config": config}) for config in configs]
+    errors_of_all = pd.DataFrame([point.errors for point in points], columns=OUTPUTS)
+    table = pd.concat([pd.DataFrame(points), pd.DataFrame(configs), errors_of_all], axis=1)
+    return reference, table.assign(error=[p.error(names) for p in points], host_cost=[p.host_cost for p in points])
 
 
 def cheapest(table, level):

@@ -17,7 +17,6 @@ from .figure import draw
 from .kernels import kernel_table
 from .races import equal_errors, race
 
-PAGE = Path(__file__).with_name("page.md.j2")
 QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
 
 
@@ -54,7 +53,7 @@ def write(tables, folder, figure, slopes):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     figure = Path(os.path.relpath(figure, folder)).as_posix() if figure else None
-    text = page(PAGE, tables=tables, figure=figure, slopes=slopes)
+    text = page("benchmark/page.md.j2", tables=tables, figure=figure, slopes=slopes)
     (folder / "benchmarks.md").write_text(text, encoding="utf-8")
     with open(folder / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
         pd.DataFrame(columns=["circumstances", circumstances()]).to_csv(file, index=False)

@@ -14,6 +14,7 @@ import pandas as pd
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
+HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 
 
@@ -31,8 +32,3 @@ def least_cost(scene, config):
     """What a configuration costs at least: one internal step or iteration in each communication step."""
     calls = round(scene.count * scene.every / config.step)
     return cost(scene, config, calls, 0 if config.variant == "straight" else calls)
-
-
-def host_cost(step):
-    """What FMPy adds per simulated second [-] at a communication step [s]."""
-    return float(UNITS.at[HOST, "per call"]) / step

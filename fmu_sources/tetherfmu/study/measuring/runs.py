@@ -1,14 +1,14 @@
 """One run: a configuration of a tether flown through a scene, and what it gave at the output times of the scene."""
 
-from contextlib import contextmanager
 from dataclasses import asdict, replace
 from typing import NamedTuple
-from warnings import catch_warnings, simplefilter
+from warnings import catch_warnings
 
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
 SHAPE_POINTS = 21
+UNWARNED = {"action": "ignore", "category": PlausibilityWarning}  # each run of a study would give the same warnings
 
 
 class Config(NamedTuple):
@@ -41,14 +41,6 @@ def parameters_of(scene, config):
     return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
 
 
-@contextmanager
-def unwarned():
-    """Keeps plausibility warnings of the tethers back: each run of a study would give the same."""
-    with catch_warnings():
-        simplefilter("ignore", PlausibilityWarning)
-        yield
-
-
 def run(scene, config, exact=False):
     """`Run` of a `Config` through a scene; StepRefused if the tether refuses the start or a step.
 
@@ -56,7 +48,7 @@ def run(scene, config, exact=False):
     """
     inputs = scene.inputs(config.step, exact)
     scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
-    with unwarned():
+    with catch_warnings(**UNWARNED):
         model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], held=exact, shape_points=SHAPE_POINTS)
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step))

@@ -4,7 +4,6 @@ import atexit
 import multiprocessing
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
 from zipfile import is_zipfile
 
 import numpy as np
@@ -18,14 +17,6 @@ from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .executors import executor_of
 from .runs import Config, parameters_of
-
-
-class Hosted(NamedTuple):
-    """A flight in FMPy."""
-
-    start: float  # time from instantiation to the end of the first step [s]
-    costs: np.ndarray  # times of setting, stepping and getting [s], a row for each step
-    kite_force: list  # last force on the kite [N]
 
 
 def fmus_in(folder):
@@ -46,7 +37,11 @@ def by_name(inputs):
 
 
 def fly(path, parameters, inputs, step):
-    """`Hosted` of an FMU with these parameters and inputs (`by_name`) at a communication step [s]; in this process."""
+    """A flight of an FMU with these parameters and inputs (`by_name`) at a communication step [s], in this process.
+
+    Returns the time [s] from instantiation to the end of the first step, the times [s] of setting, stepping and getting, array
+    (steps, 3), and the last force on the kite [N], a list.
+    """
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
     from fmpy.simulation import apply_start_values
@@ -80,11 +75,11 @@ def fly(path, parameters, inputs, step):
         times[k] = before, after_set, after_step, perf_counter()
     fmu.terminate()
     fmu.fmi2FreeInstance(fmu.component)
-    return Hosted(times[0, 2] - began, np.diff(times), forces[3:])
+    return times[0, 2] - began, np.diff(times), forces[3:]
 
 
 def hosted(path, scene, config, steps=None, repeats=1):
-    """`Hosted` of so many flights of a configuration through a scene, or its first steps, each in a new process."""
+    """What `fly` returns, of so many flights of a configuration through a scene, or its first steps, each in a new process."""
     flight = str(path), parameters_of(scene, config), by_name(scene.inputs(config.step)[:steps]), config.step
     with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
         tasks = [executor.submit(fly, *flight) for _ in range(repeats)]
@@ -94,11 +89,11 @@ def hosted(path, scene, config, steps=None, repeats=1):
 def measured(path, steps, repeats):
     """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
     flights = hosted(path, circle_scene(20), Config("dynamic", 20, 0.0, STEP), steps, repeats)
-    return np.median([(each.start, *np.median(each.costs, axis=0)) for each in flights], axis=0).tolist()
+    return np.median([(start, *np.median(costs, axis=0)) for start, costs, _ in flights], axis=0).tolist()
 
 
 def flown(folder, scene, config):
     """Time per simulated second [-] and last force on the kite [N] of a configuration, through FMPy; FMUs in a folder."""
     path = Path(folder) / f"{class_name(config.variant)}.fmu"
-    (flight,) = hosted(path, scene, config)
-    return float(flight.costs.sum()) / (scene.count * scene.every), flight.kite_force
+    ((_, costs, kite_force),) = hosted(path, scene, config)
+    return float(costs.sum()) / (scene.count * scene.every), kite_force

@@ -18,7 +18,7 @@ from .flights import KINDS
 # what else a quantity may be given in than in its unit, and the factor to the unit
 UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
-EVERY = 0.1  # time between two compared outputs [s], about
+EVERY = 0.1  # `every` of a scene [s], about
 REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
@@ -62,7 +62,7 @@ RECORDS = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted":
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene; `digest` tells scenes apart by all that they hold."""
+    """A scene; `digest` tells those of files apart by all that they hold."""
 
     name: str
     duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
@@ -72,13 +72,10 @@ class Scene:
     wind: Any = Wind()  # a function of times [s], at the reference height
     wanted: Wanted = Wanted()
     digest: str = ""
+    every: float = EVERY  # time between two compared outputs [s]: a whole number of communication steps
+    kite_is_free: bool = False  # after the start; in races only, as the constant speed of the winch [m/s]
+    reel_out_speed: float = 0.0
     __post_init__ = check
-
-    @property
-    def every(self):
-        """Time between two compared outputs [s]: a whole number of communication steps."""
-        step = self.wanted.communication_step
-        return step * max(1, round(EVERY / step)) if step else EVERY
 
     @property
     def count(self):
@@ -130,8 +127,9 @@ def read(table, folder, name):
     name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
     if duration > flight.duration + 1e-9:
         raise ValueError(f"duration is {duration!r}; it must be at most {flight.duration:g} s, the length of the series")
-    digest = hashlib.sha256(repr((name, table, flight.contents)).encode()).hexdigest()[:16]
-    return Scene(name, duration, flight, **records, digest=digest)
+    step, digest = records["wanted"].communication_step, hashlib.sha256(repr((name, table, flight.contents)).encode())
+    every = step * max(1, round(EVERY / step)) if step else EVERY
+    return Scene(name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every)
 
 
 def require(table, section, known):

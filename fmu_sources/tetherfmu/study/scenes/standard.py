@@ -4,8 +4,6 @@ The first two start turning with the kite (`initial_shape = quasi_steady`). The 
 end is free and the tether reels out.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tetherfmu import models
@@ -37,32 +35,23 @@ class Release(Flight):
         return self.reel_out_speed * time
 
 
-@dataclass(frozen=True)
-class RaceScene(Scene):
-    """A scene that all solvers are given."""
-
-    every: float = 0.1  # time between two outputs that are compared with the reference [s]
-    kite_is_free: bool = False  # after the start
-    reel_out_speed: float = 0.0  # of the winch, constant [m/s]
-
-
 def circle_scene(segments, duration=REVOLUTION):
     """The circle with so many segments."""
     every = 0.5 if duration > 5.0 else 10 * STEP
     tether = Tether(segments=segments, initial_length=525.0)
-    return RaceScene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
+    return Scene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
 
 
 def figure_of_eight_scene(segments, duration=40.0):
     """The figures of eight with so many segments."""
     tether = Tether(segments=segments, initial_length=499.0)
-    return RaceScene("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
+    return Scene("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
 
 
 def release_scene(segments, duration=10.0):
     """The release with so many segments."""
     tether, winch = Tether(segments=segments, initial_length=70.0), Release.reel_out_speed
-    return RaceScene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)
+    return Scene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)
 
 
 def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=False, **options):

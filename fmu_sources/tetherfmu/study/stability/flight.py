@@ -21,6 +21,7 @@ from functools import partial
 from math import inf, sqrt
 from time import process_time
 from typing import NamedTuple
+from warnings import catch_warnings
 
 import numpy as np
 from numpy.linalg import norm
@@ -29,7 +30,7 @@ from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.study.measuring.runs import unwarned
+from tetherfmu.study.measuring.runs import UNWARNED
 from tetherfmu.study.scenes.standard import MODELS
 
 from .points import CALLS, MOST_REELED, kite
@@ -113,7 +114,6 @@ def bounds(point, strain, end_speed):
     return point.axial_stiffness * strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
-@unwarned()
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     """Fly a point; returns its `MapFlight`.
 
@@ -122,22 +122,23 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     step, model = point.step / refinement, model_of(point, refinement)
     wind = point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))
     outputs, states, refusal, work, longest = [], [], "", 0.0, 0.0
-    for k in range(calls * refinement + 1):
-        position, velocity = kite(point, max(0, k - 1) * step)
-        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
-        started = process_time()
-        try:
-            call = partial(model.step, step) if k else model.initialize
-            outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
-        except StepRefused as error:
-            refusal = REFUSALS[error.status]
-            break
-        finally:
-            longest = max(longest, process_time() - started)
-        states.append(model.get_state())
-        work = sum(model.counters.values()) * model.segments
-        if work > most_work:
-            break
+    with catch_warnings(**UNWARNED):
+        for k in range(calls * refinement + 1):
+            position, velocity = kite(point, max(0, k - 1) * step)
+            inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
+            started = process_time()
+            try:
+                call = partial(model.step, step) if k else model.initialize
+                outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
+            except StepRefused as error:
+                refusal = REFUSALS[error.status]
+                break
+            finally:
+                longest = max(longest, process_time() - started)
+            states.append(model.get_state())
+            work = sum(model.counters.values()) * model.segments
+            if work > most_work:
+                break
     if not outputs:
         return MapFlight(refusal, longest=longest)
     flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)

@@ -5,7 +5,6 @@ The page, stability.md, has tables by variant and by region, refusals, the worst
 
 import sys
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -18,7 +17,6 @@ from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, 
 from .points import VARIANTS, MapPoint, point
 from .pool import judge_all, read
 
-PAGE = Path(__file__).with_name("page.md.j2")
 QUICK = 60  # points
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
 WORST = QUANTITIES.worst.dropna().to_dict()
@@ -124,7 +122,7 @@ def write(results, before, folder, with_figures):
     tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
     drawn = figures(points, both, folder) if with_figures else {}
-    text = page(PAGE, figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
+    text = page("stability/page.md.j2", figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
     (folder / "stability.md").write_text(text, encoding="utf-8")
     return f"{markdown(by_variant(points))}\n{held}"
 
