@@ -1,6 +1,6 @@
 """The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it.
 
-Every flight is charged by `costs.cost`, counted work times unit costs, so that a scene always gets the same advice. What
+Every flight is charged by `runs.cost`, counted work times unit costs, so that a scene always gets the same advice. What
 all flights may cost together is bounded: what is not known by then is said.
 """
 
@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 from tetherfmu.console.progress import now
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.measuring.costs import least_cost
 from tetherfmu.study.measuring.errors import Reference, converged, worst
-from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
 

@@ -7,10 +7,9 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
-from tetherfmu.study.measuring.costs import HOST_COST, cost
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import finished
-from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.measuring.runs import HOST_COST, Config, cost, run
 from tetherfmu.study.measuring.store import key
 from tetherfmu.study.scenes.files import OUTPUTS
 
@@ -31,7 +30,7 @@ class Measured(NamedTuple):
     calls: int  # communication steps
     work: int  # internal steps or Newton iterations
     seconds: float  # measured kernel time per simulated second
-    cost: float  # the same from counted work, see `costs`
+    cost: float  # the same from counted work, see `runs`
     refused: str = ""
 
     def error(self, names):

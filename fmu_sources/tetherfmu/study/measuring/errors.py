@@ -22,8 +22,7 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from .costs import cost
-from .runs import Config, Run, run
+from .runs import Config, Run, cost, run
 
 SETTLING = 3.0  # wave times after which the start is forgotten ...
 LONGEST_SETTLING = 0.25  # ... at most this part of the scene
@@ -89,7 +88,7 @@ class Reference(NamedTuple):
     run: Run
     space: dict  # change of each output against half of the segments
     time: dict  # change of each output against the double communication step and ten times the tolerance
-    spent: float  # what all flights cost together, by `costs.cost` [s]
+    spent: float  # what all flights cost together, by `runs.cost` [s]
 
     def own_error(self, names):
         """Bound of its own error in some outputs: both changes together; each is larger than what is left."""

@@ -1,12 +1,29 @@
-"""One run: a configuration of a tether flown through a scene, and what it gave at the output times of the scene."""
+"""One run: a configuration of a tether flown through a scene, what it gave at the output times of the scene, what it costs.
+
+Costs are counted work times measured unit costs, so that they do not depend on the load of the machine:
+
+    cost = calls (a + b n) + work (c + d n),   n segments
+
+calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of others.
+a, b, c, d are fitted to times measured on one machine and stored in costs.csv, see `unit_costs`.
+"""
 
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import NamedTuple
 from warnings import catch_warnings
+
+import numpy as np
+import pandas as pd
 
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
+TABLE = Path(__file__).with_name("costs.csv")
+UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
+HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
+HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
+COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 SHAPE_POINTS = 21
 UNWARNED = {"action": "ignore", "category": PlausibilityWarning}  # each run of a study would give the same warnings
 
@@ -33,6 +50,22 @@ class Run(NamedTuple):
     work: int  # internal steps, accepted and rejected, or Newton iterations for shapes
     calls: int  # communication steps
     implausible: tuple = ()  # sentences on what no tether and no kite does
+
+
+def regressors(config, calls, work):
+    """What the four unit costs are multiplied with."""
+    return np.array([calls, calls * config.segments, work, work * config.segments], float)
+
+
+def cost(scene, config, calls, work):
+    """Kernel time per simulated second [-], of the machine of costs.csv."""
+    return float(UNITS.loc[config.variant].to_numpy() @ regressors(config, calls, work)) / (scene.count * scene.every)
+
+
+def least_cost(scene, config):
+    """What a configuration costs at least: one internal step or iteration in each communication step."""
+    calls = round(scene.count * scene.every / config.step)
+    return cost(scene, config, calls, 0 if config.variant == "straight" else calls)
 
 
 def parameters_of(scene, config):

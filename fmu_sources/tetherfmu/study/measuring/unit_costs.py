@@ -14,7 +14,7 @@ from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.scenes.random_scenes import random_scenes
 
 from . import runs
-from .costs import COLUMNS, HOST, TABLE, regressors
+from .runs import COLUMNS, HOST, TABLE, regressors
 from .through_fmpy import measured
 
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
