@@ -7,6 +7,7 @@ from pathlib import Path
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, address, file, folder, new_file, number
 
+DOCS, STUDY, BENCHMARK = Path("docs"), Path("study"), Path("benchmark")
 GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
 
 
@@ -37,14 +38,13 @@ def parse(arguments, prog):
 
     option = added("page", "advice.page", "measure and write docs/how_much_tether.md and its figures")
     option("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
-    option("--out", type=folder, metavar="DIR", default=Path("docs"), help="folder of the page (default: docs)")
-    option("--store", type=folder, metavar="DIR", default=Path("study"), help="folder of finished points (default: study)")
+    option("--out", type=folder, metavar="DIR", default=DOCS, help="folder of the page (default: docs)")
+    option("--store", type=folder, metavar="DIR", default=STUDY, help="folder of finished points (default: study)")
 
     option = added("stability", "stability.report", "find where the tethers hold and where they refuse")
     option("--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)")
     option("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
-    about = "folder for stability.md and figures/ (default docs)"
-    option("--out", type=folder, default=Path("docs"), metavar="DIR", help=about)
+    option("--out", type=folder, default=DOCS, metavar="DIR", help="folder for stability.md and figures/ (default docs)")
     about = "of finished points (default: stability_<seed>.jsonl in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
     about = "file of results of another version, to compare with on the points of both"
@@ -58,10 +58,8 @@ def parse(arguments, prog):
     option("--flights", action="store_true", help="only the races of the two flights, without compiled C")
     option("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    about = "folder for benchmarks.md and benchmarks.csv"
-    option("--out", type=folder, metavar="DIR", default=Path("benchmark"), help=about)
-    about = "draw the work-precision diagram to this PNG file"
-    option("--figure", type=new_file(".png"), metavar="FILE", help=about)
+    option("--out", type=folder, metavar="DIR", default=BENCHMARK, help="folder for benchmarks.md and benchmarks.csv")
+    option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
     return parser.parse_args(arguments)
 
 

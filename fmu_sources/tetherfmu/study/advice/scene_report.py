@@ -19,17 +19,15 @@ from .figures import draw
 from .tradeoff import LEVELS, cheapest, study
 
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
-SECONDS = {"seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}  # heads there
+HEADS = {"step": "step_s", "seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}
 
 
 def write_csv(points, reference, path):
     """All points; errors that are smaller than ten times the reference's own are not known better than that."""
     own = {name: reference.space[name] + reference.time[name] for name in OUTPUTS}
     work = {"calls": reference.run.calls, "work": reference.run.work, "refused": "reference: bounds of its own errors"}
-    first = pd.DataFrame([{**reference.config._asdict(), **own, **work}], columns=COLUMNS).astype(object)
-    digits = {name: points[name].map("{:.3g}".format, na_action="ignore") for name in (*OUTPUTS, *SECONDS)}
-    table = pd.concat([first, points[COLUMNS].assign(**digits)]).rename(columns={"step": "step_s", **SECONDS})
-    table.to_csv(path, index=False, lineterminator="\r\n")
+    table = pd.concat([pd.DataFrame([reference.config._asdict() | own | work]), points])[COLUMNS].rename(columns=HEADS)
+    table.to_csv(path, index=False, float_format="%.3g", lineterminator="\r\n")
 
 
 def html(title, text):

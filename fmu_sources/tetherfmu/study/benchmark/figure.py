@@ -1,6 +1,6 @@
 """Work-precision diagram: time against error, one panel per scene; our default tolerance, 1e-4, is marked."""
 
-from pathlib import Path
+from math import ceil
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -22,15 +22,12 @@ TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "
 
 
 def draw(runs, path):
-    """Write the diagram of a table of races to a PNG file."""
+    """Write the diagram of a table of races to a PNG file (Path)."""
     panels = list(runs.groupby(["scene", "segments"], sort=False))
-    rows = -(-len(panels) // COLUMNS)
+    rows, handles = ceil(len(panels) / COLUMNS), {}
     figure = Figure(figsize=(5.2 * COLUMNS, 4.0 * rows + 0.4), layout="constrained")
-    axes = figure.subplots(rows, COLUMNS, squeeze=False).flat
-    for axis in axes[len(panels) :]:
-        axis.set_visible(False)
-    handles = {}
-    for axis, ((scene, n), mine) in zip(axes, panels, strict=False):
+    for place, ((scene, n), mine) in enumerate(panels, 1):
+        axis = figure.add_subplot(rows, COLUMNS, place)
         for solver, theirs in mine.sort_values("tolerance").groupby("solver", sort=False):
             handles[solver] = axis.loglog(theirs.error, 1e3 * theirs.seconds, markersize=5, **STYLES[solver])[0]
         for each in mine[(mine.solver == OURS) & (mine.tolerance == DEFAULT)].itertuples():
@@ -45,8 +42,7 @@ def draw(runs, path):
         axis.margins(0.12)
         axis.invert_xaxis()
     figure.supylabel("time for the run [ms]", fontsize=10)
-    found = [solver for solver in STYLES if solver in handles]
-    lines = [handles[solver] for solver in found]
-    figure.legend(lines, found, loc="outside lower center", ncols=3, frameon=False, fontsize=9)
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    shown = {solver: handles[solver] for solver in STYLES if solver in handles}
+    figure.legend(shown.values(), shown.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=100, metadata={"Software": None})

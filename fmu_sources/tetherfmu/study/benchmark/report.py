@@ -41,16 +41,14 @@ def host_table(paths, quick):
 
 def scenes(quick, flights):
     """The scenes of the races."""
-    if flights:
-        return [circle_scene(20), figure_of_eight_scene(20)]
-    if quick:
+    if quick and not flights:
         return [circle_scene(20, 2.0), figure_of_eight_scene(20, 1.0), release_scene(10, 0.5)]
-    return [circle_scene(20), figure_of_eight_scene(20), release_scene(10), release_scene(40)]
+    releases = [] if flights else [release_scene(10), release_scene(40)]
+    return [circle_scene(20), figure_of_eight_scene(20), *releases]
 
 
 def write(tables, folder, figure, slopes):
-    """Write benchmarks.md and benchmarks.csv to a folder; returns the page."""
-    folder = Path(folder)
+    """Write benchmarks.md and benchmarks.csv to a folder (Path); returns the page."""
     folder.mkdir(parents=True, exist_ok=True)
     figure = Path(os.path.relpath(figure, folder)).as_posix() if figure else None
     text = page("benchmark/page.md.j2", tables=tables, figure=figure, slopes=slopes)

@@ -90,9 +90,8 @@ def draw(results, figure_of, path, when=""):
     for line, draw_row in zip(axes, rows, strict=True):
         draw_row(figure, line, pairs, results)
         for panel, (x, y) in zip(line, pairs.items(), strict=True):
-            scales = {"xscale": QUANTITIES.scale[x], "yscale": QUANTITIES.scale[y]}
-            limits = {"xlim": edges(x)[[0, -1]], "ylim": edges(y)[[0, -1]]}
-            panel.set(facecolor="0.93", **scales, **limits, xlabel=QUANTITIES.axis[x], ylabel=QUANTITIES.axis[y])
+            panel.set(xscale=QUANTITIES.scale[x], xlim=edges(x)[[0, -1]], xlabel=QUANTITIES.axis[x], facecolor="0.93")
+            panel.set(yscale=QUANTITIES.scale[y], ylim=edges(y)[[0, -1]], ylabel=QUANTITIES.axis[y])
     figure.suptitle(f"{when}{title}: {len(results)} flights")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=90, metadata={"Software": None})
