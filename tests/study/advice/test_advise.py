@@ -11,7 +11,7 @@ from tetherfmu.study.advice.page import asking
 from tetherfmu.study.advice.tradeoff import measure
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.scenes.files import load
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 NAMES = ("kite_force",)
 

@@ -5,13 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tetherfmu.study.advice.numbers import numbers
 from tetherfmu.study.advice.thresholds import (
     LEVELS,
     SWEEPS,
     TABLE,
     crossing,
     drag_scene,
+    numbers,
     read,
     slack_scene,
     thresholds_at,
@@ -19,7 +19,7 @@ from tetherfmu.study.advice.thresholds import (
     weight_scene,
     write,
 )
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 
 @pytest.mark.parametrize(("load", "stretch"), [(0.01, 1e-2), (0.03, 1e-3)])

@@ -133,7 +133,7 @@ def test_finished_points_are_not_judged_again(tmp_path):
 def test_an_interrupt_ends_all_processes(tmp_path):
     """Ctrl-C in the middle of a map: what is finished is kept, what is at work is ended and not waited for."""
 
-    def interrupted(iterator, total):
+    def interrupted(iterator, total, text):
         yield next(iterator)
         raise KeyboardInterrupt
 

@@ -13,7 +13,7 @@ from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
+from tetherfmu.study.scenes.standard import SEED, random_scenes
 
 from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
@@ -114,13 +114,12 @@ def how_much_tether(results, verdicts):
 def measured(scenes, stores):
     """What `how_much_tether` takes, measured; finished points are taken from the stores, a `Store` for each scene."""
     with executor_of() as executor:
-        tasks = [(scene, store, executor, progress_bar(scene.name)) for scene, store in zip(scenes, stores, strict=True)]
-        studied = [study(*task, repeats=1) for task in tasks]
+        studied = [study(scene, store, executor, repeats=1) for scene, store in zip(scenes, stores, strict=True)]
         references = [reference for reference, _ in studied]
         known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))
-        advice = progress_bar("advice")(known, len(scenes))
+        advice = progress_bar(known, len(scenes), "advice")
         results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
-        return results, list(progress_bar("unseen scenes")(others, UNSEEN))
+        return results, list(progress_bar(others, UNSEEN, "unseen scenes"))
 
 
 def run(options):

@@ -8,7 +8,7 @@ from markdown import markdown
 
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.errors import worst
-from tetherfmu.study.measuring.executors import executor_of, progress_bar
+from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
@@ -66,6 +66,6 @@ def run(options):
     scene = load(options.scene)
     store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
     with executor_of(options.dask, options.processes) as executor:
-        reference, points = study(scene, store, executor, progress_bar(scene.name))
+        reference, points = study(scene, store, executor)
     through_fmpy = {} if options.no_fmpy else fmpy_times(scene, points, options.fmus)
     print(write(scene, reference, points, through_fmpy, store.folder))

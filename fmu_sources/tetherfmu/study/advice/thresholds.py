@@ -1,8 +1,16 @@
-"""Where each tether stops being enough: measured over dimensionless groups, one at a time; and so, why not a simpler tether.
+"""Dimensionless numbers of a scene, where each tether stops being enough, and so, why not a simpler tether.
+
+    weight    mu g L / T
+    drag      |ground_force + kite_force - weight| / T
+    stretch   T / EA
+    slack     L / c - 1, unstretched length over distance of the ends; 0 if taut
+    wave      wave_time rms|dF/dt| / rms|F|:  travel time of a wave times the rate at which the force on the kite changes
+
+T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight.
 
 `python -m tetherfmu.study thresholds` writes thresholds.csv, from which the advisor gives `reasons`: between the measured
 levels the error grows as a power of the number of a group, below the lowest as its square.
-Sweeps, each against a converged reference, with so short communication steps that these do not count:
+Sweeps of one number each, against a converged reference, with so short communication steps that these do not count:
 
     weight   a kite at rest, no wind; gravity grows, the tension is kept; at three stretches
     drag     a kite circling about the vertical, no gravity; the speed grows, the tension is kept; at three stretches
@@ -13,20 +21,21 @@ Sweeps, each against a converged reference, with so short communication steps th
 from functools import cache
 from itertools import chain
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.variants import VARIANTS
-from tetherfmu.study.measuring.errors import converged
+from tetherfmu.study.measuring import runs
+from tetherfmu.study.measuring.errors import converged, rms, size
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.scenes.files import Scene, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
 
-from .numbers import numbers
 from .tradeoff import SEGMENTS, measure
 
 NAMES = ("kite_force",)
@@ -37,6 +46,7 @@ STRETCHES = (1e-4, 1e-3, 1e-2)
 LOADS = np.geomspace(0.003, 3.0, 13)  # weight or drag over tension
 SLACKS = np.geomspace(1e-4, 0.5, 12)
 LAPS = np.geomspace(300.0, 9.0, 13)  # [s]
+COARSE = 8  # segments of the flight that the numbers come from
 LENGTH, SIZE = 200.0, 300.0  # of the tether; of the way of a lap [m]
 AT_REST = Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0)
 ENOUGH = 32  # segments for waves
@@ -46,6 +56,25 @@ GROUPS = ("weight", "drag", "slack", "wave")
 LARGEST = 1e3  # stands for a threshold that the sweep did not reach ...
 BEYOND = 10.0  # ... as does every larger one than this
 STEEPEST = 3.0  # exponent with which the error goes on beyond the last threshold
+
+
+def numbers(scene):
+    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether cannot fly it."""
+    flown = runs.run(scene, runs.Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
+    motion = scene.flight.motion(scene.times[1:])
+    tether, force = scene.tether, flown.kite_force
+    tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
+    weight = tether.mass_per_meter * scene.environment.gravity * length
+    load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
+    rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
+    slack = length / size(motion.kite - motion.ground) - 1.0
+    return SimpleNamespace(
+        weight=float(np.mean(weight)) / tension,
+        drag=float(np.mean(size(load))) / tension,
+        stretch=tension / tether.axial_stiffness,
+        slack=max(0.0, float(np.mean(slack))),
+        wave=float(np.mean(flown.outputs[:, at.WAVE_TIME])) * rate,
+    )
 
 
 def taut(distance, load, stretch):
@@ -96,7 +125,7 @@ def configs(group):
         lines = [("catenary", 0, 0.0), ("quasi_steady", ENOUGH, 0.0), ("dynamic", ENOUGH, 1e-4)]
     else:
         lines = [("straight", 0, 0.0), ("catenary", 0, 0.0), *(("quasi_steady", n, 0.0) for n in SEGMENTS)]
-    return [Config(*line, STEP) for line in lines]
+    return [runs.Config(*line, STEP) for line in lines]
 
 
 def points(group, stretch, scene):
@@ -122,14 +151,15 @@ def crossing(values, found, level):
     return float(np.exp(np.interp(np.log(level), np.log(found[last : first + 1]), np.log(values[last : first + 1]))))
 
 
-def thresholds(executor, progress):
+def thresholds(executor):
     """All thresholds, and the points that they come from, as `write` stores them: two DataFrames.
 
     Columns: `CURVE`, level, value, where the error exceeds `level` from the number `value` of the group on, infinite if it
     never does in the sweep; and `CURVE`, value, error, the points of each curve.
     """
     jobs = sweeps()
-    rows = chain.from_iterable(progress(executor.map(points, *zip(*jobs, strict=True)), len(jobs)))
+    found = executor.map(points, *zip(*jobs, strict=True))
+    rows = chain.from_iterable(progress_bar(found, len(jobs), "thresholds"))
     measured = pd.DataFrame(rows, columns=[*CURVE, "value", "error"])
     curves = [(key, curve.sort_values("value", kind="stable")) for key, curve in measured.groupby(CURVE, sort=False)]
     crossings = [(*key, level, crossing([*curve.value], [*curve.error], level)) for key, curve in curves for level in LEVELS]
@@ -193,7 +223,7 @@ def reasons(config, found, level):
     """Why not a simpler tether, with as many segments: triples of variant, number that hurts it most, its limit."""
     for variant in VARIANTS[: VARIANTS.index(config.variant)]:
         segments = (config.segments or SEGMENTS[-1]) if variant == "quasi_steady" else 0
-        simpler = Config(variant, segments, 0.0, config.step)
+        simpler = runs.Config(variant, segments, 0.0, config.step)
         errors = {group: group_error(group, simpler, found) for group in GROUPS}
         group = max(errors, key=errors.get)
         yield variant, group, limit(group, simpler, found, level)
@@ -202,4 +232,4 @@ def reasons(config, found, level):
 def run(_):
     """Measure and store the thresholds."""
     with executor_of() as executor:
-        write(*thresholds(executor, progress_bar("thresholds")))
+        write(*thresholds(executor))

@@ -74,19 +74,19 @@ def measure(scene, config, reference, repeats=1, exact=False):
     return Measured(config, found, first.calls, first.work, seconds / (scene.count * scene.every), spent)
 
 
-def study(scene, store, executor, progress, configs=None, repeats=3):
+def study(scene, store, executor, configs=None, repeats=3):
     """All points of a scene: its `Reference`, and a table with the fields of `Measured` and `Config`, `host_cost`, an error
     for each output, and as `error` the largest of those that the scene asks for.
 
-    store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.  progress : as
-    of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
+    store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.
+    configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
     """
     configs, names = configs or ladder(scene), scene.wanted.outputs
     reference = store.kept(key(scene.digest, *names), lambda: converged(scene, REFERENCE_ERROR, names))
     keys = {config: key(scene.digest, *config) for config in configs}
     missing = [config for config in configs if keys[config] not in store.points]
     tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
-    for point in progress(finished(executor, tasks), len(tasks)):
+    for point in finished(executor, tasks, scene.name):
         store.add(keys[point.config], point._asdict())
     points = [Measured(**{**store.points[keys[config]], "config": config}) for config in configs]
     errors_of_all = pd.DataFrame([point.errors for point in points], columns=OUTPUTS)

@@ -13,9 +13,8 @@ from tetherfmu.study.measuring.tables import circumstances, page
 from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
 from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
 
-from .figure import draw
 from .kernels import kernel_table
-from .races import equal_errors, race
+from .races import draw, equal_errors, race
 
 QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
 
@@ -72,8 +71,8 @@ def run(options):
             tables["Kernels"] = kernel_table(**(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
         raced = scenes(quick, flights)
-        flown = progress_bar("races")(raced, len(raced))
-        runs = pd.concat([race(scene, cvodes, quick, not (quick or flights)) for scene in flown])
+        compiled = not (quick or flights)
+        runs = pd.concat([race(scene, cvodes, quick, compiled) for scene in progress_bar(raced, len(raced), "races")])
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
         tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:

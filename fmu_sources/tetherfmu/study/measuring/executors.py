@@ -9,11 +9,16 @@ from time import sleep
 from tqdm import tqdm
 
 
-def finished(executor, tasks):
+def progress_bar(iterable, total, text):
+    """The iterable, of this length, with a bar that shows how far it is; silent where nobody sees it."""
+    return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
+
+
+def finished(executor, tasks, text):
     """Results of tasks (function, arguments...), as they finish; those not begun are cancelled if the loop is left."""
     futures = [executor.submit(*task) for task in tasks]
     try:
-        yield from (future.result() for future in as_completed(futures))
+        yield from (future.result() for future in progress_bar(as_completed(futures), len(futures), text))
     finally:
         for future in futures:
             future.cancel()
@@ -40,8 +45,3 @@ def executor_of(dask=None, processes=None, **more):
 
     with Client(dask) as client, client.get_executor() as executor:
         yield executor
-
-
-def progress_bar(text):
-    """A function of an iterable and its length that shows how far it is; silent where nobody sees it."""
-    return lambda iterable, total: tqdm(iterable, total=total, desc=text, disable=None, leave=False)

@@ -39,8 +39,8 @@ def by_name(inputs):
 def fly(path, parameters, inputs, step):
     """A flight of an FMU with these parameters and inputs (`by_name`) at a communication step [s], in this process.
 
-    Returns the time [s] from instantiation to the end of the first step, the times [s] of setting, stepping and getting, array
-    (steps, 3), and the last force on the kite [N], a list.
+    Returns the time [s] from instantiation to the end of the first step, an array (steps, 3) of the times [s] of setting,
+    stepping and getting, and a list, the last force on the kite [N].
     """
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
@@ -79,7 +79,7 @@ def fly(path, parameters, inputs, step):
 
 
 def hosted(path, scene, config, steps=None, repeats=1):
-    """What `fly` returns, of so many flights of a configuration through a scene, or its first steps, each in a new process."""
+    """What `fly` returns of flights of a configuration through a scene, or its first steps; each in a new process."""
     flight = str(path), parameters_of(scene, config), by_name(scene.inputs(config.step)[:steps]), config.step
     with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
         tasks = [executor.submit(fly, *flight) for _ in range(repeats)]

@@ -11,7 +11,7 @@ from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variants import VARIANTS
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 from . import runs
 from .runs import COLUMNS, HOST, TABLE, regressors

@@ -1,24 +1,33 @@
-"""The scenes of the benchmark: a tether on a circling kite, on one that flies figures of eight, and a released one.
+"""The scenes of the benchmark, and scenes that nobody has seen: at random, always the same for a seed.
 
-The first two start turning with the kite (`initial_shape = quasi_steady`). The third is held until at rest; then its lower
-end is free and the tether reels out.
+The benchmark has a tether on a circling kite, on one that flies figures of eight, and a released one. The first two start
+turning with the kite (`initial_shape = quasi_steady`). The third is held until at rest; then its lower end is free and the
+tether reels out.
 """
 
+from itertools import cycle, islice
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 
 from tetherfmu import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, Tether
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
-from .files import Scene, Wind
-from .flights import Circle, FigureOfEight, Flight
+from .files import Scene, Wind, read
+from .flights import KINDS, Circle, FigureOfEight, Flight
 
 STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
 BREEZE = Wind((8.0, 0.0, 0.0))
 MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
 STATIC_START, QUASI_STEADY_START = 1, 2
+SEED = 6
+ALLOWED = (0.1, 0.03, 0.01, 0.003)
+DURATION = 20.0  # [s]
+FLIGHTS = pd.read_csv(Path(__file__).with_name("random_flights.csv"))  # by kind: limits between which a number lies
 
 
 class Release(Flight):
@@ -69,3 +78,35 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=Fa
     ends, wind_velocity = first[: at.REEL_OUT_SPEED].reshape(4, 3), first[at.WIND_VELOCITY : at.KITE_LOAD]
     model.initialize(*ends, first[at.REEL_OUT_SPEED], wind_velocity)
     return model
+
+
+def random_table(random, kind):
+    """Table of a scene file. The tether is up to 0.3 % shorter than the distance of the kite, or up to 5 % longer."""
+    limits = FLIGHTS[FLIGHTS.kind == kind].itertuples()
+    numbers = {each.number: random.uniform(each.low, each.high) if each.low < each.high else each.low for each in limits}
+    flight = {"kind": kind, **numbers}
+    slack = random.choice([random.uniform(-0.003, 0.0), random.uniform(0.0, 0.005), random.uniform(0.005, 0.05)])
+    diameter = random.uniform(0.002, 0.008)
+    return {
+        "duration": DURATION,
+        "flight": flight,
+        "tether": {
+            "initial_length": flight["distance"] * (1.0 + slack),
+            "diameter": diameter,
+            "density": random.uniform(700.0, 1400.0),
+            "axial_stiffness": random.uniform(2e10, 1e11) * np.pi * diameter**2 / 4.0,
+        },
+        "wind": {
+            "velocity": [random.uniform(0.0, 14.0), random.uniform(-2.0, 2.0), 0.0],
+            "gust": random.choice([0.0, random.uniform(0.0, 0.6)]),
+            "gust_period": random.uniform(5.0, 15.0),
+        },
+        "wanted": {"outputs": ["kite_force"], "allowed_error": float(random.choice(ALLOWED))},
+    }
+
+
+def random_scenes(count, seed=SEED):
+    """So many scenes, each kind of flight in turn."""
+    random = np.random.default_rng(seed)
+    kinds = islice(cycle(KINDS), count)
+    return [read(random_table(random, kind), Path(), f"{number} {kind}") for number, kind in enumerate(kinds, 1)]

@@ -28,18 +28,18 @@ def read(path):
     return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
 
 
-def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=None):
+def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
     """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
 
     processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
-    progress : wraps an iterator of known length, as `progress_bar` does.
+    progress : as `progress_bar`.
     """
     store, names = Store(path), [key(*point) for point in points]
     missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
     pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
     try:
         futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
-        for future in (progress or progress_bar("points"))(as_completed(futures), len(futures)):
+        for future in progress(as_completed(futures), len(futures), "points"):
             name, ended = futures[future], ENDED.get(type(future.exception()))
             verdict = Verdict(ended) if ended else future.result()
             store.add(name, {**missing[name]._asdict(), **verdict._asdict()})
