@@ -178,10 +178,8 @@ def read(table=TABLE):
     return pd.read_csv(table)
 
 
-@cache
-def curves():
-    """Thresholds with a row for each group, variant, number of segments and stretch, and a column for each level."""
-    return read().set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
+# thresholds: a row for each group, variant, number of segments and stretch, a column for each level
+CURVES = read().set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
 
 
 @cache
@@ -189,10 +187,10 @@ def thresholds_at(group, variant, segments, stretch):
     """Numbers of a group at which a tether is wrong by `LEVELS`, at a stretch [-]; infinite: it never is."""
     if group == "wave":
         variant = "catenary" if variant == "straight" else variant
-        segments = curves().loc[group, variant].index[-1][0]
+        segments = CURVES.loc[group, variant].index[-1][0]
     elif variant == "dynamic":  # in equilibrium it is the same chain
         variant = "quasi_steady"
-    table = curves().loc[group, variant, segments]
+    table = CURVES.loc[group, variant, segments]
     if len(table) == 1:
         return table.to_numpy()[0]
     place = np.log(np.clip(stretch, table.index[0], table.index[-1]))

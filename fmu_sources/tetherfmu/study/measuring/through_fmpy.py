@@ -1,6 +1,5 @@
 """FMUs in a host: FMPy sets the inputs that change, steps, and gets both end forces; each flight in its own process."""
 
-import atexit
 import multiprocessing
 from pathlib import Path
 from time import perf_counter
@@ -49,9 +48,6 @@ def fly(path, parameters, inputs, step):
     description = read_model_description(path)
     name = description.coSimulation.modelIdentifier
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(path), modelIdentifier=name, instanceName=name)
-    # PythonFMU's library must stay loaded, and must not end the interpreter of this process a second time
-    if hasattr(fmu.dll, "finalizePythonInterpreter"):
-        atexit.register(fmu.dll.finalizePythonInterpreter)
     places = {variable.name: variable.valueReference for variable in description.modelVariables}
     moving = inputs.loc[:, inputs.nunique() > 1]
     sets = [places[name] for name in moving]
@@ -74,7 +70,7 @@ def fly(path, parameters, inputs, step):
         forces = fmu.getReal(gets)
         times[k] = before, after_set, after_step, perf_counter()
     fmu.terminate()
-    fmu.fmi2FreeInstance(fmu.component)
+    fmu.fmi2FreeInstance(fmu.component)  # the library stays loaded: see `runtime.workarounds`
     return times[0, 2] - began, np.diff(times), forces[3:]
 
 
