@@ -13,7 +13,7 @@ import pytest
 
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability.flight import MapFlight, Verdict, fly, judge
+from tetherfmu.study.stability.flight import MapFlight, Verdict, bounds, fly, judge
 from tetherfmu.study.stability.points import VARIANTS, kite, point
 from tetherfmu.study.stability.pool import judge_all, read, table
 from tetherfmu.study.stability.report import common, compared
@@ -73,7 +73,7 @@ def test_the_kite_keeps_the_slack_and_its_speed():
 
 def flight(**changes):
     forces = np.ones((5, 6))
-    return MapFlight("", forces, 1.0, 10.0, 1.0, 10.0, 100.0, 0.01, True)._replace(**changes)
+    return MapFlight("", forces, 0.1, 0.1, 100.0, 0.01, True)._replace(**changes)
 
 
 @pytest.mark.parametrize(
@@ -84,9 +84,9 @@ def flight(**changes):
         ({}, {"forces": np.ones((0, 6)), "refusal": "budget spent"}, "stable"),
         ({"refusal": "budget spent"}, {}, "refused"),
         ({"finite": False}, {}, "wrong"),
-        ({"peak": 10.1}, {}, "wrong"),
-        ({"fastest": 10.1}, {}, "wrong"),
-        ({"peak": 10.1, "refusal": "state not finite"}, {}, "wrong"),
+        ({"tension_ratio": 1.01}, {}, "wrong"),
+        ({"speed_ratio": 1.01}, {}, "wrong"),
+        ({"tension_ratio": 1.01, "refusal": "state not finite"}, {}, "wrong"),
         ({"longest": 2.1}, {}, "hanging"),
     ],
 )
@@ -101,8 +101,9 @@ def test_a_tension_beyond_the_bound_is_seen():
     chosen = next(
         p for p in POINTS if p.variant == "dynamic" and p.axial_stiffness > 1e6 and p.slack > 0.0 and p.speed < 50.0
     )
-    flown = fly(chosen)
-    assert 0.0 < flown.bound < chosen.axial_stiffness
+    bound, _ = bounds(chosen, 0.0, chosen.speed)
+    assert 0.0 < bound < chosen.axial_stiffness
+    assert 0.0 < fly(chosen).tension_ratio < 1.0
 
 
 def test_a_point_that_kills_its_process_is_found(tmp_path):

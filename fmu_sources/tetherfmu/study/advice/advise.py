@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from tetherfmu.console.progress import now
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.measuring.errors import Reference, converged, worst
+from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
@@ -27,19 +27,6 @@ FIRST_SEGMENTS = 11  # of the search
 CLEARLY = 1.5  # a tether that is wrong by so many times the allowed error: nothing coarser is tried
 
 
-class Advice(NamedTuple):
-    """What to use, and how well that is known."""
-
-    point: Measured  # its configuration, and errors against the finer model
-    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
-    expected: float  # plus the finer model's own
-    met: bool  # whether `expected` is allowed
-    finer: Reference
-    tried: int  # configurations that were flown
-    budget: float  # of all flights [s]
-    stopped: bool  # whether the budget ended the search
-
-
 class Search:
     """Configurations that were flown in a scene against a finer model, within a budget [s].
 
@@ -47,7 +34,7 @@ class Search:
     """
 
     def __init__(self, scene, finer, budget):
-        self.scene, self.finer, self.left = scene, finer, budget - finer.spent
+        self.scene, self.finer, self.budget, self.left = scene, finer, budget, budget - finer.spent
         self.own = finer.own_error(scene.wanted.outputs)
         self.limit = max(scene.wanted.allowed_error, 2.0 * self.own)
         self.points, self.stopped = {}, False
@@ -112,6 +99,16 @@ class Search:
                 self.fly(config)
 
 
+class Advice(NamedTuple):
+    """What to use, and how well that is known."""
+
+    point: Measured  # its configuration, and errors against the finer model
+    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
+    expected: float  # plus the finer model's own
+    met: bool  # whether `expected` is allowed
+    search: Search  # that ended with it
+
+
 def finer_model(scene, budget):
     """`Reference` that an advice is measured against, within a budget [s]."""
     allowed = scene.wanted.allowed_error
@@ -124,16 +121,14 @@ def finer_model(scene, budget):
 def advise(scene, budget=BUDGET):
     """`Advice` for a scene, by flying it; its flights cost about the budget at most [s]."""
     allowed, names = scene.wanted.allowed_error, scene.wanted.outputs
-    finer = finer_model(scene, PART_OF_FINER * budget)
-    search = Search(scene, finer, budget)
+    search = Search(scene, finer_model(scene, PART_OF_FINER * budget), budget)
     search.refine()
     search.cheaper()
     points = search.points.values()
     good = [point for point in points if search.part(point) <= 1.0]
     chosen = min(good, key=lambda point: point.cost) if good else min(points, key=search.part)
     error, own = chosen.error(names), search.own
-    evidence = finer, len(points), budget, search.stopped
-    return Advice(chosen, max(0.0, error - own), error + own, error + own <= allowed, *evidence)
+    return Advice(chosen, max(0.0, error - own), error + own, error + own <= allowed, search)
 
 
 def explain(scene, advice):

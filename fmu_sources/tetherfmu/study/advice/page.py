@@ -40,7 +40,7 @@ def verdict(scene, reference, budget):
     advice = advise(scene, budget)
     config = advice.point.config
     said = {"seconds": process_time() - began, "advised": config.words(), "cost": advice.point.cost}
-    said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": advice.tried}
+    said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": len(advice.search.points)}
     error = measure(scene, config, reference.run.flown).error(NAMES)
     own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
     inside = advice.least - own <= error <= advice.expected + own
@@ -111,21 +111,17 @@ def how_much_tether(results, verdicts):
     return page("advice/page.md.j2", **declared(), **facts, results=results)
 
 
-def measured(scenes, stores):
-    """What `how_much_tether` takes, measured; finished points are taken from the stores, a `Store` for each scene."""
+def run(options):
+    """Measure all and write the page and its figures; finished points are taken from the stores."""
+    scenes, figures = [asking(load(path), 0.01) for path in options.scenes], options.out / "figures"
+    stores = [Store(options.store / scene.name / POINTS) for scene in scenes]
     with executor_of() as executor:
         studied = [study(scene, store, executor, repeats=1) for scene, store in zip(scenes, stores, strict=True)]
         references = [reference for reference, _ in studied]
         known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))
         advice = progress_bar(known, len(scenes), "advice")
         results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
-        return results, list(progress_bar(others, UNSEEN, "unseen scenes"))
-
-
-def run(options):
-    """Measure all and write the page and its figures."""
-    scenes, figures = [asking(load(path), 0.01) for path in options.scenes], options.out / "figures"
-    results, others = measured(scenes, [Store(options.store / scene.name / POINTS) for scene in scenes])
+        others = list(progress_bar(others, UNSEEN, "unseen scenes"))
     figures.mkdir(parents=True, exist_ok=True)
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")

@@ -1,5 +1,6 @@
 """The trade of speed for accuracy in a scene: every configuration against a converged reference."""
 
+from concurrent.futures import as_completed
 from itertools import chain, product, starmap
 from typing import NamedTuple
 
@@ -8,7 +9,7 @@ import pandas as pd
 
 from tetherfmu.results import StepRefused
 from tetherfmu.study.measuring.errors import converged, errors, worst
-from tetherfmu.study.measuring.executors import finished
+from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import HOST_COST, Config, cost, run
 from tetherfmu.study.measuring.store import key
 from tetherfmu.study.scenes.files import OUTPUTS
@@ -85,8 +86,8 @@ def study(scene, store, executor, configs=None, repeats=3):
     reference = store.kept(key(scene.digest, *names), lambda: converged(scene, REFERENCE_ERROR, names))
     keys = {config: key(scene.digest, *config) for config in configs}
     missing = [config for config in configs if keys[config] not in store.points]
-    tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
-    for point in finished(executor, tasks, scene.name):
+    futures = [executor.submit(measure, scene, config, reference.run.flown, repeats) for config in missing]
+    for point in (future.result() for future in progress_bar(as_completed(futures), len(futures), scene.name)):
         store.add(keys[point.config], point._asdict())
     points = [Measured(**{**store.points[keys[config]], "config": config}) for config in configs]
     errors_of_all = pd.DataFrame([point.errors for point in points], columns=OUTPUTS)

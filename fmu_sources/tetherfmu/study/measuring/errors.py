@@ -14,7 +14,7 @@ The reference is the dynamic tether, refined in space and in time until its own 
 that knows the mean reel-out speed of each step and the wind of its middle (`Scene.inputs`, exact).
 """
 
-from functools import cache
+from functools import cache, partial
 from math import ceil, inf
 from typing import NamedTuple
 
@@ -29,11 +29,7 @@ LONGEST_SETTLING = 0.25  # ... at most this part of the scene
 FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
 LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
-
-
-def size(vectors):
-    """Length of vectors along the last axis."""
-    return np.linalg.norm(vectors, axis=-1)
+size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
 
 
 def rms(values):

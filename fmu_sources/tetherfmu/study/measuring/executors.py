@@ -1,7 +1,7 @@
 """Work in parallel, through any executor of concurrent.futures: processes of this machine, or a Dask cluster."""
 
 import signal
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from time import sleep
@@ -14,19 +14,11 @@ def progress_bar(iterable, total, text):
     return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
 
 
-def finished(executor, tasks, text):
-    """Results of tasks (function, arguments...), as they finish; those not begun are cancelled if the loop is left."""
-    futures = [executor.submit(*task) for task in tasks]
-    try:
-        yield from (future.result() for future in progress_bar(as_completed(futures), len(futures), text))
-    finally:
-        for future in futures:
-            future.cancel()
-
-
 @contextmanager
 def executor_of(dask=None, processes=None, **more):
     """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core).
+
+    Tasks that are not begun when it is left are cancelled.
 
     more : options of `ProcessPoolExecutor`.
     """
@@ -43,5 +35,5 @@ def executor_of(dask=None, processes=None, **more):
         return
     from distributed import Client
 
-    with Client(dask) as client, client.get_executor() as executor:
-        yield executor
+    with Client(dask) as client:
+        yield client.get_executor()

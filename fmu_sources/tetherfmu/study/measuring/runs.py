@@ -8,7 +8,7 @@ calls: communication steps, each with its outputs. work: internal steps of the d
 a, b, c, d are fitted to times measured on one machine and stored in costs.csv, see `unit_costs`.
 """
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import NamedTuple
 from warnings import catch_warnings
@@ -80,9 +80,9 @@ def run(scene, config, exact=False):
     exact : whether with the exact reel-out and wind of each step, see `Scene.inputs`.
     """
     inputs = scene.inputs(config.step, exact)
-    scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
+    options = {"held": exact, "segments": config.segments or 1, "shape_points": SHAPE_POINTS}
     with catch_warnings(**UNWARNED):
-        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], held=exact, shape_points=SHAPE_POINTS)
+        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options)
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
         except StepRefused as refusal:

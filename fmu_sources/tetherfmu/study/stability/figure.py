@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from scipy.stats import binned_statistic_2d
 
 from tetherfmu.console.colours import BLACK, BLUE, ORANGE, SKY_BLUE
 
@@ -35,17 +34,6 @@ def edges(axis):
     return space(QUANTITIES.low[axis], QUANTITIES.high[axis], EDGES)
 
 
-def cells(results, values, statistic, up, across):
-    """Array of a statistic of some values [%] over two axes, nan where there are fewer than `FEWEST` points."""
-
-    def of_cell(places):
-        found = values.iloc[places.astype(int)]
-        return np.nan if len(found) < FEWEST else 100.0 * getattr(found, statistic)()
-
-    places = np.arange(float(len(results)))  # scipy takes finite numbers only, and an error may be infinite
-    return binned_statistic_2d(results[up], results[across], places, of_cell, [edges(up), edges(across)]).statistic
-
-
 def draw_verdicts(figure, line, pairs, results):
     """A row of panels with a dot for each flight, and a legend with the numbers of flights."""
     for kind, style in DOTS.items():
@@ -57,9 +45,11 @@ def draw_verdicts(figure, line, pairs, results):
 
 
 def draw_cells(column, statistic, label, colours, norm, figure, line, pairs, results):
-    """A row of heat maps of a statistic of a column."""
+    """A row of heat maps of a statistic of a column [%], without colour where a cell has fewer than `FEWEST` points."""
     for panel, (x, y) in zip(line, pairs.items(), strict=True):
-        shares = cells(results, results[column], statistic, y, x)
+        places = [pd.cut(results[axis], edges(axis), include_lowest=True) for axis in (y, x)]
+        groups = results[column].groupby(places, observed=False)
+        shares = 100.0 * groups.agg(statistic).where(groups.size() >= FEWEST).unstack()
         mesh = panel.pcolormesh(edges(x), edges(y), shares, norm=norm, cmap=colours)
     figure.colorbar(mesh, ax=list(line), label=label, extend="both" if isinstance(norm, LogNorm) else "neither", pad=0.01)
 

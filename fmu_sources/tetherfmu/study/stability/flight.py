@@ -18,7 +18,7 @@ root is the tension of an elastic parabola between fixed ends. No node may be fa
 """
 
 from functools import partial
-from math import inf, sqrt
+from math import sqrt
 from time import process_time
 from typing import NamedTuple
 from warnings import catch_warnings
@@ -29,7 +29,7 @@ from numpy.linalg import norm
 from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.study.measuring.runs import UNWARNED
 from tetherfmu.study.scenes.standard import MODELS
 
@@ -37,6 +37,7 @@ from .points import CALLS, MOST_REELED, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
+SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")  # quantities of points and tethers
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
@@ -53,10 +54,8 @@ class MapFlight(NamedTuple):
 
     refusal: str  # name of its sentence, or ""
     forces: np.ndarray = np.zeros((0, 6))  # both end forces [N] at the start and after each communication step
-    peak: float = 0.0  # largest tension [N]
-    bound: float = inf  # what it may be [N]
-    fastest: float = 0.0  # largest speed of a node [m/s], for dynamic tethers
-    speed_bound: float = inf  # what it may be [m/s]
+    tension_ratio: float = 0.0  # largest tension over its bound [-]
+    speed_ratio: float = 0.0  # largest speed of a node over its bound [-], for dynamic tethers
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
     finite: bool = True
@@ -77,12 +76,10 @@ class Verdict(NamedTuple):
 
 def model_of(point, refinement):
     """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
-    material = {"axial_stiffness": point.axial_stiffness, "axial_damping": point.axial_damping}
-    tether = Tether(segments=point.segments, initial_length=point.length, **material)
+    model, quantities = MODELS[point.variant.removesuffix("_fixed_step")], {name: getattr(point, name) for name in SAME}
     tolerance = point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2)
-    solver = Solver(tolerance, fixed_step=point.fixed_step / refinement, initial_shape=point.initial_shape)
-    model = MODELS[point.variant.removesuffix("_fixed_step")]
-    return model(tether, Environment(gravity=point.gravity), solver, shape_points=2)
+    refined = {"relative_tolerance": tolerance, "fixed_step": point.fixed_step / refinement}
+    return model(initial_length=point.length, shape_points=2, **quantities, **refined)
 
 
 def strain_and_speed(flown, step):
@@ -142,12 +139,13 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     if not outputs:
         return MapFlight(refusal, longest=longest)
     flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)
-    bound, speed_bound = bounds(point, *strain_and_speed(flown, step))
+    tension, speed = bounds(point, *strain_and_speed(flown, step))
     forces = np.hstack([flown.ground_force, flown.kite_force])[::refinement]
     velocities = np.array(states)[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3)[:, 1]
     fastest = norm(velocities, axis=2).max() if point.variant.startswith("dynamic") else 0.0
     finite = all(np.isfinite(numbers).all() for numbers in (states, *flown))
-    return MapFlight(refusal, forces, flown.max_tension.max(), bound, fastest, speed_bound, work, longest, finite)
+    ratios = float(flown.max_tension.max() / tension), float(fastest / speed)
+    return MapFlight(refusal, forces, *ratios, work, longest, finite)
 
 
 def difference(point, flight, refined):
@@ -167,8 +165,7 @@ def difference(point, flight, refined):
 def judge(point):
     """Fly a point, and its refinement where that makes sense; returns its `Verdict`."""
     flight = fly(point)
-    calls, ratios = len(flight.forces), (float(flight.peak / flight.bound), float(flight.fastest / flight.speed_bound))
-    error = None
+    error, calls, ratios = None, len(flight.forces), (flight.tension_ratio, flight.speed_ratio)
     if flight.longest > LONGEST_CALL:
         verdict = "hanging"
     elif not flight.finite or max(ratios) > 1.0:
