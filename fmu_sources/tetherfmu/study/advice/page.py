@@ -38,10 +38,9 @@ def verdict(scene, reference, budget):
     """
     began = process_time()
     advice = advise(scene, budget)
-    config = advice.point.config
-    said = {"seconds": process_time() - began, "advised": config.words(), "cost": advice.point.cost}
+    said = {"seconds": process_time() - began, "advised": advice.point.config.words(), "cost": advice.point.cost}
     said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": len(advice.search.points)}
-    error = measure(scene, config, reference.run.flown).error(NAMES)
+    error = measure(scene, advice.point.config, reference.run.flown).error(NAMES)
     own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
     inside = advice.least - own <= error <= advice.expected + own
     return said | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}

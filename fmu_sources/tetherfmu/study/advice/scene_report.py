@@ -35,37 +35,36 @@ def html(title, text):
     return page("advice/scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
 
 
-def write(scene, reference, points, through_fmpy, folder):
-    """Write points.csv, pareto.png, report.md and report.html to a folder; returns the page as Markdown.
+def write(scene, reference, points, best, through_fmpy, folder):
+    """Write points.csv, pareto.png, report.md and report.html to a folder (Path); returns the page as Markdown.
 
-    through_fmpy : maps configurations to measured time per simulated second.
+    best : maps levels of error to the cheapest points.  through_fmpy : maps configurations to measured time per simulated
+    second.
     """
-    folder, names = Path(folder), scene.wanted.outputs
     write_csv(points, reference, folder / "points.csv")
-    draw(points, reference.own_error(names), scene, folder / "pareto.png")
-    levels = sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)
+    draw(points, reference.own_error(scene.wanted.outputs), scene, folder / "pareto.png")
     most_exact = {variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)}
     facts = {"scene": scene, "reference": reference, "worst": worst, "through_fmpy": through_fmpy, "most_exact": most_exact}
-    text = page("advice/scene.md.j2", cheapest={level: cheapest(points, level) for level in levels}, **facts)
+    text = page("advice/scene.md.j2", cheapest=best, **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text
 
 
 def fmpy_times(scene, points, folder):
-    """Measured time per simulated second through FMPy of the configurations that the report names; builds missing FMUs."""
+    """Measured time per simulated second through FMPy of the configurations of points; missing FMUs are built."""
     now("measuring through FMPy")
-    best = [cheapest(points, level) for level in {*LEVELS, scene.wanted.allowed_error}]
     with tempfile.TemporaryDirectory() as temporary:
         fmus_in(folder or temporary)
-        return {each.config: flown(folder or temporary, scene, each.config)[0] for each in best if each is not None}
+        return {each.config: flown(folder or temporary, scene, each.config)[0] for each in points if each is not None}
 
 
 def run(options):
     """Study the scene of a file, write and print the report."""
     scene = load(options.scene)
-    store = Store(Path(options.out or Path("study") / scene.name) / POINTS)
+    store = Store((options.out or Path("study") / scene.name) / POINTS)
     with executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor)
-    through_fmpy = {} if options.no_fmpy else fmpy_times(scene, points, options.fmus)
-    print(write(scene, reference, points, through_fmpy, store.folder))
+    best = {level: cheapest(points, level) for level in sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)}
+    through_fmpy = {} if options.no_fmpy else fmpy_times(scene, best.values(), options.fmus)
+    print(write(scene, reference, points, best, through_fmpy, store.folder))

@@ -15,11 +15,10 @@ import moordyn
 import numpy as np
 import pandas as pd
 
-from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.standard import STEP, circle_scene
 
-from .races import DEFAULT, OURS, our_run
+from .races import DEFAULT, OURS, interleaved, our_run
 
 DEPTH = 50_000.0
 WARM_UP, PART = 250, 50  # communication steps, 5 s and 1 s

@@ -6,6 +6,8 @@ and rejected, where they are known).
 """
 
 from math import ceil
+from statistics import median
+from time import perf_counter
 
 import numpy as np
 import pandas as pd
@@ -13,7 +15,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
-from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.measuring.reference import error, exact
 from tetherfmu.study.scenes.standard import STEP, tether_at_start
 
@@ -36,6 +37,24 @@ STYLES = {
     RESTARTED + COMPILED: {"color": BLACK, "marker": "^", **IN_C},
 }
 TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "Released tether"}
+
+
+def interleaved(jobs, repeats, statistic=median, clock=perf_counter):
+    """Median (or another statistic of the) time [s] of each job; each runs once before, untimed.
+
+    The jobs take turns: all see the same load of the machine.
+
+    jobs : dict of functions without arguments.  clock : function that gives the time [s].
+    Returns dict of times and dict of what the untimed calls returned.
+    """
+    results = {name: job() for name, job in jobs.items()}
+    times = {name: [] for name in jobs}
+    for _ in range(repeats):
+        for name, job in jobs.items():
+            started = clock()
+            job()
+            times[name].append(clock() - started)
+    return {name: statistic(each) for name, each in times.items()}, results
 
 
 def our_run(scene, step, tolerance, counters):

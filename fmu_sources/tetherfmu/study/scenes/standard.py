@@ -86,23 +86,15 @@ def random_table(random, kind):
     numbers = {each.number: random.uniform(each.low, each.high) if each.low < each.high else each.low for each in limits}
     flight = {"kind": kind, **numbers}
     slack = random.choice([random.uniform(-0.003, 0.0), random.uniform(0.0, 0.005), random.uniform(0.005, 0.05)])
-    diameter = random.uniform(0.002, 0.008)
-    return {
-        "duration": DURATION,
-        "flight": flight,
-        "tether": {
-            "initial_length": flight["distance"] * (1.0 + slack),
-            "diameter": diameter,
-            "density": random.uniform(700.0, 1400.0),
-            "axial_stiffness": random.uniform(2e10, 1e11) * np.pi * diameter**2 / 4.0,
-        },
-        "wind": {
-            "velocity": [random.uniform(0.0, 14.0), random.uniform(-2.0, 2.0), 0.0],
-            "gust": random.choice([0.0, random.uniform(0.0, 0.6)]),
-            "gust_period": random.uniform(5.0, 15.0),
-        },
-        "wanted": {"outputs": ["kite_force"], "allowed_error": float(random.choice(ALLOWED))},
-    }
+    diameter, density = random.uniform(0.002, 0.008), random.uniform(700.0, 1400.0)
+    stiffness = random.uniform(2e10, 1e11) * np.pi * diameter**2 / 4.0
+    tether = {"diameter": diameter, "density": density, "axial_stiffness": stiffness}
+    tether["initial_length"] = flight["distance"] * (1.0 + slack)
+    velocity = [random.uniform(0.0, 14.0), random.uniform(-2.0, 2.0), 0.0]
+    gust = random.choice([0.0, random.uniform(0.0, 0.6)])
+    wind = {"velocity": velocity, "gust": gust, "gust_period": random.uniform(5.0, 15.0)}
+    wanted = {"outputs": ["kite_force"], "allowed_error": float(random.choice(ALLOWED))}
+    return {"duration": DURATION, "flight": flight, "tether": tether, "wind": wind, "wanted": wanted}
 
 
 def random_scenes(count, seed=SEED):
