@@ -1,5 +1,7 @@
 """Figures: cost against error of a scene or of several, and the error over each dimensionless number."""
 
+from math import ceil
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -51,21 +53,19 @@ def draw(points, own_error, scene, path):
 
 def draw_scenes(results, names, path):
     """Small Pareto figures, one for each scene; `results` as `page.page` has them."""
-    rows = -(-len(results) // COLUMNS)
+    rows, axis = ceil(len(results) / COLUMNS), None
     figure = Figure(figsize=(12, 2.9 * rows), layout="constrained")
-    axes = figure.subplots(rows, COLUMNS, sharex=True, sharey=True).flat
-    for axis in axes[len(results) :]:
-        axis.set_visible(False)
-    for axis, (scene, (reference, points, _)) in zip(axes, results.items(), strict=False):
+    for place, (scene, (reference, points, _)) in enumerate(results.items()):
+        axis = figure.add_subplot(rows, COLUMNS, place + 1, sharex=axis, sharey=axis)
         draw_points(axis, points, 3)
         axis.axvspan(1e-4, 100.0 * reference.own_error(names), color="0.85", linewidth=0.0, label="error of the reference")
         axis.set_title(scene.name.replace("_", " "), fontsize=10)
         axis.set_xlim(200.0, 0.005)
-        axis.tick_params(labelbottom=True)
+        axis.tick_params(labelleft=place % COLUMNS == 0)
     figure.supxlabel("error of the force on the kite [%]", fontsize=10)
     figure.supylabel("kernel time per simulated second [µs]", fontsize=10)
     legend = {"loc": "outside upper center", "ncols": 5, "frameon": False, "fontsize": 9, "markerscale": 3.0}
-    figure.legend(*axes[0].get_legend_handles_labels(), **legend)
+    figure.legend(*axis.get_legend_handles_labels(), **legend)
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
