@@ -13,7 +13,7 @@ import pytest
 
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability.flight import MapFlight, Verdict, bounds, fly, judge
+from tetherfmu.study.stability.flight import Verdict, bounds, fly, judge
 from tetherfmu.study.stability.points import VARIANTS, kite, point
 from tetherfmu.study.stability.pool import judge_all, read, table
 from tetherfmu.study.stability.report import common, compared
@@ -71,9 +71,9 @@ def test_the_kite_keeps_the_slack_and_its_speed():
         )
 
 
-def flight(**changes):
-    forces = np.ones((5, 6))
-    return MapFlight("", forces, 0.1, 0.1, 100.0, 0.01, True)._replace(**changes)
+def flight(forces=None, **changes):
+    found = Verdict(calls=5, tension_ratio=0.1, speed_ratio=0.1, work=100.0, longest=0.01)
+    return found._replace(**changes), np.ones((5, 6)) if forces is None else forces
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def flight(**changes):
         ({}, {"forces": 1e6 * np.ones((5, 6))}, "stable"),
         ({}, {"forces": np.ones((0, 6)), "refusal": "budget spent"}, "stable"),
         ({"refusal": "budget spent"}, {}, "refused"),
-        ({"finite": False}, {}, "wrong"),
+        ({"tension_ratio": np.inf}, {}, "wrong"),
         ({"tension_ratio": 1.01}, {}, "wrong"),
         ({"speed_ratio": 1.01}, {}, "wrong"),
         ({"tension_ratio": 1.01, "refusal": "state not finite"}, {}, "wrong"),
@@ -103,7 +103,7 @@ def test_a_tension_beyond_the_bound_is_seen():
     )
     bound, _ = bounds(chosen, 0.0, chosen.speed)
     assert 0.0 < bound < chosen.axial_stiffness
-    assert 0.0 < fly(chosen).tension_ratio < 1.0
+    assert 0.0 < fly(chosen)[0].tension_ratio < 1.0
 
 
 def test_a_point_that_kills_its_process_is_found(tmp_path):

@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
+from tetherfmu.runtime import layout as at
 from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
@@ -80,9 +81,9 @@ def run(scene, config, exact=False):
     exact : whether with the exact reel-out and wind of each step, see `Scene.inputs`.
     """
     inputs = scene.inputs(config.step, exact)
-    options = {"held": exact, "segments": config.segments or 1, "shape_points": SHAPE_POINTS}
+    options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     with catch_warnings(**UNWARNED):
-        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options)
+        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options, shape_points=SHAPE_POINTS)
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
         except StepRefused as refusal:

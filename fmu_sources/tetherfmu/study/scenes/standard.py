@@ -13,7 +13,7 @@ import pandas as pd
 
 from tetherfmu import models
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .files import Scene, Wind, read
@@ -63,17 +63,15 @@ def release_scene(segments, duration=10.0):
     return Scene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)
 
 
-def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=False, **options):
+def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **options):
     """A tether of a variant, initialized for a scene; `tolerance` 0 is the solver's default.
 
-    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  held : whether the reel-out speed
-    stays as it is during a step.  options : of TetherModel.
+    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  options : of TetherModel.
     """
-    shape = QUASI_STEADY_START
-    if isinstance(scene.flight, Release):
-        shape, options["free_ends"] = STATIC_START, (False, True)
-    solver = Solver(tolerance, initial_shape=shape, input_continuation=at.HELD if held else at.LINEAR)
-    model = MODELS[variant](scene.tether, scene.environment, solver, **options)
+    options |= {"relative_tolerance": tolerance, "initial_shape": QUASI_STEADY_START}
+    if scene.kite_is_free:
+        options |= {"initial_shape": STATIC_START, "free_ends": (False, True)}
+    model = MODELS[variant](scene.tether, scene.environment, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
     ends, wind_velocity = first[: at.REEL_OUT_SPEED].reshape(4, 3), first[at.WIND_VELOCITY : at.KITE_LOAD]
     model.initialize(*ends, first[at.REEL_OUT_SPEED], wind_velocity)

@@ -49,27 +49,15 @@ LONGEST_CALL = 2.0  # [s]
 REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
 
 
-class MapFlight(NamedTuple):
-    """What became of a flight."""
-
-    refusal: str  # name of its sentence, or ""
-    forces: np.ndarray = np.zeros((0, 6))  # both end forces [N] at the start and after each communication step
-    tension_ratio: float = 0.0  # largest tension over its bound [-]
-    speed_ratio: float = 0.0  # largest speed of a node over its bound [-], for dynamic tethers
-    work: float = 0.0  # segments times internal steps
-    longest: float = 0.0  # call [s]
-    finite: bool = True
-
-
 class Verdict(NamedTuple):
     """What came of a point."""
 
-    verdict: str  # a word of `VERDICTS`
+    verdict: str = ""  # a word of `VERDICTS`, or none yet
     error: float | None = None  # [-]
     refusal: str = ""  # its name
     calls: int = 0  # communication steps done, the start included
-    tension_ratio: float = 0.0  # largest tension over its bound [-]
-    speed_ratio: float = 0.0  # largest speed over its bound [-]
+    tension_ratio: float = 0.0  # largest tension over its bound [-], infinite if a number is not finite
+    speed_ratio: float = 0.0  # largest speed of a node over its bound [-], of dynamic tethers; infinite likewise
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
 
@@ -111,8 +99,21 @@ def bounds(point, strain, end_speed):
     return point.axial_stiffness * strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
+def ratios(point, flown, states, step):
+    """Largest tension and speed of a node over their bounds [-], infinite if a number is not finite; see `Verdict`.
+
+    flown : `Outputs` of arrays (calls, ...).  states : array (calls, size of the state).  step : between calls [s].
+    """
+    if not all(np.isfinite(numbers).all() for numbers in (states, *flown)):
+        return np.inf, np.inf
+    tension, speed = bounds(point, *strain_and_speed(flown, step))
+    velocities = states[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3)[:, 1]
+    fastest = norm(velocities, axis=2).max() if point.variant.startswith("dynamic") else 0.0
+    return float(flown.max_tension.max() / tension), float(fastest / speed)
+
+
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
-    """Fly a point; returns its `MapFlight`.
+    """Fly a point; returns its `Verdict`, yet without word and error, and both end forces [N], array (calls, 6).
 
     refinement : divides the communication step too; see `model_of`.  calls : communication steps (of the unrefined flight).
     """
@@ -136,27 +137,24 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             work = sum(model.counters.values()) * model.segments
             if work > most_work:
                 break
+    found = Verdict(refusal=refusal, calls=len(outputs), work=work, longest=longest)
     if not outputs:
-        return MapFlight(refusal, longest=longest)
+        return found, np.zeros((0, 6))
     flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)
-    tension, speed = bounds(point, *strain_and_speed(flown, step))
+    tension_ratio, speed_ratio = ratios(point, flown, np.array(states), step)
     forces = np.hstack([flown.ground_force, flown.kite_force])[::refinement]
-    velocities = np.array(states)[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3)[:, 1]
-    fastest = norm(velocities, axis=2).max() if point.variant.startswith("dynamic") else 0.0
-    finite = all(np.isfinite(numbers).all() for numbers in (states, *flown))
-    ratios = float(flown.max_tension.max() / tension), float(fastest / speed)
-    return MapFlight(refusal, forces, *ratios, work, longest, finite)
+    return found._replace(tension_ratio=tension_ratio, speed_ratio=speed_ratio), forces
 
 
-def difference(point, flight, refined):
-    """Error of a flight [-] against its refinement, inf beyond all numbers; None where the refinement has only the start.
+def difference(point, forces, refined):
+    """Error of the forces of a flight [-] against the refined ones, inf beyond all numbers; None where these are the start's.
 
     Two flights without any force have no error.
     """
-    count = min(len(flight.forces), len(refined.forces))
+    count = min(len(forces), len(refined))
     if count < 2:
         return None
-    a, b = flight.forces[:count], refined.forces[:count]
+    a, b = forces[:count], refined[:count]
     size = np.sqrt(np.mean(b**2)) + LINE_DENSITY * point.length * point.gravity
     error = np.sqrt(np.mean((a - b) ** 2))
     return float(np.nan_to_num(error / size, nan=np.inf)) if error else 0.0
@@ -164,15 +162,14 @@ def difference(point, flight, refined):
 
 def judge(point):
     """Fly a point, and its refinement where that makes sense; returns its `Verdict`."""
-    flight = fly(point)
-    error, calls, ratios = None, len(flight.forces), (flight.tension_ratio, flight.speed_ratio)
-    if flight.longest > LONGEST_CALL:
+    (found, forces), error = fly(point), None
+    if found.longest > LONGEST_CALL:
         verdict = "hanging"
-    elif not flight.finite or max(ratios) > 1.0:
+    elif max(found.tension_ratio, found.speed_ratio) > 1.0:
         verdict = "wrong"
-    elif flight.refusal:
+    elif found.refusal:
         verdict = "refused"
     else:
-        error = difference(point, flight, fly(point, refinement=2, calls=calls - 1, most_work=np.inf))
+        error = difference(point, forces, fly(point, refinement=2, calls=found.calls - 1, most_work=np.inf)[1])
         verdict = "converged" if error is not None and error <= CONVERGED else "stable"
-    return Verdict(verdict, error, flight.refusal, calls, *ratios, flight.work, flight.longest)
+    return found._replace(verdict=verdict, error=error)
