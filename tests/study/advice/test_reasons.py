@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tetherfmu.study.advice.thresholds import (
@@ -12,7 +13,6 @@ from tetherfmu.study.advice.thresholds import (
     crossing,
     drag_scene,
     numbers,
-    read,
     slack_scene,
     thresholds_at,
     wave_scene,
@@ -74,7 +74,7 @@ def test_crossing_is_interpolated_on_logarithmic_axes():
 
 
 def test_tables_are_stored_as_they_were_read(tmp_path):
-    write(read(), read(SWEEPS), tmp_path / "thresholds.csv", tmp_path / "sweeps.csv")
+    write(pd.read_csv(TABLE), pd.read_csv(SWEEPS), tmp_path / "thresholds.csv", tmp_path / "sweeps.csv")
     assert (tmp_path / "thresholds.csv").read_bytes() == TABLE.read_bytes()
     assert (tmp_path / "sweeps.csv").read_bytes() == SWEEPS.read_bytes()
 

@@ -13,9 +13,8 @@ import pytest
 
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability.flight import Verdict, bounds, fly, judge
+from tetherfmu.study.stability.flight import Verdict, bounds, fly, judge, judge_all, read, table
 from tetherfmu.study.stability.points import VARIANTS, kite, point
-from tetherfmu.study.stability.pool import judge_all, read, table
 from tetherfmu.study.stability.report import common, compared
 
 POINTS = [point(1, number) for number in range(400)]

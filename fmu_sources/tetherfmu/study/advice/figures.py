@@ -3,13 +3,14 @@
 from math import ceil
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .thresholds import LEVELS as THRESHOLD_LEVELS
-from .thresholds import SWEEPS, read
+from .thresholds import SWEEPS, TABLE
 from .tradeoff import LEVELS, front
 
 LABELS = {
@@ -72,7 +73,7 @@ def draw_scenes(results, names, path):
 def draw_sweeps(path):
     """Error over each number, one panel for each."""
     figure = Figure(figsize=(12, 3.4), layout="constrained")
-    axes, handles, points = figure.subplots(1, len(LABELS), sharey=True), {}, read(SWEEPS)
+    axes, handles, points = figure.subplots(1, len(LABELS), sharey=True), {}, pd.read_csv(SWEEPS)
     shown = points[points.segments.isin(LINES) & points.stretch.isin(STRETCHES) & (points.error < 10.0)]
     for axis, (group, label) in zip(axes, LABELS.items(), strict=True):
         for (variant, segments), curve in shown[shown.group == group].groupby(["variant", "segments"], sort=False):
@@ -90,7 +91,7 @@ def draw_sweeps(path):
 
 def questions():
     """The decision chart: (question, answer that leaves it, variant that it leaves to), and the variant at its end."""
-    table = read()
+    table = pd.read_csv(TABLE)
     rows = table[np.isclose(table.level, CHART_LEVEL) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
     most = rows.set_index(["group", "variant"]).value  # number up to which a tether is enough
     loads, wave = min(most["weight", "straight"], most["drag", "straight"]), most["wave", "catenary"]

@@ -17,7 +17,7 @@ from tetherfmu.study.scenes.standard import SEED, random_scenes
 
 from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
-from .thresholds import read
+from .thresholds import TABLE
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
 NAMES = ("kite_force",)
@@ -86,7 +86,7 @@ def at_all_levels(scene, reference):
 
 def declared():
     """What the page says that is not measured for it; the keys of a scene file are the quantities of its records."""
-    table = read()
+    table = pd.read_csv(TABLE)
     tethers = (table.variant + " " + table.segments.astype(str)).str.removesuffix(" 0")
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
     rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)

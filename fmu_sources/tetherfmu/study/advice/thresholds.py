@@ -173,13 +173,8 @@ def write(found, measured, table=TABLE, sweep_table=SWEEPS):
         frame.assign(**rounded).to_csv(path, index=False, lineterminator="\r\n")
 
 
-def read(table=TABLE):
-    """Thresholds, or the points that they come from, as they were stored."""
-    return pd.read_csv(table)
-
-
 # thresholds: a row for each group, variant, number of segments and stretch, a column for each level
-CURVES = read().set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
+CURVES = pd.read_csv(TABLE).set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
 
 
 @cache

@@ -1,5 +1,7 @@
 """One flight of the stability map, and the verdict on it: from the flight of its refinement, and from what can be explained.
 
+Many are judged in parallel; each verdict is kept in a file at once, whatever a point may do to its process.
+
 The verdicts are explained on the page (`page.md.j2`). Also stable: a point whose refinement is refused (error: none).
 Hanging: a call took longer than `LONGEST_CALL` of the processor, or the process of the point was ended for taking too long.
 Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
@@ -17,6 +19,9 @@ for reflections and for the whip of a bend. Q is the load across the line: weigh
 root is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
 """
 
+import multiprocessing
+import os
+from concurrent.futures import as_completed
 from functools import partial
 from math import sqrt
 from time import process_time
@@ -24,16 +29,20 @@ from typing import NamedTuple
 from warnings import catch_warnings
 
 import numpy as np
+import pandas as pd
 from numpy.linalg import norm
+from pebble import ProcessExpired, ProcessPool
 
 from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Tether
+from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import UNWARNED
+from tetherfmu.study.measuring.store import Store, key
 from tetherfmu.study.scenes.standard import MODELS
 
-from .points import CALLS, MOST_REELED, kite
+from .points import CALLS, MOST_REELED, MapPoint, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
@@ -60,6 +69,11 @@ class Verdict(NamedTuple):
     speed_ratio: float = 0.0  # largest speed of a node over its bound [-], of dynamic tethers; infinite likewise
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
+
+
+COLUMNS = MapPoint._fields + Verdict._fields
+ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
+MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
 
 
 def model_of(point, refinement):
@@ -147,7 +161,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
 
 
 def difference(point, forces, refined):
-    """Error of the forces of a flight [-] against the refined ones, inf beyond all numbers; None where these are the start's.
+    """Error of the forces of a flight [-] against the refined ones, inf beyond all numbers; None with those of the start only.
 
     Two flights without any force have no error.
     """
@@ -173,3 +187,34 @@ def judge(point):
         error = difference(point, forces, fly(point, refinement=2, calls=found.calls - 1, most_work=np.inf)[1])
         verdict = "converged" if error is not None and error <= CONVERGED else "stable"
     return found._replace(verdict=verdict, error=error)
+
+
+def table(lines):
+    """Lines of a file as a DataFrame: a row for each point, columns of `MapPoint` and `Verdict`."""
+    return pd.DataFrame(list(lines), columns=COLUMNS).astype({"error": float})
+
+
+def read(path):
+    """Table of the results in a file; empty where there is no file, without lines of another form."""
+    return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
+
+
+def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
+    """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
+
+    processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
+    progress : as `progress_bar`.
+    """
+    store, names = Store(path), [key(*point) for point in points]
+    missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
+    pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
+    try:
+        futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
+        for future in progress(as_completed(futures), len(futures), "points"):
+            name, ended = futures[future], ENDED.get(type(future.exception()))
+            verdict = Verdict(ended) if ended else future.result()
+            store.add(name, {**missing[name]._asdict(), **verdict._asdict()})
+    finally:
+        pool.stop()  # also those that are still at work, if something stops this loop
+        pool.join()
+    return table(store.points[name] for name in names)

@@ -13,9 +13,8 @@ from tetherfmu.study.measuring.tables import markdown, page
 from tetherfmu.study.scenes.standard import MODELS
 
 from .figure import COMPARED, DYNAMIC, FIGURES, QUANTITIES, STATIC, draw
-from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge
+from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge, judge_all, read
 from .points import VARIANTS, MapPoint, point
-from .pool import judge_all, read
 
 QUICK = 60  # points
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
