@@ -11,16 +11,8 @@ DOCS, STUDY, BENCHMARK = Path("docs"), Path("study"), Path("benchmark")
 GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
 
 
-def parse(arguments, prog):
-    """Command line options; among them `module`, the one whose function `run` does the command."""
-    parser = Parser(prog=prog, description="Studies of the tethers: advice, costs, limits.")
-    commands = parser.add_subparsers(dest="command", required=True)
-
-    def added(name, module, about):
-        sub = commands.add_parser(name, help=about, description=about)
-        sub.set_defaults(module=module)
-        return sub.add_argument
-
+def add_advice(added):
+    """Declare the commands on scenes and what the advisor reads; `added` adds one, and returns what adds options to it."""
     option = added("advise", "advice.advise", "say which FMU, segments, tolerance and communication step to use")
     option("scene", metavar="SCENE", help="scene file (TOML)")
     option("--fast", action="store_true", help="in a second or two; says so if that does not suffice")
@@ -41,6 +33,9 @@ def parse(arguments, prog):
     option("--out", type=folder, metavar="DIR", default=DOCS, help="folder of the page (default: docs)")
     option("--store", type=folder, metavar="DIR", default=STUDY, help="folder of finished points (default: study)")
 
+
+def add_limits_and_costs(added):
+    """Declare the commands that measure what the tethers stand and cost; see `add_advice`."""
     option = added("stability", "stability.report", "find where the tethers hold and where they refuse")
     option("--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)")
     option("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
@@ -50,7 +45,7 @@ def parse(arguments, prog):
     about = "file of results of another version, to compare with on the points of both"
     option("--before", type=file, metavar="FILE", help=about)
     option("--processes", type=number(1, whole=True), help="how many at a time (default: one per core)")
-    option("--quick", action="store_true", help="60 points and no figures: shows that it runs")
+    option("--quick", action="store_true", help="a few points and no figures: shows that it runs")
     option("--point", type=number(0, whole=True), help="judge this point alone and print it")
 
     option = added("benchmark", "benchmark.report", "measure what the tethers cost, in races too")
@@ -60,6 +55,20 @@ def parse(arguments, prog):
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
     option("--out", type=folder, metavar="DIR", default=BENCHMARK, help="folder for benchmarks.md and benchmarks.csv")
     option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
+
+
+def parse(arguments, prog):
+    """Command line options; among them `module`, the one whose function `run` does the command."""
+    parser = Parser(prog=prog, description="Studies of the tethers: advice, costs, limits.")
+    commands = parser.add_subparsers(dest="command", required=True)
+
+    def added(name, module, about):
+        sub = commands.add_parser(name, help=about, description=about)
+        sub.set_defaults(module=module)
+        return sub.add_argument
+
+    add_advice(added)
+    add_limits_and_costs(added)
     return parser.parse_args(arguments)
 
 

@@ -161,7 +161,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
 
 
 def difference(point, forces, refined):
-    """Error of the forces of a flight [-] against the refined ones, inf beyond all numbers; None with those of the start only.
+    """Error of the forces of a flight [-] against the refined ones, inf beyond all numbers; None with the start alone.
 
     Two flights without any force have no error.
     """

@@ -70,8 +70,8 @@ def refusals(results):
     """Table of refusals by variant: when and with which sentence."""
     refused = results[results.refusal != ""].rename(columns={"refusal": "sentence"})
     when = np.where(refused.calls == 0, "at the start", "in flight")
-    rows = refused.assign(when=when).groupby(["variant", "sentence", "when"], observed=True).size()
-    return rows.rename("points").reset_index()
+    groups = refused.assign(when=when).groupby(["variant", "sentence", "when"], observed=True)
+    return groups.size().reset_index(name="points")
 
 
 def worst(results):
