@@ -134,8 +134,8 @@ def draw(runs, path):
         for solver, theirs in mine.sort_values("tolerance").groupby("solver", sort=False):
             handles[solver] = axis.loglog(theirs.error, 1e3 * theirs.seconds, markersize=5, **STYLES[solver])[0]
         for each in mine[(mine.solver == OURS) & (mine.tolerance == DEFAULT)].itertuples():
-            place = each.error, 1e3 * each.seconds
-            axis.annotate("default", place, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
+            point = each.error, 1e3 * each.seconds
+            axis.annotate("default", point, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
         axis.set_title(f"{TITLES[scene]}, {n} segments", fontsize=11)
         axis.set(xlabel="error of the node positions, rms [m]", axisbelow=True)
         axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

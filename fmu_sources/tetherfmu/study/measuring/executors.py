@@ -35,5 +35,5 @@ def executor_of(dask=None, processes=None, **more):
         return
     from distributed import Client
 
-    with Client(dask) as client:
+    with Client(dask) as client:  # which cancels what is not done when it closes
         yield client.get_executor()

@@ -57,7 +57,7 @@ class Series:
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
     speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
-    [m] are None if the file has none; `contents` are the bytes of the file (Path).
+    [m] are None if the file has none; `contents` are the bytes of the file.
     """
 
     def __init__(self, path):

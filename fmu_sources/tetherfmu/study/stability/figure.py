@@ -13,6 +13,7 @@ from tetherfmu.console.colours import BLACK, BLUE, ORANGE, SKY_BLUE
 from .flight import FORBIDDEN
 
 EDGES = 10  # of the cells along each axis
+ERROR_LABEL = "median difference from\nthe refinement [%]"
 FEWEST = 3  # points that a cell needs to have a colour
 # by column of the results as `report.prepared` makes them: head in tables; name, unit and bands as a region; axis in maps;
 # name where the largest is written
@@ -54,21 +55,16 @@ def draw_cells(column, statistic, label, colours, norm, figure, line, pairs, res
     figure.colorbar(mesh, ax=list(line), label=label, extend="both" if isinstance(norm, LogNorm) else "neither", pad=0.01)
 
 
-ERROR = "error", "median", "median difference from\nthe refinement [%]", "viridis_r", LogNorm(1e-3, 1e2)
-HELD = "held", "mean", "converged or\nstable [%]", "viridis", Normalize(50.0, 100.0)
+draw_errors = partial(draw_cells, "error", "median", ERROR_LABEL, "viridis_r", LogNorm(1e-3, 1e2))
+draw_held = partial(draw_cells, "held", "mean", "converged or\nstable [%]", "viridis", Normalize(50.0, 100.0))
 DYNAMIC, STATIC = ("dynamic, adaptive", "dynamic, fixed step"), ("quasi-steady", "catenary", "straight")
-ROWS = (draw_verdicts, partial(draw_cells, *ERROR))
+ROWS = (draw_verdicts, draw_errors)
 FIGURES = {
     "dynamic": ("TetherDynamic, adaptive", DYNAMIC[:1], PAIRS, ROWS),
     "fixed_step": ("TetherDynamic, fixed step", DYNAMIC[1:], FIXED_PAIRS, ROWS),
     "without_waves": ("TetherQuasiSteady, TetherCatenary, TetherStraight", STATIC, PAIRS, ROWS),
 }
-COMPARED = (
-    "dynamic (adaptive and fixed step) and quasi-steady",
-    (*DYNAMIC, STATIC[0]),
-    PAIRS,
-    (partial(draw_cells, *HELD),),
-)
+COMPARED = ("dynamic (adaptive and fixed step) and quasi-steady", (*DYNAMIC, STATIC[0]), PAIRS, (draw_held,))
 
 
 def draw(results, figure_of, path, when=""):

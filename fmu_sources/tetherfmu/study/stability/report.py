@@ -127,7 +127,7 @@ def write(results, before, folder, with_figures):
 
 
 def run(options):
-    """Judge, or judge one point and print it; returns the exit status: 1 if a point is what none may be."""
+    """Judge all points and write their page, or judge one and print it; returns 1 if a point is what none may be."""
     if options.point is not None:
         chosen = point(options.seed, options.point)
         for name, value in (chosen._asdict() | judge(chosen)._asdict()).items():
