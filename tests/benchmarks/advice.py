@@ -14,7 +14,7 @@ from tetherfmu.study.advice.page import NAMES, asking, judged, summary
 from tetherfmu.study.advice.tradeoff import REFERENCE_ERROR
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.tables import circumstances, markdown, percent
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 
 def line(seed, found):

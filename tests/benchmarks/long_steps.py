@@ -6,7 +6,6 @@ The tether is the dynamic one with 20 segments, tolerance 1e-6; error: root mean
 whose mean reel-out speeds are given, over that of the force. See docs/theory.md, "Inputs within a step".
 """
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +24,8 @@ def force(scene, step, exact, held):
     exact : whether the mean reel-out speeds of the steps are given.  held : whether they stay as they are during a step.
     """
     inputs = scene.inputs(step, exact)
-    scene = replace(scene, tether=replace(scene.tether, segments=20))
-    model = tether_at_start(scene, 1e-6, "dynamic", inputs[0], held)
+    options = {"segments": 20, "input_continuation": "held" if held else "linear"}
+    model = tether_at_start(scene, 1e-6, "dynamic", inputs[0], **options)
     return model.fly(inputs, step, every=round(scene.every / step)).kite_force
 
 

@@ -33,8 +33,7 @@ from scenes import nodes, read  # noqa: E402
 from tetherfmu import PlausibilityWarning, TetherDynamic, inputs_along  # noqa: E402
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, Tether  # noqa: E402
 from tetherfmu.study.benchmark import cvodes  # noqa: E402
-from tetherfmu.study.benchmark.races import seconds_at  # noqa: E402
-from tetherfmu.study.measuring.clock import interleaved  # noqa: E402
+from tetherfmu.study.benchmark.races import interleaved, seconds_at  # noqa: E402
 from tetherfmu.study.measuring.reference import right_hand_side  # noqa: E402
 from tetherfmu.study.measuring.tables import circumstances, markdown  # noqa: E402
 from tetherfmu.study.scenes.files import Wind  # noqa: E402

@@ -7,23 +7,25 @@ import pytest
 
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.study.advice.figures import questions
-from tetherfmu.study.advice.page import TEMPLATE, declared
-from tetherfmu.study.measuring.tables import templates_in
+from tetherfmu.study.advice.page import declared
+from tetherfmu.study.measuring.tables import TEMPLATES
 
+TEMPLATE = "advice/page.md.j2"
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "how_much_tether.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "thresholds"])
 def test_words_keys_and_thresholds_are_those_of_the_sources(part):
     """What is not measured for the page: its words, the keys of a scene file, and the thresholds that the advisor reads."""
-    template = templates_in(TEMPLATE.parent).get_template(TEMPLATE.name)
+    template = TEMPLATES.get_template(TEMPLATE)
     written = "".join(template.blocks[part](template.new_context(declared())))
     assert len(written) > 90
     assert written in PAGE
 
 
 def test_sections_come_in_the_order_of_the_template():
-    heads = [re.findall(r"^#+ .*", text, re.MULTILINE) for text in (TEMPLATE.read_text(encoding="utf-8"), PAGE)]
+    source, _, _ = TEMPLATES.loader.get_source(TEMPLATES, TEMPLATE)
+    heads = [re.findall(r"^#+ .*", text, re.MULTILINE) for text in (source, PAGE)]
     assert heads[0] == heads[1]
 
 

@@ -101,14 +101,14 @@ def parse(arguments, prog="tetherfmu build"):
 
 def build_for_scene(options):
     """Build the FMU that is advised for a scene; returns 1 if nothing meets what it asks for."""
-    from tetherfmu.study.advice.scene_build import advised
+    from .scene_build import advised
 
     now(f"flying {options.scene} with what may do, and with a finer model")
-    advice = advised(options.scene, options.shape_points)
-    print(advice.text)
-    if not advice.met:
+    text, met, (name, segments, shape_points, trim) = advised(options.scene, options.shape_points)
+    print(text)
+    if not met:
         return FAILED
-    build(options, advice.fmu, advice.segments, advice.shape_points, scene=advice.trim)
+    build(options, name, segments, shape_points, scene=trim)
     return 0
 
 

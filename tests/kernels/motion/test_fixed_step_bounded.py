@@ -19,9 +19,9 @@ KITE = np.array([300.0, 0.0, 400.0])
 
 @pytest.mark.parametrize("number", [17, 28, 40, 78, 174, 198, 241, 244, 997])
 def test_points_that_used_to_blow_up(number):
-    flight = fly(point(1, number))
+    flight, _ = fly(point(1, number))
     assert flight.refusal == ""
-    assert flight.peak < flight.bound
+    assert flight.tension_ratio < 1.0
 
 
 @pytest.mark.parametrize("fixed_step", [0.02, 0.05, 0.1, 0.5, 1.0])

@@ -6,12 +6,12 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.advice.advise import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, fast_advice, finer_model
+from tetherfmu.study.advice.advise import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, finer_model
 from tetherfmu.study.advice.page import asking
 from tetherfmu.study.advice.tradeoff import measure
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.scenes.files import load
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 NAMES = ("kite_force",)
 
@@ -59,8 +59,8 @@ def unseen(seed, number, allowed):
 def test_fast_advice_is_right_where_a_tether_goes_slack_or_snaps(seed, number, allowed):
     """A forecast from dimensionless numbers alone was up to 16 times off here, and told that 1 or 3 % were met."""
     scene = unseen(seed, number, allowed)
-    advice, reference = fast_advice(scene), converged(scene, 0.1 * allowed, NAMES)
-    error, own = measure(scene, advice.config, reference.run.flown).error(NAMES), reference.own_error(NAMES)
+    advice, reference = advise(scene, FAST_BUDGET), converged(scene, 0.1 * allowed, NAMES)
+    error, own = measure(scene, advice.point.config, reference.run.flown).error(NAMES), reference.own_error(NAMES)
     assert own < 0.1 * allowed
     assert advice.least - own <= error <= advice.expected + own
     assert error <= allowed or not advice.met
@@ -69,7 +69,7 @@ def test_fast_advice_is_right_where_a_tether_goes_slack_or_snaps(seed, number, a
 def test_fast_advice_does_not_tell_what_it_cannot_know():
     """A landing goes slack and snaps; a reference of 256 segments at 0.5 ms is still wrong by 0.4 %."""
     scene = unseen(1001, 5, 0.01)
-    advice = fast_advice(scene)
+    advice = advise(scene, FAST_BUDGET)
     assert not advice.met
     assert "warning   the finer model did not converge: half of its segments change kite_force by" in explain(scene, advice)
 
@@ -89,9 +89,9 @@ def test_flights_are_within_the_budget(allowed):
 
 def test_a_scene_too_long_to_fly_twice_is_told(scene):
     """A thousand seconds: even the coarsest finer model takes all of the budget."""
-    advice = fast_advice(replace(scene, duration=1000.0))
+    advice = advise(replace(scene, duration=1000.0), FAST_BUDGET)
     assert not advice.met
-    assert advice.tried <= 2
+    assert len(advice.search.points) <= 2
 
 
 def test_fast_command_tells_what_to_use(tmp_path, capsys):

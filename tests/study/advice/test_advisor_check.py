@@ -3,7 +3,7 @@
 import pytest
 
 from tetherfmu.study.advice.page import unseen
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 QUICK = (3, 7, 9, 15, 31)  # a launch, a circle, a parked kite, a figure of eight, a launch
 

@@ -3,14 +3,14 @@
 from dataclasses import replace
 from pathlib import Path
 
-from tetherfmu.study.advice.advise import explain, fast_advice
+from tetherfmu.study.advice.advise import FAST_BUDGET, advise, explain
 from tetherfmu.study.scenes.files import load
 
 SCENE = load(Path(__file__).parents[3] / "examples" / "scenes" / "parked.toml")
 
 
 def warnings_in(scene):
-    return [line for line in explain(scene, fast_advice(scene)).splitlines() if line.startswith("  warning   ")]
+    return [line for line in explain(scene, advise(scene, FAST_BUDGET)).splitlines() if line.startswith("  warning   ")]
 
 
 def test_a_tether_of_a_fifth_of_the_distance():

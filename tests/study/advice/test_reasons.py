@@ -3,23 +3,23 @@
 from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from tetherfmu.study.advice.numbers import numbers
-from tetherfmu.study.advice.reasons import thresholds_at
 from tetherfmu.study.advice.thresholds import (
     LEVELS,
     SWEEPS,
     TABLE,
     crossing,
     drag_scene,
-    read,
+    numbers,
     slack_scene,
+    thresholds_at,
     wave_scene,
     weight_scene,
     write,
 )
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
 
 @pytest.mark.parametrize(("load", "stretch"), [(0.01, 1e-2), (0.03, 1e-3)])
@@ -74,7 +74,7 @@ def test_crossing_is_interpolated_on_logarithmic_axes():
 
 
 def test_tables_are_stored_as_they_were_read(tmp_path):
-    write(read(), read(SWEEPS), tmp_path / "thresholds.csv", tmp_path / "sweeps.csv")
+    write(pd.read_csv(TABLE), pd.read_csv(SWEEPS), tmp_path / "thresholds.csv", tmp_path / "sweeps.csv")
     assert (tmp_path / "thresholds.csv").read_bytes() == TABLE.read_bytes()
     assert (tmp_path / "sweeps.csv").read_bytes() == SWEEPS.read_bytes()
 

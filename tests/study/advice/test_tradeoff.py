@@ -26,10 +26,6 @@ FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), C
 TIMEOUT = 300.0  # seconds
 
 
-def silent(iterable, total):
-    return iterable
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Results of the whole ladder in a short scene, of a run that was killed and one that went on."""
@@ -129,7 +125,7 @@ def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong
 @pytest.fixture(scope="module")
 def points(folder):
     with executor_of(processes=1) as executor:
-        return study(load(folder / "short.toml"), Store(folder / "few.jsonl"), executor, silent, FEW, 1)[1]
+        return study(load(folder / "short.toml"), Store(folder / "few.jsonl"), executor, FEW, 1)[1]
 
 
 def test_cheapest_and_front(points):
@@ -149,5 +145,5 @@ def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         executor_of(cluster.scheduler_address) as executor,
     ):
-        others = study(load(folder / "short.toml"), Store(tmp_path / "points.jsonl"), executor, silent, FEW, 1)[1]
+        others = study(load(folder / "short.toml"), Store(tmp_path / "points.jsonl"), executor, FEW, 1)[1]
     assert others.errors.tolist() == points.errors.tolist()

@@ -13,11 +13,9 @@ import pytest
 
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability.flight import MapFlight, fly
+from tetherfmu.study.stability.flight import Verdict, bounds, fly, judge, judge_all, read, table
 from tetherfmu.study.stability.points import VARIANTS, kite, point
-from tetherfmu.study.stability.pool import judge_all, read, table
 from tetherfmu.study.stability.report import common, compared
-from tetherfmu.study.stability.verdict import Verdict, judge
 
 POINTS = [point(1, number) for number in range(400)]
 DEADLY, ENDLESS = POINTS[5], POINTS[3]
@@ -72,9 +70,9 @@ def test_the_kite_keeps_the_slack_and_its_speed():
         )
 
 
-def flight(**changes):
-    forces = np.ones((5, 6))
-    return MapFlight("", forces, 1.0, 10.0, 1.0, 10.0, 100.0, 0.01, True)._replace(**changes)
+def flight(forces=None, **changes):
+    found = Verdict(calls=5, tension_ratio=0.1, speed_ratio=0.1, work=100.0, longest=0.01)
+    return found._replace(**changes), np.ones((5, 6)) if forces is None else forces
 
 
 @pytest.mark.parametrize(
@@ -84,16 +82,16 @@ def flight(**changes):
         ({}, {"forces": 1e6 * np.ones((5, 6))}, "stable"),
         ({}, {"forces": np.ones((0, 6)), "refusal": "budget spent"}, "stable"),
         ({"refusal": "budget spent"}, {}, "refused"),
-        ({"finite": False}, {}, "wrong"),
-        ({"peak": 10.1}, {}, "wrong"),
-        ({"fastest": 10.1}, {}, "wrong"),
-        ({"peak": 10.1, "refusal": "state not finite"}, {}, "wrong"),
+        ({"tension_ratio": np.inf}, {}, "wrong"),
+        ({"tension_ratio": 1.01}, {}, "wrong"),
+        ({"speed_ratio": 1.01}, {}, "wrong"),
+        ({"tension_ratio": 1.01, "refusal": "state not finite"}, {}, "wrong"),
         ({"longest": 2.1}, {}, "hanging"),
     ],
 )
 def test_verdicts(monkeypatch, first, second, expected):
     flights = iter((flight(**first), flight(**second)))
-    monkeypatch.setattr("tetherfmu.study.stability.verdict.fly", lambda *arguments, **options: next(flights))
+    monkeypatch.setattr("tetherfmu.study.stability.flight.fly", lambda *arguments, **options: next(flights))
     assert judge(POINTS[0]).verdict == expected
 
 
@@ -102,8 +100,9 @@ def test_a_tension_beyond_the_bound_is_seen():
     chosen = next(
         p for p in POINTS if p.variant == "dynamic" and p.axial_stiffness > 1e6 and p.slack > 0.0 and p.speed < 50.0
     )
-    flown = fly(chosen)
-    assert 0.0 < flown.bound < chosen.axial_stiffness
+    bound, _ = bounds(chosen, 0.0, chosen.speed)
+    assert 0.0 < bound < chosen.axial_stiffness
+    assert 0.0 < fly(chosen)[0].tension_ratio < 1.0
 
 
 def test_a_point_that_kills_its_process_is_found(tmp_path):
@@ -134,7 +133,7 @@ def test_finished_points_are_not_judged_again(tmp_path):
 def test_an_interrupt_ends_all_processes(tmp_path):
     """Ctrl-C in the middle of a map: what is finished is kept, what is at work is ended and not waited for."""
 
-    def interrupted(iterator, total):
+    def interrupted(iterator, total, text):
         yield next(iterator)
         raise KeyboardInterrupt
 

@@ -1,24 +1,22 @@
 """The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it.
 
-Every flight is charged by `costs.cost`, counted work times unit costs, so that a scene always gets the same advice. What
+Every flight is charged by `runs.cost`, counted work times unit costs, so that a scene always gets the same advice. What
 all flights may cost together is bounded: what is not known by then is said.
 """
 
 from math import ceil, inf, sqrt
-from pathlib import Path
 from typing import NamedTuple
 
+from tetherfmu.console.progress import now
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.measuring.costs import least_cost
-from tetherfmu.study.measuring.errors import Reference, converged, worst
-from tetherfmu.study.measuring.runs import Config
-from tetherfmu.study.measuring.tables import page, percent
+from tetherfmu.study.measuring.errors import converged, worst
+from tetherfmu.study.measuring.runs import Config, least_cost
+from tetherfmu.study.measuring.tables import page
+from tetherfmu.study.scenes.files import load
 
-from .numbers import numbers
-from .reasons import reasons
+from .thresholds import numbers, reasons
 from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
-TEMPLATE = Path(__file__).with_name("advice.txt.j2")
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
 HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # what a flight and each of its steps take besides the kernel [s]
 PART_OF_FINER = 0.6  # of the budget: what the finer model may cost
@@ -29,20 +27,6 @@ FIRST_SEGMENTS = 11  # of the search
 CLEARLY = 1.5  # a tether that is wrong by so many times the allowed error: nothing coarser is tried
 
 
-class Advice(NamedTuple):
-    """What to use, and how well that is known."""
-
-    config: Config
-    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
-    expected: float  # plus the finer model's own
-    met: bool  # whether `expected` is allowed
-    point: Measured  # errors against the finer model
-    finer: Reference
-    tried: int  # configurations that were flown
-    budget: float  # of all flights [s]
-    stopped: bool  # whether the budget ended the search
-
-
 class Search:
     """Configurations that were flown in a scene against a finer model, within a budget [s].
 
@@ -50,7 +34,7 @@ class Search:
     """
 
     def __init__(self, scene, finer, budget):
-        self.scene, self.finer, self.left = scene, finer, budget - finer.spent
+        self.scene, self.finer, self.budget, self.left = scene, finer, budget, budget - finer.spent
         self.own = finer.own_error(scene.wanted.outputs)
         self.limit = max(scene.wanted.allowed_error, 2.0 * self.own)
         self.points, self.stopped = {}, False
@@ -115,6 +99,16 @@ class Search:
                 self.fly(config)
 
 
+class Advice(NamedTuple):
+    """What to use, and how well that is known."""
+
+    point: Measured  # its configuration, and errors against the finer model
+    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
+    expected: float  # plus the finer model's own
+    met: bool  # whether `expected` is allowed
+    search: Search  # that ended with it
+
+
 def finer_model(scene, budget):
     """`Reference` that an advice is measured against, within a budget [s]."""
     allowed = scene.wanted.allowed_error
@@ -127,42 +121,29 @@ def finer_model(scene, budget):
 def advise(scene, budget=BUDGET):
     """`Advice` for a scene, by flying it; its flights cost about the budget at most [s]."""
     allowed, names = scene.wanted.allowed_error, scene.wanted.outputs
-    finer = finer_model(scene, PART_OF_FINER * budget)
-    search = Search(scene, finer, budget)
+    search = Search(scene, finer_model(scene, PART_OF_FINER * budget), budget)
     search.refine()
     search.cheaper()
     points = search.points.values()
     good = [point for point in points if search.part(point) <= 1.0]
     chosen = min(good, key=lambda point: point.cost) if good else min(points, key=search.part)
     error, own = chosen.error(names), search.own
-    evidence = chosen, finer, len(points), budget, search.stopped
-    return Advice(chosen.config, max(0.0, error - own), error + own, error + own <= allowed, *evidence)
-
-
-def fast_advice(scene):
-    """`Advice` for a scene from flights of less than a second; what they cannot show is not met."""
-    return advise(scene, FAST_BUDGET)
-
-
-def warnings(scene, advice):
-    """All lines of warning that are printed with an `Advice`."""
-    yield from advice.finer.run.implausible
-    names, finer = scene.wanted.outputs, advice.finer
-    if not advice.met and finer.own_error(names) > PART_OF_CHECK * scene.wanted.allowed_error:
-        yield (
-            f"the finer model did not converge: half of its segments change {', '.join(names)} by "
-            f"{percent(worst(finer.space, names))}, the double step with ten times the tolerance by "
-            f"{percent(worst(finer.time, names))}; no error below {percent(finer.own_error(names))} can be shown"
-        )
-    if not advice.met and advice.stopped:
-        yield f"the search ended at its limit, about {advice.budget:g} s of flights"
-    if not advice.met and advice.budget == FAST_BUDGET:
-        yield "this is what a second of flights can show; without --fast more is flown"
+    return Advice(chosen, max(0.0, error - own), error + own, error + own <= allowed, search)
 
 
 def explain(scene, advice):
     """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
-    found = numbers(scene)
-    facts = {"numbers": found, "reasons": list(reasons(advice.config, found, scene.wanted.allowed_error))}
-    facts |= {"warnings": list(warnings(scene, advice)), "fmu": class_name(advice.config.variant)}
-    return page(TEMPLATE, scene=scene, advice=advice, **facts).rstrip("\n")
+    config, found = advice.point.config, numbers(scene)
+    facts = {"numbers": found, "reasons": list(reasons(config, found, scene.wanted.allowed_error)), "worst": worst}
+    facts |= {"fmu": class_name(config.variant), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
+    return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")
+
+
+def run(options):
+    """Print the advice for a scene file; returns 1 if nothing meets what it asks for."""
+    scene = load(options.scene)
+    if not options.fast:
+        now(f"flying {scene.name} with what may do, and with a finer model")
+    advice = advise(scene, FAST_BUDGET if options.fast else BUDGET)
+    print(explain(scene, advice))
+    return 0 if advice.met else 1

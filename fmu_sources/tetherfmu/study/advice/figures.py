@@ -1,13 +1,16 @@
 """Figures: cost against error of a scene or of several, and the error over each dimensionless number."""
 
+from math import ceil
+
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .thresholds import LEVELS as THRESHOLD_LEVELS
-from .thresholds import SWEEPS, read
+from .thresholds import SWEEPS, TABLE
 from .tradeoff import LEVELS, front
 
 LABELS = {
@@ -51,28 +54,26 @@ def draw(points, own_error, scene, path):
 
 def draw_scenes(results, names, path):
     """Small Pareto figures, one for each scene; `results` as `page.page` has them."""
-    rows = -(-len(results) // COLUMNS)
+    rows, axis = ceil(len(results) / COLUMNS), None
     figure = Figure(figsize=(12, 2.9 * rows), layout="constrained")
-    axes = figure.subplots(rows, COLUMNS, sharex=True, sharey=True).flat
-    for axis in axes[len(results) :]:
-        axis.set_visible(False)
-    for axis, (scene, (reference, points, _)) in zip(axes, results.items(), strict=False):
+    for place, (scene, (reference, points, _)) in enumerate(results.items()):
+        axis = figure.add_subplot(rows, COLUMNS, place + 1, sharex=axis, sharey=axis)
         draw_points(axis, points, 3)
         axis.axvspan(1e-4, 100.0 * reference.own_error(names), color="0.85", linewidth=0.0, label="error of the reference")
         axis.set_title(scene.name.replace("_", " "), fontsize=10)
         axis.set_xlim(200.0, 0.005)
-        axis.tick_params(labelbottom=True)
+        axis.tick_params(labelleft=place % COLUMNS == 0)
     figure.supxlabel("error of the force on the kite [%]", fontsize=10)
     figure.supylabel("kernel time per simulated second [µs]", fontsize=10)
     legend = {"loc": "outside upper center", "ncols": 5, "frameon": False, "fontsize": 9, "markerscale": 3.0}
-    figure.legend(*axes[0].get_legend_handles_labels(), **legend)
+    figure.legend(*axis.get_legend_handles_labels(), **legend)
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
 def draw_sweeps(path):
     """Error over each number, one panel for each."""
     figure = Figure(figsize=(12, 3.4), layout="constrained")
-    axes, handles, points = figure.subplots(1, len(LABELS), sharey=True), {}, read(SWEEPS)
+    axes, handles, points = figure.subplots(1, len(LABELS), sharey=True), {}, pd.read_csv(SWEEPS)
     shown = points[points.segments.isin(LINES) & points.stretch.isin(STRETCHES) & (points.error < 10.0)]
     for axis, (group, label) in zip(axes, LABELS.items(), strict=True):
         for (variant, segments), curve in shown[shown.group == group].groupby(["variant", "segments"], sort=False):
@@ -88,25 +89,16 @@ def draw_sweeps(path):
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
-def limits(level=CHART_LEVEL):
-    """Largest number at which a tether is enough for an error, by (group, variant), at a middle stretch."""
-    table = read()
-    rows = table[np.isclose(table.level, level) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
-    return rows.set_index(["group", "variant"]).value
-
-
 def questions():
     """The decision chart: (question, answer that leaves it, variant that it leaves to), and the variant at its end."""
-    most = limits()
-    loads = min(most["weight", "straight"], most["drag", "straight"])
+    table = pd.read_csv(TABLE)
+    rows = table[np.isclose(table.level, CHART_LEVEL) & table.stretch.isin(STRETCHES) & table.segments.isin((0, 32))]
+    most = rows.set_index(["group", "variant"]).value  # number up to which a tether is enough
+    loads, wave = min(most["weight", "straight"], most["drag", "straight"]), most["wave", "catenary"]
     return (
         ("Does a force that you compute\nmove a kite of finite mass?", "yes", "dynamic_free"),
         (f"Is the tether pulled taut, with weight and\ndrag below {100 * loads:.1f} % of the tension?", "yes", "straight"),
-        (
-            f"Does its force F change slowly:\nwave_time · rms(dF/dt) / rms(F) < {most['wave', 'catenary']:.2g}?",
-            "no",
-            "dynamic",
-        ),
+        (f"Does its force F change slowly:\nwave_time · rms(dF/dt) / rms(F) < {wave:.2g}?", "no", "dynamic"),
         (f"Is the drag more than {100 * most['drag', 'catenary']:.0f} % of the tension?", "yes", "quasi_steady"),
     ), "catenary"
 

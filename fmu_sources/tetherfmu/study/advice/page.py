@@ -1,7 +1,6 @@
 """The page docs/how_much_tether.md, with numbers that are measured here; also, whether the advisor keeps its word."""
 
 from dataclasses import replace
-from pathlib import Path
 from time import process_time
 
 import pandas as pd
@@ -9,18 +8,18 @@ import pandas as pd
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
+from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.random_scenes import SEED, random_scenes
+from tetherfmu.study.scenes.standard import SEED, random_scenes
 
-from .advise import BUDGET, FAST_BUDGET, advise, fast_advice
+from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
-from .thresholds import read
+from .thresholds import TABLE
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
-TEMPLATE = Path(__file__).with_name("page.md.j2")
 NAMES = ("kite_force",)
 UNSEEN = 40
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
@@ -31,17 +30,17 @@ def asking(scene, allowed):
     return replace(scene, wanted=replace(scene.wanted, outputs=NAMES, allowed_error=allowed))
 
 
-def verdict(scene, reference, advisor):
-    """What is true of an advice for the force on the kite: a dict of texts, numbers and times [s] of the processor.
+def verdict(scene, reference, budget):
+    """What is true of the advice for the force on the kite within a budget [s]: a dict of texts, numbers and times [s].
 
     Errors are measured against a finer reference than the advisor's own, and are known up to that one's own error. `met`,
     `wrong`: the allowed error was said to be met, and is or is not. `inside`: the error lies within the two that were said.
     """
     began = process_time()
-    advice = advisor(scene)
-    said = {"seconds": process_time() - began, "advised": advice.config.words(), "cost": advice.point.cost}
-    said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": advice.tried}
-    error = measure(scene, advice.config, reference.run.flown).error(NAMES)
+    advice = advise(scene, budget)
+    said = {"seconds": process_time() - began, "advised": advice.point.config.words(), "cost": advice.point.cost}
+    said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": len(advice.search.points)}
+    error = measure(scene, advice.point.config, reference.run.flown).error(NAMES)
     own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
     inside = advice.least - own <= error <= advice.expected + own
     return said | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
@@ -50,7 +49,7 @@ def verdict(scene, reference, advisor):
 def judged(scene, reference):
     """`verdict` on the advice and, as `fast`, on the fast advice; with the scene and what is allowed."""
     facts = {"scene": scene.name, "allowed": scene.wanted.allowed_error, "own_error": reference.own_error(NAMES)}
-    return facts | verdict(scene, reference, advise) | {"fast": verdict(scene, reference, fast_advice)}
+    return facts | verdict(scene, reference, BUDGET) | {"fast": verdict(scene, reference, FAST_BUDGET)}
 
 
 def summary(verdicts):
@@ -87,7 +86,7 @@ def at_all_levels(scene, reference):
 
 def declared():
     """What the page says that is not measured for it; the keys of a scene file are the quantities of its records."""
-    table = read()
+    table = pd.read_csv(TABLE)
     tethers = (table.variant + " " + table.segments.astype(str)).str.removesuffix(" 0")
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
     rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
@@ -108,24 +107,22 @@ def how_much_tether(results, verdicts):
     ]
     dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
     facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary}
-    return page(TEMPLATE, **declared(), **facts, results=results)
+    return page("advice/page.md.j2", **declared(), **facts, results=results)
 
 
-def make(scene_files, folder, store_folder, executor, progress):
-    """Measure all and write the page and its figures to a folder; finished points are taken from the stores."""
-    folder = Path(folder)
-    figures = folder / "figures"
-    scenes = [asking(load(path), 0.01) for path in scene_files]
-    stores = [(scene, Store(Path(store_folder) / scene.name / POINTS)) for scene in scenes]
-    studied = [study(scene, store, executor, progress(scene.name), repeats=1) for scene, store in stores]
-    references = [reference for reference, _ in studied]
-    known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))
-    advice = progress("advice")(known, len(scenes))
-    results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
-    others = list(progress("unseen scenes")(others, UNSEEN))
+def run(options):
+    """Measure all and write the page and its figures; finished points are taken from the stores."""
+    scenes, figures = [asking(load(path), 0.01) for path in options.scenes], options.out / "figures"
+    stores = [Store(options.store / scene.name / POINTS) for scene in scenes]
+    with executor_of() as executor:
+        studied = [study(scene, store, executor, repeats=1) for scene, store in zip(scenes, stores, strict=True)]
+        references = [reference for reference, _ in studied]
+        known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))
+        advice = progress_bar(known, len(scenes), "advice")
+        results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
+        others = list(progress_bar(others, UNSEEN, "unseen scenes"))
     figures.mkdir(parents=True, exist_ok=True)
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
     draw_chart(figures / "decision.png")
-    text = how_much_tether(results, others)
-    (folder / "how_much_tether.md").write_text(text, encoding="utf-8")
+    (options.out / "how_much_tether.md").write_text(how_much_tether(results, others), encoding="utf-8")

@@ -1,50 +1,70 @@
 """The report of a scene: CSV of all points, Pareto figure, one page in Markdown and HTML."""
 
+import tempfile
 from pathlib import Path
 
 import pandas as pd
 from markdown import markdown
 
+from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.errors import worst
+from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import OUTPUTS
+from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
+from tetherfmu.study.scenes.files import OUTPUTS, load
 
 from .figures import draw
-from .tradeoff import LEVELS, cheapest
+from .tradeoff import LEVELS, cheapest, study
 
-FOLDER = Path(__file__).parent
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
-SECONDS = {"seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}  # heads there
+HEADS = {"step": "step_s", "seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}
 
 
 def write_csv(points, reference, path):
     """All points; errors that are smaller than ten times the reference's own are not known better than that."""
     own = {name: reference.space[name] + reference.time[name] for name in OUTPUTS}
     work = {"calls": reference.run.calls, "work": reference.run.work, "refused": "reference: bounds of its own errors"}
-    first = pd.DataFrame([{**reference.config._asdict(), **own, **work}], columns=COLUMNS).astype(object)
-    digits = {name: points[name].map("{:.3g}".format, na_action="ignore") for name in (*OUTPUTS, *SECONDS)}
-    table = pd.concat([first, points[COLUMNS].assign(**digits)]).rename(columns={"step": "step_s", **SECONDS})
-    table.to_csv(path, index=False, lineterminator="\r\n")
+    table = pd.concat([pd.DataFrame([reference.config._asdict() | own | work]), points])[COLUMNS].rename(columns=HEADS)
+    table.to_csv(path, index=False, float_format="%.3g", lineterminator="\r\n")
 
 
 def html(title, text):
     """A page of HTML from Markdown."""
-    return page(FOLDER / "scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
+    return page("advice/scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
 
 
-def write(scene, reference, points, through_fmpy, folder):
-    """Write points.csv, pareto.png, report.md and report.html to a folder; returns the page as Markdown.
+def write(scene, reference, points, best, through_fmpy, folder):
+    """Write points.csv, pareto.png, report.md and report.html to a folder (Path); returns the page as Markdown.
 
-    through_fmpy : maps configurations to measured time per simulated second.
+    best : maps levels of error to the cheapest points.  through_fmpy : maps configurations to measured time per simulated
+    second.
     """
-    folder, names = Path(folder), scene.wanted.outputs
     write_csv(points, reference, folder / "points.csv")
-    draw(points, reference.own_error(names), scene, folder / "pareto.png")
-    levels = sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)
+    draw(points, reference.own_error(scene.wanted.outputs), scene, folder / "pareto.png")
     most_exact = {variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)}
     facts = {"scene": scene, "reference": reference, "worst": worst, "through_fmpy": through_fmpy, "most_exact": most_exact}
-    text = page(FOLDER / "scene.md.j2", cheapest={level: cheapest(points, level) for level in levels}, **facts)
+    text = page("advice/scene.md.j2", cheapest=best, **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text
+
+
+def fmpy_times(scene, points, folder):
+    """Measured time per simulated second through FMPy of the configurations of points; missing FMUs are built."""
+    now("measuring through FMPy")
+    with tempfile.TemporaryDirectory() as temporary:
+        fmus_in(folder or temporary)
+        return {each.config: flown(folder or temporary, scene, each.config)[0] for each in points if each is not None}
+
+
+def run(options):
+    """Study the scene of a file, write and print the report."""
+    scene = load(options.scene)
+    store = Store((options.out or Path("study") / scene.name) / POINTS)
+    with executor_of(options.dask, options.processes) as executor:
+        reference, points = study(scene, store, executor)
+    best = {level: cheapest(points, level) for level in sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)}
+    through_fmpy = {} if options.no_fmpy else fmpy_times(scene, best.values(), options.fmus)
+    print(write(scene, reference, points, best, through_fmpy, store.folder))

@@ -1,5 +1,6 @@
 """The trade of speed for accuracy in a scene: every configuration against a converged reference."""
 
+from concurrent.futures import as_completed
 from itertools import chain, product, starmap
 from typing import NamedTuple
 
@@ -7,10 +8,9 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
-from tetherfmu.study.measuring.costs import cost, host_cost
 from tetherfmu.study.measuring.errors import converged, errors, worst
-from tetherfmu.study.measuring.executors import finished
-from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.measuring.executors import progress_bar
+from tetherfmu.study.measuring.runs import HOST_COST, Config, cost, run
 from tetherfmu.study.measuring.store import key
 from tetherfmu.study.scenes.files import OUTPUTS
 
@@ -31,7 +31,7 @@ class Measured(NamedTuple):
     calls: int  # communication steps
     work: int  # internal steps or Newton iterations
     seconds: float  # measured kernel time per simulated second
-    cost: float  # the same from counted work, see `costs`
+    cost: float  # the same from counted work, see `runs`
     refused: str = ""
 
     def error(self, names):
@@ -41,7 +41,7 @@ class Measured(NamedTuple):
     @property
     def host_cost(self):
         """Estimated time per simulated second with FMPy around it [-]."""
-        return self.cost + host_cost(self.config.step)
+        return self.cost + HOST_COST / self.config.step
 
 
 def steps(scene):
@@ -75,26 +75,24 @@ def measure(scene, config, reference, repeats=1, exact=False):
     return Measured(config, found, first.calls, first.work, seconds / (scene.count * scene.every), spent)
 
 
-def study(scene, store, executor, progress, configs=None, repeats=3):
+def study(scene, store, executor, configs=None, repeats=3):
     """All points of a scene: its `Reference`, and a table with the fields of `Measured` and `Config`, `host_cost`, an error
     for each output, and as `error` the largest of those that the scene asks for.
 
-    store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.  progress : as
-    of `progress_bar`.  configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
+    store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.
+    configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
     """
     configs, names = configs or ladder(scene), scene.wanted.outputs
     reference = store.kept(key(scene.digest, *names), lambda: converged(scene, REFERENCE_ERROR, names))
     keys = {config: key(scene.digest, *config) for config in configs}
     missing = [config for config in configs if keys[config] not in store.points]
-    tasks = [(measure, scene, config, reference.run.flown, repeats) for config in missing]
-    for point in progress(finished(executor, tasks), len(tasks)):
+    futures = [executor.submit(measure, scene, config, reference.run.flown, repeats) for config in missing]
+    for point in (future.result() for future in progress_bar(as_completed(futures), len(futures), scene.name)):
         store.add(keys[point.config], point._asdict())
-    rows = []
-    for config in configs:
-        point = Measured(**{**store.points[keys[config]], "config": config})
-        more = {"error": point.error(names), "host_cost": point.host_cost}
-        rows.append(point._asdict() | config._asdict() | point.errors | more)
-    return reference, pd.DataFrame(rows, columns=[*Measured._fields, *Config._fields, *OUTPUTS, "error", "host_cost"])
+    points = [Measured(**{**store.points[keys[config]], "config": config}) for config in configs]
+    errors_of_all = pd.DataFrame([point.errors for point in points], columns=OUTPUTS)
+    table = pd.concat([pd.DataFrame(points), pd.DataFrame(configs), errors_of_all], axis=1)
+    return reference, table.assign(error=[p.error(names) for p in points], host_cost=[p.host_cost for p in points])
 
 
 def cheapest(table, level):

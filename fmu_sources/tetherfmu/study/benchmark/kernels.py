@@ -10,8 +10,9 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.parameters import Solver
 from tetherfmu.runtime.variants import VARIANTS, WITHOUT_NODES, effective
-from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.scenes.standard import STEP, circle_scene, tether_at_start
+
+from .races import interleaved
 
 SEGMENTS, STEPS, REPEATS = (6, 10, 20, 40, 80, 160), 5000, 15
 FEWER = 50  # starts are so many times fewer than steps

@@ -15,16 +15,14 @@ import moordyn
 import numpy as np
 import pandas as pd
 
-from tetherfmu.study.measuring.clock import interleaved
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.standard import STEP, circle_scene
 
-from .races import DEFAULT, OURS, our_run
+from .races import DEFAULT, OURS, interleaved, our_run
 
 DEPTH = 50_000.0
 WARM_UP, PART = 250, 50  # communication steps, 5 s and 1 s
 SCHEMES = (("RK2", 0.002), ("RK4", 0.004))  # the largest that divide 20 ms and are stable at 20 segments
-INPUT = Path(__file__).with_name("moordyn.txt.j2")
 
 
 @contextmanager
@@ -56,7 +54,7 @@ def moordyn_flight(scene, scheme, step):
     motion = iter([(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))])
     with silence(), tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "line.txt"
-        file.write_text(page(INPUT, scheme=scheme, step=step, depth=DEPTH, **facts))
+        file.write_text(page("benchmark/moordyn.txt.j2", scheme=scheme, step=step, depth=DEPTH, **facts))
         system = moordyn.Create(str(file))
         moordyn.Init(system, *ends(scene, 0.0))
 

@@ -1,14 +1,20 @@
-"""Races at equal achieved error: each solver at a ladder of tolerances, errors against the exact motion.
+"""Races at equal achieved error: each solver at a ladder of tolerances, errors against the exact motion; their diagram.
 
 The table of a race (DataFrame) has a row for each run of a solver at a tolerance: scene, segments, solver, tolerance, error
 (root mean square distance of the nodes from the exact motion [m]), seconds (of the whole run), and steps (internal, accepted
 and rejected, where they are known).
 """
 
+from math import ceil
+from statistics import median
+from time import perf_counter
+
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
-from tetherfmu.study.measuring.clock import interleaved
+from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
 from tetherfmu.study.measuring.reference import error, exact
 from tetherfmu.study.scenes.standard import STEP, tether_at_start
 
@@ -21,6 +27,34 @@ LADDERS = (  # tolerances of our tether, of CVODES in one call, of CVODES restar
     (1e-4, 1e-6, 1e-8, 1e-11),
 )
 QUICK_LADDERS = LADDERS[0][::2], LADDERS[1][::3], LADDERS[2][:1]
+COLUMNS = 2  # of panels of the diagram
+IN_C = {"linestyle": "--", "markerfacecolor": "white"}
+STYLES = {
+    OURS: {"color": COLOUR["dynamic"], "marker": "o", "linewidth": 2.0},
+    WHOLE: {"color": REFERENCE, "marker": "s"},
+    WHOLE + COMPILED: {"color": REFERENCE, "marker": "s", **IN_C},
+    RESTARTED: {"color": BLACK, "marker": "^"},
+    RESTARTED + COMPILED: {"color": BLACK, "marker": "^", **IN_C},
+}
+TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "Released tether"}
+
+
+def interleaved(jobs, repeats, statistic=median, clock=perf_counter):
+    """Median (or another statistic of the) time [s] of each job; each runs once before, untimed.
+
+    The jobs take turns: all see the same load of the machine.
+
+    jobs : dict of functions without arguments.  clock : function that gives the time [s].
+    Returns dict of times and dict of what the untimed calls returned.
+    """
+    results = {name: job() for name, job in jobs.items()}
+    times = {name: [] for name in jobs}
+    for _ in range(repeats):
+        for name, job in jobs.items():
+            started = clock()
+            job()
+            times[name].append(clock() - started)
+    return {name: statistic(each) for name, each in times.items()}, results
 
 
 def our_run(scene, step, tolerance, counters):
@@ -88,3 +122,30 @@ def equal_errors(runs):
                 rows.append((scene, n, each, OURS, solver, 1e3 * seconds_at(ours, each), 1e3 * seconds_at(theirs, each)))
     table = pd.DataFrame(rows, columns=("scene", "segments", "error m", "we", "peer", "our ms", "its ms"))
     return table.assign(ratio=table["its ms"] / table["our ms"]).dropna()
+
+
+def draw(runs, path):
+    """Write the work-precision diagram of a table of races to a PNG file (Path): time against error, a panel per scene."""
+    panels = list(runs.groupby(["scene", "segments"], sort=False))
+    rows, handles = ceil(len(panels) / COLUMNS), {}
+    figure = Figure(figsize=(5.2 * COLUMNS, 4.0 * rows + 0.4), layout="constrained")
+    for place, ((scene, n), mine) in enumerate(panels, 1):
+        axis = figure.add_subplot(rows, COLUMNS, place)
+        for solver, theirs in mine.sort_values("tolerance").groupby("solver", sort=False):
+            handles[solver] = axis.loglog(theirs.error, 1e3 * theirs.seconds, markersize=5, **STYLES[solver])[0]
+        for each in mine[(mine.solver == OURS) & (mine.tolerance == DEFAULT)].itertuples():
+            point = each.error, 1e3 * each.seconds
+            axis.annotate("default", point, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
+        axis.set_title(f"{TITLES[scene]}, {n} segments", fontsize=11)
+        axis.set(xlabel="error of the node positions, rms [m]", axisbelow=True)
+        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.yaxis.set_major_formatter("{x:g}")
+        axis.yaxis.set_minor_formatter(NullFormatter())
+        axis.grid(which="major", color="0.9")
+        axis.margins(0.12)
+        axis.invert_xaxis()
+    figure.supylabel("time for the run [ms]", fontsize=10)
+    shown = {solver: handles[solver] for solver in STYLES if solver in handles}
+    figure.legend(shown.values(), shown.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=100, metadata={"Software": None})

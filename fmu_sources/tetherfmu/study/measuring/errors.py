@@ -14,7 +14,7 @@ The reference is the dynamic tether, refined in space and in time until its own 
 that knows the mean reel-out speed of each step and the wind of its middle (`Scene.inputs`, exact).
 """
 
-from functools import cache
+from functools import cache, partial
 from math import ceil, inf
 from typing import NamedTuple
 
@@ -22,19 +22,14 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from .costs import cost
-from .runs import Config, Run, run
+from .runs import Config, Run, cost, run
 
 SETTLING = 3.0  # wave times after which the start is forgotten ...
 LONGEST_SETTLING = 0.25  # ... at most this part of the scene
 FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
 LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
-
-
-def size(vectors):
-    """Length of vectors along the last axis."""
-    return np.linalg.norm(vectors, axis=-1)
+size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
 
 
 def rms(values):
@@ -89,7 +84,7 @@ class Reference(NamedTuple):
     run: Run
     space: dict  # change of each output against half of the segments
     time: dict  # change of each output against the double communication step and ten times the tolerance
-    spent: float  # what all flights cost together, by `costs.cost` [s]
+    spent: float  # what all flights cost together, by `runs.cost` [s]
 
     def own_error(self, names):
         """Bound of its own error in some outputs: both changes together; each is larger than what is left."""

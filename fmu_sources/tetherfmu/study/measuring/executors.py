@@ -1,7 +1,7 @@
 """Work in parallel, through any executor of concurrent.futures: processes of this machine, or a Dask cluster."""
 
 import signal
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from time import sleep
@@ -9,19 +9,16 @@ from time import sleep
 from tqdm import tqdm
 
 
-def finished(executor, tasks):
-    """Results of tasks (function, arguments...), as they finish; those not begun are cancelled if the loop is left."""
-    futures = [executor.submit(*task) for task in tasks]
-    try:
-        yield from (future.result() for future in as_completed(futures))
-    finally:
-        for future in futures:
-            future.cancel()
+def progress_bar(iterable, total, text):
+    """The iterable, of this length, with a bar that shows how far it is; silent where nobody sees it."""
+    return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
 
 
 @contextmanager
 def executor_of(dask=None, processes=None, **more):
     """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core).
+
+    Tasks that are not begun when it is left are cancelled.
 
     more : options of `ProcessPoolExecutor`.
     """
@@ -38,10 +35,5 @@ def executor_of(dask=None, processes=None, **more):
         return
     from distributed import Client
 
-    with Client(dask) as client, client.get_executor() as executor:
-        yield executor
-
-
-def progress_bar(text):
-    """A function of an iterable and its length that shows how far it is; silent where nobody sees it."""
-    return lambda iterable, total: tqdm(iterable, total=total, desc=text, disable=None, leave=False)
+    with Client(dask) as client:  # which cancels what is not done when it closes
+        yield client.get_executor()

@@ -18,9 +18,7 @@ def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
     chain = chain_at(n, parameters, length, reeling, wind)
     nodes.node_masses(chain, mass)
     nodes.node_forces(chain, np.zeros(n), x, v, mass, force)
-    for i in range(n + 1):
-        for j in range(3 * i, 3 * i + 3):
-            force[j] /= mass[i]
+    force /= np.repeat(mass, 3)
 
 
 def free_state(scene, model):

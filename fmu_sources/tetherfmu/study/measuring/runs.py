@@ -1,14 +1,32 @@
-"""One run: a configuration of a tether flown through a scene, and what it gave at the output times of the scene."""
+"""One run: a configuration of a tether flown through a scene, what it gave at the output times of the scene, what it costs.
 
-from contextlib import contextmanager
-from dataclasses import asdict, replace
+Costs are counted work times measured unit costs, so that they do not depend on the load of the machine:
+
+    cost = calls (a + b n) + work (c + d n),   n segments
+
+calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of others.
+a, b, c, d are fitted to times measured on one machine and stored in costs.csv, see `unit_costs`.
+"""
+
+from dataclasses import asdict
+from pathlib import Path
 from typing import NamedTuple
-from warnings import catch_warnings, simplefilter
+from warnings import catch_warnings
+
+import numpy as np
+import pandas as pd
 
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
+from tetherfmu.runtime import layout as at
 from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
 
+TABLE = Path(__file__).with_name("costs.csv")
+UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
+HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
+HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
+COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 SHAPE_POINTS = 21
+UNWARNED = {"action": "ignore", "category": PlausibilityWarning}  # each run of a study would give the same warnings
 
 
 class Config(NamedTuple):
@@ -35,18 +53,26 @@ class Run(NamedTuple):
     implausible: tuple = ()  # sentences on what no tether and no kite does
 
 
+def regressors(config, calls, work):
+    """What the four unit costs are multiplied with."""
+    return np.array([calls, calls * config.segments, work, work * config.segments], float)
+
+
+def cost(scene, config, calls, work):
+    """Kernel time per simulated second [-], of the machine of costs.csv."""
+    return float(UNITS.loc[config.variant].to_numpy() @ regressors(config, calls, work)) / (scene.count * scene.every)
+
+
+def least_cost(scene, config):
+    """What a configuration costs at least: one internal step or iteration in each communication step."""
+    calls = round(scene.count * scene.every / config.step)
+    return cost(scene, config, calls, 0 if config.variant == "straight" else calls)
+
+
 def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": QUASI_STEADY_START}
     return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
-
-
-@contextmanager
-def unwarned():
-    """Keeps plausibility warnings of the tethers back: each run of a study would give the same."""
-    with catch_warnings():
-        simplefilter("ignore", PlausibilityWarning)
-        yield
 
 
 def run(scene, config, exact=False):
@@ -55,9 +81,9 @@ def run(scene, config, exact=False):
     exact : whether with the exact reel-out and wind of each step, see `Scene.inputs`.
     """
     inputs = scene.inputs(config.step, exact)
-    scene = replace(scene, tether=replace(scene.tether, segments=config.segments or 1))
-    with unwarned():
-        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], held=exact, shape_points=SHAPE_POINTS)
+    options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
+    with catch_warnings(**UNWARNED):
+        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options, shape_points=SHAPE_POINTS)
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
         except StepRefused as refusal:

@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import pickle
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -38,11 +39,9 @@ class Store:
         self.points = {}
         text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
         for line in text.splitlines():
-            try:
+            with suppress(ValueError):  # a kill may have come while it was written
                 stored = json.loads(line)
-            except ValueError:
-                continue  # a kill came while it was written
-            self.points[stored.pop("key")] = stored
+                self.points[stored.pop("key")] = stored
         if text and not text.endswith("\n"):
             self._append("\n")
 

@@ -66,14 +66,11 @@ def factor(cost):
     return f"{float(f'{1.0 / cost:.2g}'):.0f}" if cost else "-"
 
 
-def templates_in(folder):
-    """Jinja environment of the templates in a folder; filters: `table` (writes a DataFrame), `percent` and `factor`."""
-    spaces = {"trim_blocks": True, "lstrip_blocks": True, "keep_trailing_newline": True}
-    environment = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, **spaces)
-    environment.filters |= {"table": markdown, "percent": percent, "factor": factor}
-    return environment
+SPACES = {"trim_blocks": True, "lstrip_blocks": True, "keep_trailing_newline": True}
+TEMPLATES = Environment(loader=FileSystemLoader(Path(__file__).parents[1]), undefined=StrictUndefined, **SPACES)
+TEMPLATES.filters |= {"table": markdown, "percent": percent, "factor": factor}
 
 
 def page(template, **facts):
-    """Text of a Jinja template (path), filled with facts and the circumstances."""
-    return templates_in(template.parent).get_template(template.name).render(facts, circumstances=circumstances())
+    """Text of a Jinja template (its path in `study`), filled with facts and the circumstances."""
+    return TEMPLATES.get_template(template).render(facts, circumstances=circumstances())

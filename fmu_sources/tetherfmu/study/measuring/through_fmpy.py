@@ -1,10 +1,8 @@
 """FMUs in a host: FMPy sets the inputs that change, steps, and gets both end forces; each flight in its own process."""
 
-import atexit
 import multiprocessing
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
 from zipfile import is_zipfile
 
 import numpy as np
@@ -18,14 +16,6 @@ from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .executors import executor_of
 from .runs import Config, parameters_of
-
-
-class Hosted(NamedTuple):
-    """A flight in FMPy."""
-
-    start: float  # time from instantiation to the end of the first step [s]
-    costs: np.ndarray  # times of setting, stepping and getting [s], a row for each step
-    kite_force: list  # last force on the kite [N]
 
 
 def fmus_in(folder):
@@ -46,7 +36,11 @@ def by_name(inputs):
 
 
 def fly(path, parameters, inputs, step):
-    """`Hosted` of an FMU with these parameters and inputs (`by_name`) at a communication step [s]; in this process."""
+    """A flight of an FMU with these parameters and inputs (`by_name`) at a communication step [s], in this process.
+
+    Returns the time [s] from instantiation to the end of the first step, an array (steps, 3) of the times [s] of setting,
+    stepping and getting, and a list, the last force on the kite [N].
+    """
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
     from fmpy.simulation import apply_start_values
@@ -54,9 +48,6 @@ def fly(path, parameters, inputs, step):
     description = read_model_description(path)
     name = description.coSimulation.modelIdentifier
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(path), modelIdentifier=name, instanceName=name)
-    # PythonFMU's library must stay loaded, and must not end the interpreter of this process a second time
-    if hasattr(fmu.dll, "finalizePythonInterpreter"):
-        atexit.register(fmu.dll.finalizePythonInterpreter)
     places = {variable.name: variable.valueReference for variable in description.modelVariables}
     moving = inputs.loc[:, inputs.nunique() > 1]
     sets = [places[name] for name in moving]
@@ -79,12 +70,12 @@ def fly(path, parameters, inputs, step):
         forces = fmu.getReal(gets)
         times[k] = before, after_set, after_step, perf_counter()
     fmu.terminate()
-    fmu.fmi2FreeInstance(fmu.component)
-    return Hosted(times[0, 2] - began, np.diff(times), forces[3:])
+    fmu.fmi2FreeInstance(fmu.component)  # the library stays loaded: see `runtime.workarounds`
+    return times[0, 2] - began, np.diff(times), forces[3:]
 
 
 def hosted(path, scene, config, steps=None, repeats=1):
-    """`Hosted` of so many flights of a configuration through a scene, or its first steps, each in a new process."""
+    """What `fly` returns of flights of a configuration through a scene, or its first steps; each in a new process."""
     flight = str(path), parameters_of(scene, config), by_name(scene.inputs(config.step)[:steps]), config.step
     with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
         tasks = [executor.submit(fly, *flight) for _ in range(repeats)]
@@ -94,11 +85,11 @@ def hosted(path, scene, config, steps=None, repeats=1):
 def measured(path, steps, repeats):
     """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
     flights = hosted(path, circle_scene(20), Config("dynamic", 20, 0.0, STEP), steps, repeats)
-    return np.median([(each.start, *np.median(each.costs, axis=0)) for each in flights], axis=0).tolist()
+    return np.median([(start, *np.median(costs, axis=0)) for start, costs, _ in flights], axis=0).tolist()
 
 
 def flown(folder, scene, config):
     """Time per simulated second [-] and last force on the kite [N] of a configuration, through FMPy; FMUs in a folder."""
     path = Path(folder) / f"{class_name(config.variant)}.fmu"
-    (flight,) = hosted(path, scene, config)
-    return float(flight.costs.sum()) / (scene.count * scene.every), flight.kite_force
+    ((_, costs, kite_force),) = hosted(path, scene, config)
+    return float(costs.sum()) / (scene.count * scene.every), kite_force

@@ -7,13 +7,14 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
+from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variants import VARIANTS
-from tetherfmu.study.scenes.random_scenes import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes
 
-from .costs import COLUMNS, HOST, TABLE, regressors
-from .runs import Config, run
+from . import runs
+from .runs import COLUMNS, HOST, TABLE, regressors
 from .through_fmpy import measured
 
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
@@ -25,21 +26,22 @@ def fitted(scenes, variant):
     rows = []
     segments = SEGMENTS if variant in ("quasi_steady", "dynamic") else (0,)
     for scene, n, step in product(scenes, segments, STEPS):
-        config = Config(variant, n, 1e-4 if variant == "dynamic" else 0.0, step)
+        config = runs.Config(variant, n, 1e-4 if variant == "dynamic" else 0.0, step)
         try:
-            runs = [run(scene, config) for _ in range(REPEATS)]
+            flights = [runs.run(scene, config) for _ in range(REPEATS)]
         except StepRefused:
             continue
-        seconds = min(each.flown.seconds for each in runs)
-        rows.append(regressors(config, runs[0].calls, runs[0].work) / seconds)  # relative errors count
+        seconds = min(each.flown.seconds for each in flights)
+        rows.append(regressors(config, flights[0].calls, flights[0].work) / seconds)  # relative errors count
     return nnls(np.array(rows), np.ones(len(rows)))[0]
 
 
-def measure_costs():
+def run(_):
     """Measure all unit costs in random scenes, store and print them.
 
     What FMPy adds to a communication step is the time of a straight tether's FMU, whose kernel costs next to nothing.
     """
+    now("measuring the unit costs")
     scenes = random_scenes(SCENES)
     rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
     with tempfile.TemporaryDirectory() as folder:

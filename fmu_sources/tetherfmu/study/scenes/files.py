@@ -13,12 +13,12 @@ from tetherfmu.console.ending import WrongUse
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
-from .flights import KINDS, Flight
+from .flights import KINDS
 
 # what else a quantity may be given in than in its unit, and the factor to the unit
 UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
-EVERY = 0.1  # time between two compared outputs [s], about
+EVERY = 0.1  # `every` of a scene [s], about
 REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
@@ -62,7 +62,7 @@ RECORDS = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted":
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene; `digest` tells scenes apart by all that they hold."""
+    """A scene; `digest` tells those of files apart by all that they hold."""
 
     name: str
     duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
@@ -72,13 +72,10 @@ class Scene:
     wind: Any = Wind()  # a function of times [s], at the reference height
     wanted: Wanted = Wanted()
     digest: str = ""
+    every: float = EVERY  # time between two compared outputs [s]: a whole number of communication steps
+    kite_is_free: bool = False  # after the start; in races only, as the constant speed of the winch [m/s]
+    reel_out_speed: float = 0.0
     __post_init__ = check
-
-    @property
-    def every(self):
-        """Time between two compared outputs [s]: a whole number of communication steps."""
-        step = self.wanted.communication_step
-        return step * max(1, round(EVERY / step)) if step else EVERY
 
     @property
     def count(self):
@@ -107,36 +104,32 @@ def load(path):
     """`Scene` of a file; SceneError says in one line what is wrong with it."""
     path = Path(path)
     try:
-        return read(tomllib.loads(path.read_text(encoding="utf-8")), path, path.stem)
+        return read(tomllib.loads(path.read_text(encoding="utf-8")), path.parent, path.stem)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError(f"{path}: is no TOML file ({error})") from None
     except ValueError as error:
-        message = str(error)
-        raise SceneError(message if message.startswith(str(path)) else f"{path}: {message}") from None
+        raise SceneError(f"{path}: {error}") from None
 
 
-def read(table, path, name):
-    """`Scene` from the table of a file; ValueError names the key."""
-    require(table, "", ("name", "duration", "flight", "tether", "environment", "wind", "wanted"))
-    flight = read_flight(table["flight"], path.parent)
-    records = {key: record(kind, table.get(key, {}), key, leave_out=("segments",)) for key, kind in RECORDS.items()}
-    if flight.wind:
-        if "wind" in table:
-            raise ValueError("wind is given here and in the columns of the series; it must be given once")
-        records["wind"] = flight.wind
-    first = getattr(flight, "initial_length", None)
-    if first is not None and not np.isclose(first, records["tether"].initial_length, rtol=1e-6):
-        length = records["tether"].initial_length
+def read(table, folder, name):
+    """`Scene` from the table of a file in a folder; ValueError names the key."""
+    require(table, "", ("name", "duration", "flight", *RECORDS))
+    flight = read_flight(table["flight"], folder)
+    records = {key: record(kind, table.get(key, {}), key) for key, kind in RECORDS.items()}
+    if flight.wind and "wind" in table:
+        raise ValueError("wind is given here and in the columns of the series; it must be given once")
+    records["wind"] = flight.wind or records["wind"]
+    length, first = records["tether"].initial_length, flight.initial_length
+    if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")
     name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
-    flown = repr(flight).encode() if isinstance(flight, Flight) else (path.parent / table["flight"]["file"]).read_bytes()
-    digest = hashlib.sha256(repr((name, table)).encode() + flown).hexdigest()[:16]
-    longest = getattr(flight, "duration", np.inf)
-    if duration > longest + 1e-9:
-        raise ValueError(f"duration is {duration!r}; it must be at most {longest:g} s, the length of the series")
-    return Scene(name, duration, flight, **records, digest=digest)
+    if duration > flight.duration + 1e-9:
+        raise ValueError(f"duration is {duration!r}; it must be at most {flight.duration:g} s, the length of the series")
+    step, digest = records["wanted"].communication_step, hashlib.sha256(repr((name, table, flight.contents)).encode())
+    every = step * max(1, round(EVERY / step)) if step else EVERY
+    return Scene(name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every)
 
 
 def require(table, section, known):
@@ -170,10 +163,9 @@ def read_flight(table, folder):
     return record(KINDS[kind], table, "flight")
 
 
-def record(kind, table, section, leave_out=()):
-    """A record from a table of a file; ValueError names the key."""
-    known = tuple(item.name for item in fields(kind) if item.name not in leave_out)
-    require(table, section, known)
+def record(kind, table, section):
+    """A record from a table of a file; ValueError names the key. The number of segments is no matter of a scene."""
+    require(table, section, [item.name for item in fields(kind) if item.name != "segments"])
     given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
     try:
         return kind(**given)

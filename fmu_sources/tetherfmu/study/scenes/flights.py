@@ -63,7 +63,8 @@ class Flight:
     The formulas take numbers, arrays of them and CasADi symbols; points are triples x, y, z.
     """
 
-    wind = None  # a record may bring its own, see `series`
+    wind = initial_length = None  # a series may bring its own, ...
+    duration, contents = np.inf, b""  # ... and has an end [s] and a file
     __post_init__ = check
 
     def ground(self, time):

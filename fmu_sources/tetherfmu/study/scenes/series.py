@@ -1,7 +1,5 @@
 """A flight from a CSV file: any time series of the user, made smooth by splines."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
@@ -59,11 +57,11 @@ class Series:
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
     speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
-    [m] are None if the file has none.
+    [m] are None if the file has none; `contents` are the bytes of the file.
     """
 
     def __init__(self, path):
-        table = read_columns(Path(path))
+        table, self.contents = read_columns(path), path.read_bytes()
         time = table["time"].to_numpy() - table["time"].iloc[0]
         given = [table[[v + axis for axis in AXES]].to_numpy() if f"{v}[1]" in table else None for v in VECTORS]
         kite, kite_velocity, ground, ground_velocity, wind = given

@@ -1,33 +1,39 @@
-"""The scenes of the benchmark: a tether on a circling kite, on one that flies figures of eight, and a released one.
+"""The scenes of the benchmark, and scenes that nobody has seen: at random, always the same for a seed.
 
-The first two start turning with the kite (`initial_shape = quasi_steady`). The third is held until at rest; then its lower
-end is free and the tether reels out.
+The benchmark has a tether on a circling kite, on one that flies figures of eight, and a released one. The first two start
+turning with the kite (`initial_shape = quasi_steady`). The third is held until at rest; then its lower end is free and the
+tether reels out.
 """
 
-from dataclasses import dataclass
+from itertools import cycle, islice
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from tetherfmu import models
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
-from .files import Scene, Wind
-from .flights import Circle, FigureOfEight, Flight
+from .files import Scene, Wind, read
+from .flights import KINDS, Circle, FigureOfEight, Flight
 
 STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
 BREEZE = Wind((8.0, 0.0, 0.0))
 MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
-INPUT_STARTS = (at.KITE_VELOCITY, at.GROUND_POSITION, at.GROUND_VELOCITY, at.REEL_OUT_SPEED, at.WIND_VELOCITY, at.KITE_LOAD)
 STATIC_START, QUASI_STEADY_START = 1, 2
+SEED = 6
+ALLOWED = (0.1, 0.03, 0.01, 0.003)
+DURATION = 20.0  # [s]
+FLIGHTS = pd.read_csv(Path(__file__).with_name("random_flights.csv"))  # by kind: limits between which a number lies
 
 
 class Release(Flight):
-    """The kite end is held at a point until it is let go."""
+    """The kite end is held at a point until it is let go, and the winch pays out."""
 
-    reel_out_speed = 0.3
+    reel_out_speed = 0.3  # [m/s]
 
     def kite(self, time):
         """Where it is held."""
@@ -38,53 +44,59 @@ class Release(Flight):
         return self.reel_out_speed * time
 
 
-@dataclass(frozen=True)
-class RaceScene(Scene):
-    """A scene that all solvers are given."""
-
-    every: float = 0.1  # time between two outputs that are compared with the reference [s]
-
-    @property
-    def kite_is_free(self):
-        """Whether nothing holds the kite end after the start."""
-        return isinstance(self.flight, Release)
-
-    @property
-    def reel_out_speed(self):
-        """Constant speed of the winch [m/s]."""
-        return getattr(self.flight, "reel_out_speed", 0.0)
-
-
 def circle_scene(segments, duration=REVOLUTION):
     """The circle with so many segments."""
     every = 0.5 if duration > 5.0 else 10 * STEP
     tether = Tether(segments=segments, initial_length=525.0)
-    return RaceScene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
+    return Scene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
 
 
 def figure_of_eight_scene(segments, duration=40.0):
     """The figures of eight with so many segments."""
     tether = Tether(segments=segments, initial_length=499.0)
-    return RaceScene("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
+    return Scene("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
 
 
 def release_scene(segments, duration=10.0):
     """The release with so many segments."""
-    return RaceScene("release", duration, Release(), Tether(segments=segments, initial_length=70.0))
+    tether, winch = Tether(segments=segments, initial_length=70.0), Release.reel_out_speed
+    return Scene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)
 
 
-def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, held=False, **options):
+def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **options):
     """A tether of a variant, initialized for a scene; `tolerance` 0 is the solver's default.
 
-    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  held : whether the reel-out speed
-    stays as it is during a step.  options : of TetherModel.
+    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  options : of TetherModel.
     """
-    shape = QUASI_STEADY_START
-    if isinstance(scene.flight, Release):
-        shape, options["free_ends"] = STATIC_START, (False, True)
-    solver = Solver(tolerance, initial_shape=shape, input_continuation=at.HELD if held else at.LINEAR)
-    model = MODELS[variant](scene.tether, scene.environment, solver, **options)
+    options |= {"relative_tolerance": tolerance, "initial_shape": QUASI_STEADY_START}
+    if scene.kite_is_free:
+        options |= {"initial_shape": STATIC_START, "free_ends": (False, True)}
+    model = MODELS[variant](scene.tether, scene.environment, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
-    *ends, (reel_out_speed,), wind_velocity, _ = np.split(first, INPUT_STARTS)
-    model.initialize(*ends, reel_out_speed, wind_velocity)
+    ends, wind_velocity = first[: at.REEL_OUT_SPEED].reshape(4, 3), first[at.WIND_VELOCITY : at.KITE_LOAD]
+    model.initialize(*ends, first[at.REEL_OUT_SPEED], wind_velocity)
     return model
+
+
+def random_table(random, kind):
+    """Table of a scene file. The tether is up to 0.3 % shorter than the distance of the kite, or up to 5 % longer."""
+    limits = FLIGHTS[FLIGHTS.kind == kind].itertuples()
+    numbers = {each.number: random.uniform(each.low, each.high) if each.low < each.high else each.low for each in limits}
+    flight = {"kind": kind, **numbers}
+    slack = random.choice([random.uniform(-0.003, 0.0), random.uniform(0.0, 0.005), random.uniform(0.005, 0.05)])
+    diameter, density = random.uniform(0.002, 0.008), random.uniform(700.0, 1400.0)
+    stiffness = random.uniform(2e10, 1e11) * np.pi * diameter**2 / 4.0
+    tether = {"diameter": diameter, "density": density, "axial_stiffness": stiffness}
+    tether["initial_length"] = flight["distance"] * (1.0 + slack)
+    velocity = [random.uniform(0.0, 14.0), random.uniform(-2.0, 2.0), 0.0]
+    gust = random.choice([0.0, random.uniform(0.0, 0.6)])
+    wind = {"velocity": velocity, "gust": gust, "gust_period": random.uniform(5.0, 15.0)}
+    wanted = {"outputs": ["kite_force"], "allowed_error": float(random.choice(ALLOWED))}
+    return {"duration": DURATION, "flight": flight, "tether": tether, "wind": wind, "wanted": wanted}
+
+
+def random_scenes(count, seed=SEED):
+    """So many scenes, each kind of flight in turn."""
+    random = np.random.default_rng(seed)
+    kinds = islice(cycle(KINDS), count)
+    return [read(random_table(random, kind), Path(), f"{number} {kind}") for number, kind in enumerate(kinds, 1)]

@@ -7,11 +7,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from scipy.stats import binned_statistic_2d
 
 from tetherfmu.console.colours import BLACK, BLUE, ORANGE, SKY_BLUE
 
+from .flight import FORBIDDEN
+
 EDGES = 10  # of the cells along each axis
+ERROR_LABEL = "median difference from\nthe refinement [%]"
 FEWEST = 3  # points that a cell needs to have a colour
 # by column of the results as `report.prepared` makes them: head in tables; name, unit and bands as a region; axis in maps;
 # name where the largest is written
@@ -19,8 +21,7 @@ QUANTITIES = pd.read_csv(Path(__file__).with_name("quantities.csv"), index_col="
 ENDS = {"length": "axial_stiffness"}, {"slack_percent": "wind"}
 PAIRS = ENDS[0] | {"step": "axial_stiffness", "segment_length": "step"} | ENDS[1]
 FIXED_PAIRS = ENDS[0] | {"frequency": "fixed_step", "segment_length": "fixed_step"} | ENDS[1]
-WRONG = ("wrong", "crashed", "hanging")
-DOTS = {  # of the verdicts, the rare ones on top
+DOTS = {  # of the verdicts, the rare ones on top; "wrong" stands for all of `FORBIDDEN`
     "stable": {"color": SKY_BLUE, "s": 5, "marker": "."},
     "converged": {"color": BLUE, "s": 5, "marker": "."},
     "refused": {"color": ORANGE, "s": 22, "marker": "v", "edgecolor": BLACK, "linewidth": 0.4},
@@ -34,61 +35,28 @@ def edges(axis):
     return space(QUANTITIES.low[axis], QUANTITIES.high[axis], EDGES)
 
 
-def cells(results, values, statistic, up, across):
-    """Array of a statistic of some values [%] over two axes, nan where there are fewer than `FEWEST` points."""
-
-    def of_cell(places):
-        found = values.iloc[places.astype(int)]
-        return np.nan if len(found) < FEWEST else 100.0 * getattr(found, statistic)()
-
-    places = np.arange(float(len(results)))  # scipy takes finite numbers only, and an error may be infinite
-    return binned_statistic_2d(results[up], results[across], places, of_cell, [edges(up), edges(across)]).statistic
-
-
-def marked(results):
-    """Results by the kinds of `DOTS`: what must not be is one kind."""
-    return {kind: results[results.verdict.isin(WRONG if kind == "wrong" else (kind,))] for kind in DOTS}
-
-
 def draw_verdicts(figure, line, pairs, results):
     """A row of panels with a dot for each flight, and a legend with the numbers of flights."""
-    for panel, (x, y) in zip(line, pairs.items(), strict=True):
-        for kind, mine in marked(results).items():
-            panel.scatter(mine[x], mine[y], **DOTS[kind])
-    for kind, mine in marked(results).items():
-        line[0].scatter([], [], label=f"{kind}: {len(mine)}", **{**DOTS[kind], "s": 60})
+    for kind, style in DOTS.items():
+        mine = results[results.verdict.isin(FORBIDDEN if kind == "wrong" else (kind,))]
+        for panel, (x, y) in zip(line, pairs.items(), strict=True):
+            panel.scatter(mine[x], mine[y], **style)
+        line[0].scatter([], [], label=f"{kind}: {len(mine)}", **{**style, "s": 60})
     figure.legend(loc="outside lower center", ncols=len(DOTS), frameon=False)
 
 
-def draw_cells(figure, line, pairs, results, values, statistic, label, colours, norm):
-    """A row of heat maps of a statistic of some values."""
+def draw_cells(column, statistic, label, colours, norm, figure, line, pairs, results):
+    """A row of heat maps of a statistic of a column [%], without colour where a cell has fewer than `FEWEST` points."""
     for panel, (x, y) in zip(line, pairs.items(), strict=True):
-        shares = cells(results, values(results), statistic, y, x)
+        places = [pd.cut(results[axis], edges(axis), include_lowest=True) for axis in (y, x)]
+        groups = results[column].groupby(places, observed=False)
+        shares = 100.0 * groups.agg(statistic).where(groups.size() >= FEWEST).unstack()
         mesh = panel.pcolormesh(edges(x), edges(y), shares, norm=norm, cmap=colours)
     figure.colorbar(mesh, ax=list(line), label=label, extend="both" if isinstance(norm, LogNorm) else "neither", pad=0.01)
 
 
-def held(results):
-    """Which flights are converged or stable."""
-    return results.verdict.isin(("converged", "stable"))
-
-
-draw_errors = partial(
-    draw_cells,
-    values=lambda results: results.error,
-    statistic="median",
-    label="median difference from\nthe refinement [%]",
-    colours="viridis_r",
-    norm=LogNorm(1e-3, 1e2),
-)
-draw_held = partial(
-    draw_cells,
-    values=held,
-    statistic="mean",
-    label="converged or\nstable [%]",
-    colours="viridis",
-    norm=Normalize(50.0, 100.0),
-)
+draw_errors = partial(draw_cells, "error", "median", ERROR_LABEL, "viridis_r", LogNorm(1e-3, 1e2))
+draw_held = partial(draw_cells, "held", "mean", "converged or\nstable [%]", "viridis", Normalize(50.0, 100.0))
 DYNAMIC, STATIC = ("dynamic, adaptive", "dynamic, fixed step"), ("quasi-steady", "catenary", "straight")
 ROWS = (draw_verdicts, draw_errors)
 FIGURES = {
@@ -108,9 +76,8 @@ def draw(results, figure_of, path, when=""):
     for line, draw_row in zip(axes, rows, strict=True):
         draw_row(figure, line, pairs, results)
         for panel, (x, y) in zip(line, pairs.items(), strict=True):
-            scales = {"xscale": QUANTITIES.scale[x], "yscale": QUANTITIES.scale[y]}
-            limits = {"xlim": edges(x)[[0, -1]], "ylim": edges(y)[[0, -1]]}
-            panel.set(facecolor="0.93", **scales, **limits, xlabel=QUANTITIES.axis[x], ylabel=QUANTITIES.axis[y])
+            panel.set(xscale=QUANTITIES.scale[x], xlim=edges(x)[[0, -1]], xlabel=QUANTITIES.axis[x], facecolor="0.93")
+            panel.set(yscale=QUANTITIES.scale[y], ylim=edges(y)[[0, -1]], ylabel=QUANTITIES.axis[y])
     figure.suptitle(f"{when}{title}: {len(results)} flights")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=90, metadata={"Software": None})

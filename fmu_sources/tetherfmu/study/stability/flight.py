@@ -1,4 +1,10 @@
-"""One flight of the stability map: what the tether did, and the largest tension and speed that its motion can explain.
+"""One flight of the stability map, and the verdict on it: from the flight of its refinement, and from what can be explained.
+
+Many are judged in parallel; each verdict is kept in a file at once, whatever a point may do to its process.
+
+The verdicts are explained on the page (`page.md.j2`). Also stable: a point whose refinement is refused (error: none).
+Hanging: a call took longer than `LONGEST_CALL` of the processor, or the process of the point was ended for taking too long.
+Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
 
 Upper bound of the tension of a tether with damping and drag, whatever its motion:
 
@@ -13,65 +19,77 @@ for reflections and for the whip of a bend. Q is the load across the line: weigh
 root is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
 """
 
+import multiprocessing
+import os
+from concurrent.futures import as_completed
 from functools import partial
-from math import inf, sqrt
+from math import sqrt
 from time import process_time
 from typing import NamedTuple
+from warnings import catch_warnings
 
 import numpy as np
+import pandas as pd
 from numpy.linalg import norm
+from pebble import ProcessExpired, ProcessPool
 
-from tetherfmu.results import StepRefused
+from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.study.measuring.runs import unwarned
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.study.measuring.executors import progress_bar
+from tetherfmu.study.measuring.runs import UNWARNED
+from tetherfmu.study.measuring.store import Store, key
 from tetherfmu.study.scenes.standard import MODELS
 
-from .points import CALLS, MOST_REELED, kite
+from .points import CALLS, MOST_REELED, MapPoint, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
+SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")  # quantities of points and tethers
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
 LINE_DENSITY = DEFAULT.mass_per_meter  # [kg/m]
-REFUSALS = {  # how their sentences begin, and their names in words
-    status.SENTENCES[code].split("{")[0]: name.lower().replace("_", " ")
-    for name, code in vars(status).items()
-    if isinstance(code, int)
-}
+HELD, FORBIDDEN = ("converged", "stable"), ("wrong", "crashed", "hanging")
+VERDICTS = (*HELD, "refused", *FORBIDDEN)
+CONVERGED = 0.01
+LONGEST_CALL = 2.0  # [s]
+REFUSALS = {code: name.lower().replace("_", " ") for name, code in vars(status).items() if isinstance(code, int)}
 
 
-class MapFlight(NamedTuple):
-    """What became of a flight."""
+class Verdict(NamedTuple):
+    """What came of a point."""
 
-    refusal: str  # name of its sentence, or ""
-    forces: np.ndarray = np.zeros((0, 6))  # both end forces [N] at the start and after each communication step
-    peak: float = 0.0  # largest tension [N]
-    bound: float = inf  # what it may be [N]
-    fastest: float = 0.0  # largest speed of a node [m/s], for dynamic tethers
-    speed_bound: float = inf  # what it may be [m/s]
+    verdict: str = ""  # a word of `VERDICTS`, or none yet
+    error: float | None = None  # [-]
+    refusal: str = ""  # its name
+    calls: int = 0  # communication steps done, the start included
+    tension_ratio: float = 0.0  # largest tension over its bound [-], infinite if a number is not finite
+    speed_ratio: float = 0.0  # largest speed of a node over its bound [-], of dynamic tethers; infinite likewise
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
-    finite: bool = True
+
+
+COLUMNS = MapPoint._fields + Verdict._fields
+ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
+MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
 
 
 def model_of(point, refinement):
     """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
-    material = {"axial_stiffness": point.axial_stiffness, "axial_damping": point.axial_damping}
-    tether = Tether(segments=point.segments, initial_length=point.length, **material)
+    model, quantities = MODELS[point.variant.removesuffix("_fixed_step")], {name: getattr(point, name) for name in SAME}
     tolerance = point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2)
-    solver = Solver(tolerance, fixed_step=point.fixed_step / refinement, initial_shape=point.initial_shape)
-    model = MODELS[point.variant.removesuffix("_fixed_step")]
-    return model(tether, Environment(gravity=point.gravity), solver, shape_points=2)
+    refined = {"relative_tolerance": tolerance, "fixed_step": point.fixed_step / refinement}
+    return model(initial_length=point.length, shape_points=2, **quantities, **refined)
 
 
-def strain_and_speed(positions, velocities, lengths, step):
-    """Largest strain of the chord [-] and speed of the kite end [m/s] of a flight, halfway between its calls too.
+def strain_and_speed(flown, step):
+    """Largest strain of the chord [-] and speed of the kite end [m/s], halfway between calls too, a `step` [s] apart.
 
-    positions [m], velocities [m/s] : arrays (calls, 3).  lengths : unstretched, at the calls [m].  step : between them [s].
+    flown : `Outputs` of arrays (calls, ...).
     """
+    positions, velocities, lengths = flown.kite_position, flown.kite_velocity, flown.tether_length
     halfway = 0.5 * (positions[1:] + positions[:-1]) + 0.125 * step * (velocities[:-1] - velocities[1:])
     chords = np.concatenate([norm(positions, axis=1) / lengths, norm(halfway, axis=1) / lengths[1:]])
     speeds = np.concatenate([norm(velocities, axis=1), norm(np.diff(positions, axis=0), axis=1) / step])
@@ -95,38 +113,108 @@ def bounds(point, strain, end_speed):
     return point.axial_stiffness * strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
-@unwarned()
+def ratios(point, flown, states, step):
+    """Largest tension and speed of a node over their bounds [-], infinite if a number is not finite; see `Verdict`.
+
+    flown : `Outputs` of arrays (calls, ...).  states : array (calls, size of the state).  step : between calls [s].
+    """
+    if not all(np.isfinite(numbers).all() for numbers in (states, *flown)):
+        return np.inf, np.inf
+    tension, speed = bounds(point, *strain_and_speed(flown, step))
+    velocities = states[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3)[:, 1]
+    fastest = norm(velocities, axis=2).max() if point.variant.startswith("dynamic") else 0.0
+    return float(flown.max_tension.max() / tension), float(fastest / speed)
+
+
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
-    """Fly a point; returns its `MapFlight`.
+    """Fly a point; returns its `Verdict`, yet without word and error, and both end forces [N], array (calls, 6).
 
     refinement : divides the communication step too; see `model_of`.  calls : communication steps (of the unrefined flight).
     """
     step, model = point.step / refinement, model_of(point, refinement)
     wind = point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))
     outputs, states, refusal, work, longest = [], [], "", 0.0, 0.0
-    for k in range(calls * refinement + 1):
-        position, velocity = kite(point, max(0, k - 1) * step)
-        inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
-        started = process_time()
-        try:
-            call = partial(model.step, step) if k else model.initialize
-            outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
-        except StepRefused as error:
-            (refusal,) = (name for sentence, name in REFUSALS.items() if str(error).startswith(sentence))
-            break
-        finally:
-            longest = max(longest, process_time() - started)
-        states.append(model.get_state())
-        work = sum(model.counters.values()) * model.segments
-        if work > most_work:
-            break
+    with catch_warnings(**UNWARNED):
+        for k in range(calls * refinement + 1):
+            position, velocity = kite(point, max(0, k - 1) * step)
+            inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
+            started = process_time()
+            try:
+                call = partial(model.step, step) if k else model.initialize
+                outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
+            except StepRefused as error:
+                refusal = REFUSALS[error.status]
+                break
+            finally:
+                longest = max(longest, process_time() - started)
+            states.append(model.get_state())
+            work = sum(model.counters.values()) * model.segments
+            if work > most_work:
+                break
+    found = Verdict(refusal=refusal, calls=len(outputs), work=work, longest=longest)
     if not outputs:
-        return MapFlight(refusal, longest=longest)
-    x, v = np.array(states)[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3).swapaxes(0, 1)
-    lengths = np.array([out.tether_length for out in outputs])
-    bound, speed_bound = bounds(point, *strain_and_speed(x[:, -1], v[:, -1], lengths, step))
-    numbers = np.array([np.hstack([*map(np.ravel, out)]) for out in outputs])
-    peak = max(out.max_tension for out in outputs)
-    fastest = norm(v, axis=2).max() if point.variant.startswith("dynamic") else 0.0
-    finite = bool(np.isfinite(states).all() and np.isfinite(numbers).all())
-    return MapFlight(refusal, numbers[::refinement, :6], peak, bound, fastest, speed_bound, work, longest, finite)
+        return found, np.zeros((0, 6))
+    flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)
+    tension_ratio, speed_ratio = ratios(point, flown, np.array(states), step)
+    forces = np.hstack([flown.ground_force, flown.kite_force])[::refinement]
+    return found._replace(tension_ratio=tension_ratio, speed_ratio=speed_ratio), forces
+
+
+def difference(point, forces, refined):
+    """Error of the forces of a flight [-] against the refined ones, inf beyond all numbers; None with the start alone.
+
+    Two flights without any force have no error.
+    """
+    count = min(len(forces), len(refined))
+    if count < 2:
+        return None
+    a, b = forces[:count], refined[:count]
+    size = np.sqrt(np.mean(b**2)) + LINE_DENSITY * point.length * point.gravity
+    error = np.sqrt(np.mean((a - b) ** 2))
+    return float(np.nan_to_num(error / size, nan=np.inf)) if error else 0.0
+
+
+def judge(point):
+    """Fly a point, and its refinement where that makes sense; returns its `Verdict`."""
+    (found, forces), error = fly(point), None
+    if found.longest > LONGEST_CALL:
+        verdict = "hanging"
+    elif max(found.tension_ratio, found.speed_ratio) > 1.0:
+        verdict = "wrong"
+    elif found.refusal:
+        verdict = "refused"
+    else:
+        error = difference(point, forces, fly(point, refinement=2, calls=found.calls - 1, most_work=np.inf)[1])
+        verdict = "converged" if error is not None and error <= CONVERGED else "stable"
+    return found._replace(verdict=verdict, error=error)
+
+
+def table(lines):
+    """Lines of a file as a DataFrame: a row for each point, columns of `MapPoint` and `Verdict`."""
+    return pd.DataFrame(list(lines), columns=COLUMNS).astype({"error": float})
+
+
+def read(path):
+    """Table of the results in a file; empty where there is no file, without lines of another form."""
+    return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
+
+
+def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
+    """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
+
+    processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
+    progress : as `progress_bar`.
+    """
+    store, names = Store(path), [key(*point) for point in points]
+    missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
+    pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
+    try:
+        futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
+        for future in progress(as_completed(futures), len(futures), "points"):
+            name, ended = futures[future], ENDED.get(type(future.exception()))
+            verdict = Verdict(ended) if ended else future.result()
+            store.add(name, {**missing[name]._asdict(), **verdict._asdict()})
+    finally:
+        pool.stop()  # also those that are still at work, if something stops this loop
+        pool.join()
+    return table(store.points[name] for name in names)

@@ -1,19 +1,22 @@
-"""The page of the stability map: tables by variant and by region, refusals, the worst points, and the heat maps."""
+"""The command `python -m tetherfmu.study stability`: it judges random points, and writes their page.
 
+The page, stability.md, has tables by variant and by region, refusals, the worst points, and heat maps.
+"""
+
+import sys
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from tetherfmu.study.measuring.tables import markdown, page
+from tetherfmu.study.scenes.standard import MODELS
 
 from .figure import COMPARED, DYNAMIC, FIGURES, QUANTITIES, STATIC, draw
-from .flight import AMPLIFICATION, LINE_DENSITY
-from .points import VARIANTS, MapPoint
-from .verdict import LONGEST_CALL, VERDICTS
+from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge, judge_all, read
+from .points import VARIANTS, MapPoint, point
 
-PAGE = Path(__file__).with_name("page.md.j2")
+QUICK = 60  # points
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
 WORST = QUANTITIES.worst.dropna().to_dict()
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
@@ -28,6 +31,7 @@ def prepared(results):
     return results.assign(
         variant=pd.Categorical(results.variant, VARIANTS).rename_categories((*DYNAMIC, *STATIC)),
         verdict=pd.Categorical(results.verdict, VERDICTS),
+        held=results.verdict.isin(HELD),
         start=pd.Categorical(results.initial_shape, (1, 2, 3)).rename_categories(STARTS),
         segment_length=results.length / results.segments,
         slack_percent=100.0 * results.slack,
@@ -66,8 +70,8 @@ def refusals(results):
     """Table of refusals by variant: when and with which sentence."""
     refused = results[results.refusal != ""].rename(columns={"refusal": "sentence"})
     when = np.where(refused.calls == 0, "at the start", "in flight")
-    rows = refused.assign(when=when).groupby(["variant", "sentence", "when"], observed=True).size()
-    return rows.rename("points").reset_index()
+    groups = refused.assign(when=when).groupby(["variant", "sentence", "when"], observed=True)
+    return groups.size().reset_index(name="points")
 
 
 def worst(results):
@@ -113,11 +117,29 @@ def write(results, before, folder, with_figures):
     folder.mkdir(parents=True, exist_ok=True)
     points, both = prepared(results), common(results, before) if len(before) else {}
     core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
-    share = core.verdict.isin(("converged", "stable")).mean()
-    held = f"{100.0 * share:.1f} % of {len(core)} points are converged or stable."
+    held = f"{100.0 * core.held.mean():.1f} % of {len(core)} points are converged or stable."
     tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
     drawn = figures(points, both, folder) if with_figures else {}
-    text = page(PAGE, figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
+    text = page("stability/page.md.j2", figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
     (folder / "stability.md").write_text(text, encoding="utf-8")
     return f"{markdown(by_variant(points))}\n{held}"
+
+
+def run(options):
+    """Judge all points and write their page, or judge one and print it; returns 1 if a point is what none may be."""
+    if options.point is not None:
+        chosen = point(options.seed, options.point)
+        for name, value in (chosen._asdict() | judge(chosen)._asdict()).items():
+            print(f"{name:20} {value}")
+        return 0
+    points = [point(options.seed, number) for number in range(QUICK if options.quick else options.points)]
+    for model in MODELS.values():
+        model()  # compiles, so that not each process has to
+    results = judge_all(points, options.results or options.out / f"stability_{options.seed}.jsonl", options.processes)
+    before = read(options.before) if options.before else results[:0]
+    print(write(results, before, options.out, with_figures=not options.quick))
+    bad = results[results.verdict.isin(FORBIDDEN)]
+    for number, verdict in zip(bad.number[:20], bad.verdict, strict=False):
+        print(f"point {number}: {verdict}", file=sys.stderr)
+    return 1 if len(bad) else 0

@@ -1,18 +1,15 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
-from typing import NamedTuple
-
 from tetherfmu.export.archive import Trim
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.runtime.variants import class_name
+from tetherfmu.study.advice.advise import advise, explain
+from tetherfmu.study.advice.scene_report import html
 from tetherfmu.study.measuring.runs import parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import by_name
 from tetherfmu.study.scenes.files import SceneError, load
-
-from .advise import advise, explain
-from .scene_report import html
 
 VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name
     "kite_direction": {"kite_force"},
@@ -23,33 +20,21 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
 KEPT = ("kite_position", "kite_velocity")
 
 
-class Advised(NamedTuple):
-    """What to build."""
-
-    fmu: str
-    segments: int
-    shape_points: int
-    trim: Trim
-    text: str  # the advice
-    met: bool
-
-
 def vector_of(name):
     """Name of the vector that an element belongs to."""
     return name.partition("[")[0]
 
 
-def still(inputs):
-    """Names of the inputs that are 0 all through a scene; `inputs` as `through_fmpy.by_name` gives them."""
+def left_out(scene, inputs, shape_points):
+    """Names of the inputs that are 0 all through a scene, and of the outputs that it does not ask for: two lists.
+
+    inputs : as `through_fmpy.by_name` gives them.
+    """
     moved = inputs.any().groupby(vector_of).transform("any")
-    return [name for name in inputs if vector_of(name) not in KEPT and not moved[name]]
-
-
-def unasked(scene, shape_points):
-    """Names of the outputs that a scene does not ask for."""
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
-    names = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
-    return [name for name in names if vector_of(name) not in asked]
+    outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
+    still = [name for name in inputs if vector_of(name) not in KEPT and not moved[name]]
+    return still, [name for name in outputs if vector_of(name) not in asked]
 
 
 def vectors_in_words(names):
@@ -58,16 +43,19 @@ def vectors_in_words(names):
 
 
 def advised(path, shape_points):
-    """`Advised` for a scene file; SceneError says in one line what is wrong with it, or why its scene cannot be flown."""
+    """The advice for a scene file as text, whether it meets what is asked, and what to build: FMU, segments, points, `Trim`.
+
+    SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
+    """
     scene = load(path)
     try:
         advice = advise(scene)
     except StepRefused as refusal:
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
-    config, text = advice.config, explain(scene, advice)
+    config, text = advice.point.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = by_name(scene.inputs(config.step))
-    no_inputs, no_outputs = still(inputs), unasked(scene, points)
+    no_inputs, no_outputs = left_out(scene, inputs, points)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
         f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in "
@@ -76,4 +64,4 @@ def advised(path, shape_points):
     page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     starts = [[name, value] for name, value in (inputs.iloc[0].to_dict() | parameters_of(scene, config)).items()]
     trim = Trim(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
-    return Advised(class_name(config.variant), config.segments or 1, points, trim, text, advice.met)
+    return text, advice.met, (class_name(config.variant), config.segments or 1, points, trim)

@@ -7,33 +7,16 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.options import folder, new_file
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.tables import circumstances, page
 from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
 from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
 
-from .figure import draw
 from .kernels import kernel_table
-from .races import equal_errors, race
+from .races import draw, equal_errors, race
 
-PAGE = Path(__file__).with_name("page.md.j2")
 QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
-
-
-def add_arguments(parser):
-    """Declare the options of the command."""
-    parser.add_argument("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
-    parser.add_argument("--flights", action="store_true", help="only the races of the two flights, without compiled C")
-    parser.add_argument("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
-    parser.add_argument("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    parser.add_argument(
-        "--out", type=folder, metavar="DIR", default="benchmark", help="folder for benchmarks.md and benchmarks.csv"
-    )
-    parser.add_argument(
-        "--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file"
-    )
 
 
 def peer(module, package):
@@ -57,19 +40,17 @@ def host_table(paths, quick):
 
 def scenes(quick, flights):
     """The scenes of the races."""
-    if flights:
-        return [circle_scene(20), figure_of_eight_scene(20)]
-    if quick:
+    if quick and not flights:
         return [circle_scene(20, 2.0), figure_of_eight_scene(20, 1.0), release_scene(10, 0.5)]
-    return [circle_scene(20), figure_of_eight_scene(20), release_scene(10), release_scene(40)]
+    releases = [] if flights else [release_scene(10), release_scene(40)]
+    return [circle_scene(20), figure_of_eight_scene(20), *releases]
 
 
 def write(tables, folder, figure, slopes):
-    """Write benchmarks.md and benchmarks.csv to a folder; returns the page."""
-    folder = Path(folder)
+    """Write benchmarks.md and benchmarks.csv to a folder (Path); returns the page."""
     folder.mkdir(parents=True, exist_ok=True)
     figure = Path(os.path.relpath(figure, folder)).as_posix() if figure else None
-    text = page(PAGE, tables=tables, figure=figure, slopes=slopes)
+    text = page("benchmark/page.md.j2", tables=tables, figure=figure, slopes=slopes)
     (folder / "benchmarks.md").write_text(text, encoding="utf-8")
     with open(folder / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
         pd.DataFrame(columns=["circumstances", circumstances()]).to_csv(file, index=False)
@@ -90,8 +71,8 @@ def run(options):
             tables["Kernels"] = kernel_table(**(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
         raced = scenes(quick, flights)
-        flown = progress_bar("races")(raced, len(raced))
-        runs = pd.concat([race(scene, cvodes, quick, not (quick or flights)) for scene in flown])
+        compiled = not (quick or flights)
+        runs = pd.concat([race(scene, cvodes, quick, compiled) for scene in progress_bar(raced, len(raced), "races")])
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
         tables["Work and precision"] = runs.assign(seconds=1e3 * runs.seconds).rename(columns=shown)
         if cvodes:
