@@ -34,6 +34,12 @@ WRONG_SERIES = {
     "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] is ''"),
     "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "Expected 4 fields in line 2, saw 5"),
     "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "time must grow"),
+    "velocity alone": (
+        (
+            HEAD.replace("time", "time," + ",".join(f"ground_velocity[{i}]" for i in (1, 2, 3))) + "0,0,0,0,1,2,3\n" * 5
+        ).encode(),
+        "has columns of ground_velocity, but none of ground_position",
+    ),
     "length twice": (
         (HEAD.replace("time", "time,reel_out_speed,tether_length") + "0,0,505,1,2,3\n" * 5).encode(),
         "has the columns reel_out_speed and tether_length; it must have one of them",

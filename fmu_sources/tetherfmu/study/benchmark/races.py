@@ -135,7 +135,8 @@ def draw(runs, path):
             handles[solver] = axis.loglog(theirs.error, 1e3 * theirs.seconds, markersize=5, **STYLES[solver])[0]
         for each in mine[(mine.solver == OURS) & (mine.tolerance == DEFAULT)].itertuples():
             point = each.error, 1e3 * each.seconds
-            axis.annotate("default", point, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=9)
+            axis.plot(*point, "o", markersize=11, markerfacecolor="none", markeredgecolor="black")
+            axis.annotate("default", point, (8, -4), textcoords="offset points", va="top", fontsize=9)
         axis.set_title(f"{TITLES[scene]}, {n} segments", fontsize=11)
         axis.set(xlabel="error of the node positions, rms [m]", axisbelow=True)
         axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -37,6 +37,8 @@ def problems(table, numbers):
     needed = {"time", *(vector + axis for vector in given.intersection(VECTORS) for axis in AXES)}
     for name in sorted(needed.difference(table)):
         yield f"the column {name} is missing"
+    if "ground_velocity" in given and "ground_position" not in given:
+        yield "has columns of ground_velocity, but none of ground_position"
     if {"reel_out_speed", "tether_length"} <= {*table}:
         yield "has the columns reel_out_speed and tether_length; it must have one of them"
     if len(table) < FEWEST_ROWS:
