@@ -6,6 +6,7 @@ that each solver divides and names for itself.
 
 from tetherfmu.runtime import layout as at
 
+from .algebra.parts import part
 from .compilation import kernel, view
 
 parameters_size = kernel(at.parameters_size)
@@ -18,16 +19,13 @@ work_size = kernel(at.work_size)
 def positions_and_velocities(n, state):
     """Views of the node positions [m] and node velocities [m/s] in a state."""
     nodes = 3 * (n + 1)
-    return (
-        state[at.STATE_HEADER : at.STATE_HEADER + nodes],
-        state[at.STATE_HEADER + nodes : at.STATE_HEADER + 2 * nodes],
-    )
+    return part(state, at.STATE_HEADER, nodes), part(state, at.STATE_HEADER + nodes, nodes)
 
 
 @view
 def trial_state(n, work):
     """View of a whole state in the work array."""
-    return work[: at.STATE_HEADER + 6 * (n + 1)]
+    return part(work, 0, state_size(n))
 
 
 @view
@@ -36,20 +34,31 @@ def shared_arrays(n, work):
 
     blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
     """
-    first = at.STATE_HEADER + 6 * (n + 1)
-    size = 9 * (n + 1)
+    first, size = state_size(n), 9 * (n + 1)
     records = first + 3 * size
     mass = records + at.SEGMENT_RECORD * (n + 1)
-    blocks = work[first : first + size], work[first + size : first + 2 * size], work[first + 2 * size : records]
-    return blocks, work[records:mass], work[mass : mass + n + 1], work[mass + n + 1 :]
+    room = mass + n + 1
+    blocks = part(work, first, size), part(work, first + size, size), part(work, first + 2 * size, size)
+    return blocks, part(work, records, mass - records), part(work, mass, n + 1), part(work, room, len(work) - room)
+
+
+@view
+def split(size, room):
+    """Views of three arrays of so many numbers at the start of a room; and the room behind them."""
+    return (
+        part(room, 0, size),
+        part(room, size, size),
+        part(room, 2 * size, size),
+        part(room, 3 * size, len(room) - 3 * size),
+    )
 
 
 @view
 def node_arrays(n, room):
     """Views of six arrays of node vectors, 3 (n + 1) numbers each, at the start of a room; and the room behind them."""
-    a = 3 * (n + 1)
-    b, c, d, e, f = 2 * a, 3 * a, 4 * a, 5 * a, 6 * a
-    return room[:a], room[a:b], room[b:c], room[c:d], room[d:e], room[e:f], room[f:]
+    a, b, c, room = split(3 * (n + 1), room)
+    d, e, f, room = split(3 * (n + 1), room)
+    return a, b, c, d, e, f, room
 
 
 @kernel

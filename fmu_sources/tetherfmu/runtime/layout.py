@@ -110,7 +110,8 @@ LINEAR, HELD = 1, 2
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6
-NODE_ARRAYS = 7 + STAGES
+NODE_ARRAYS = 12 + STAGES
+FOLDED_ARRAYS = 8 + STAGES  # of those, with up to 3 numbers more each: see `algebra/both_ends.py`
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`
 
@@ -140,4 +141,4 @@ def outputs_size(shape_points):
 def work_size(segments):
     """Length of the `work` array [-] of a tether with so many segments."""
     of_a_node = 3 * (2 + NODE_ARRAYS) + 9 * BLOCK_ARRAYS + SEGMENT_RECORD + 2
-    return STATE_HEADER + of_a_node * (segments + 1) + segments
+    return STATE_HEADER + of_a_node * (segments + 1) + segments + 3 * FOLDED_ARRAYS

@@ -137,6 +137,17 @@ def unzip(typing, a, b):
     return types.UniTuple(_PAIR, 2)(a, b), code
 
 
+@intrinsic
+def swapped(typing, a):
+    """Pair with its two numbers the other way round; tuple of such pairs."""
+
+    def code(context, builder, signature, values):
+        mask = ir.Constant(ir.VectorType(ir.IntType(32), 2), [1, 0])
+        return _each(context, builder, lambda a: builder.shuffle_vector(a, a, mask), signature.return_type, *values)
+
+    return a(a), code
+
+
 def _operate(operation, instruction):
     """Let an operator of Python work on pairs."""
 

@@ -14,9 +14,18 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.both_ends import get_matrix_of_pairs, get_two, get_vector_of_pairs, put_pairs, put_side_by_side, put_two
+from ..algebra.both_ends import (
+    get_folded,
+    get_matrix_of_pairs,
+    get_vector_of_pairs,
+    next_folded,
+    put_folded,
+    put_pairs,
+    put_side_by_side,
+    put_two,
+)
 from ..algebra.matrices import add_matrices, add_to_diagonal, apply, put_matrix, scale_matrix, subtract, symmetric
-from ..algebra.pairs import first, load_pair, pair, second
+from ..algebra.pairs import first, load_pair, number_at, pair, second
 from ..algebra.vectors import add, dot, get, norm, put, scale, sub
 from ..compilation import kernel, view
 from . import segment
@@ -26,12 +35,12 @@ from .properties import point_mass, property_of, rest_length
 @kernel
 def node_masses(chain, mass):
     """Masses of all nodes [kg] into `mass` (modified)."""
-    for i in range(chain.n + 1):
-        mass[i] = point_mass(chain, i)
+    below = 0.0
     for s in range(chain.n):
         half = 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_length(chain, s)
-        mass[s] += half
-        mass[s + 1] += half
+        mass[s] = point_mass(chain, s) + below + half
+        below = half
+    mass[chain.n] = point_mass(chain, chain.n) + below
 
 
 @kernel
@@ -39,28 +48,28 @@ def node_forces(chain, branches, x, v, mass, force):
     """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
-    [kg].
+    [kg]. x, v and force are folded.
     """
     n = chain.n
     gravity = chain.parameters[at.GRAVITY]
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    x_p = get_two(x, 0, n)
-    v_p = get_two(v, 0, n)
+    x_p = get_folded(x, 0)
+    v_p = get_folded(v, 0)
     for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
-        mirror = n - 1 - s
-        x_q = get_two(x, s + 1, mirror)
-        v_q = get_two(v, s + 1, mirror)
-        branch = pair(branches[s], branches[mirror])
-        pull, drag, _, _ = segment.forces(chain, (s, mirror), branch, x_p, x_q, v_p, v_q)
+        x_q = next_folded(n, s, x)
+        v_q = next_folded(n, s, v)
+        both = (s, n - 1 - s)
+        pull, drag, _, _ = segment.forces(chain, both, number_at(branches, 0, both), x_p, x_q, v_p, v_q)
         total = add(add(from_outside, pull), drag)
-        put_two(force, s, n - s, (total[0], total[1], total[2] - gravity * pair(mass[s], mass[n - s])))
+        put_folded(force, s, (total[0], total[1], total[2] - gravity * number_at(mass, 0, (s, n - s))))
         from_outside = sub(drag, pull)
         x_p = x_q
         v_p = v_q
     if n % 2 == 0:
         middle = n // 2
         total = add(first(from_outside), second(from_outside))
-        put(force, middle, (total[0], total[1], total[2] - gravity * mass[middle]))
+        total = (total[0], total[1], total[2] - gravity * mass[middle])
+        put_folded(force, middle, pair(total, total))
 
 
 @kernel
@@ -88,23 +97,31 @@ def record_of(s, n, records):
 
 
 @kernel
-def linearize(chain, x, v, records, force_rate):
-    """Derivatives of all segment forces into `records` (modified); rate of the forces from reeling into `force_rate`.
+def ends_of_segments(n, s, a):
+    """Vectors of a folded array at the lower ends of segment s and of its mirror image, and at their upper ends, as pairs."""
+    outer, inner = get_folded(a, s), next_folded(n, s, a)
+    return pair(first(outer), second(inner)), pair(first(inner), second(outer))
 
-    `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
+
+@kernel
+def linearize(chain, x, v, branches, records, force_rate):
+    """Derivatives of all segment forces into `records`, rate of the forces from reeling into `force_rate` (both modified).
+
+    x, v : folded positions [m] and velocities [m/s].  branches (modified) : which stiffness each segment has there.
+    `force_rate` [N/s] is dF/dl0 dl0/dt of every node at constant positions and velocities, a flat array.
     """
-    for s in range((chain.n + 1) // 2):
-        mirror = chain.n - 1 - s
-        both = (s, mirror)
-        x_p = get_two(x, s, mirror)
-        x_q = get_two(x, s + 1, mirror + 1)
-        v_p = get_two(v, s, mirror)
-        v_q = get_two(v, s + 1, mirror + 1)
+    n = chain.n
+    for s in range((n + 1) // 2):
+        both = (s, n - 1 - s)
+        x_p, x_q = ends_of_segments(n, s, x)
+        v_p, v_q = ends_of_segments(n, s, v)
         r = sub(x_q, x_p)
-        axial, e, damper, slope = segment.linearize_tension(chain, both, r, sub(v_q, v_p))
+        axial, e, damper, slope, branch = segment.linearize_tension(chain, both, r, sub(v_q, v_p))
         height = 0.5 * (x_p[2] + x_q[2])
         drag, drag_by_velocity, a = segment.linearize_drag(chain, both, r, height, scale(0.5, add(v_p, v_q)))
         put_records(s, axial, drag, drag_by_velocity, (*a, *e, damper, slope), records)
+        branches[s] = first(branch)
+        branches[n - 1 - s] = second(branch)
     rate_from_reeling(chain, records, force_rate)
 
 
@@ -215,23 +232,22 @@ def step_blocks(start, damping_factor, stiffness_factor, records):
 
 
 @kernel
-def add_damping_product(n, sign, u, records, result):
-    """Add sign B u to `result` (modified), from both ends at once; u and result are flat arrays of node vectors."""
+def add_damping_product(n, sign, u, records, start, result):
+    """start + sign B u into `result` (modified), from both ends at once; u and start are folded, result is flat."""
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    u_p = get_two(u, 0, n)
+    u_p = get_folded(u, 0)
     for s in range((n + 1) // 2):  # a segment in the middle is met twice
-        mirror = n - 1 - s
-        u_q = get_two(u, s + 1, mirror)
-        start = 2 * at.SEGMENT_RECORD * s
-        e = get_vector_of_pairs(records, start + 2 * segment.DIRECTION)
-        damper = sign * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
+        u_q = next_folded(n, s, u)
+        record = 2 * at.SEGMENT_RECORD * s
+        e = get_vector_of_pairs(records, record + 2 * segment.DIRECTION)
+        damper = sign * load_pair(records, np.uint64(record + 2 * segment.DAMPER))
         axial = scale(damper * dot(e, sub(u_q, u_p)), e)
-        drag_by_velocity = get_matrix_of_pairs(records, start + 2 * segment.A)
+        drag_by_velocity = get_matrix_of_pairs(records, record + 2 * segment.A)
         drag = scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))
         both = add(from_outside, add(drag, axial))
-        put_two(result, s, n - s, add(get_two(result, s, n - s), both))
+        put_two(result, s, n - s, add(get_folded(start, s), both))
         from_outside = sub(drag, axial)
         u_p = u_q
     if n % 2 == 0:
         middle = n // 2
-        put(result, middle, add(get(result, middle), add(first(from_outside), second(from_outside))))
+        put(result, middle, add(first(get_folded(start, middle)), add(first(from_outside), second(from_outside))))

@@ -148,7 +148,7 @@ def forces(chain, s, branch, x_p, x_q, v_p, v_q):
 
 @kernel
 def linearize_tension(chain, s, r, u):
-    """Derivatives of the tension vector of segment s, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
+    """Derivatives of the tension vector of segment s, or of two: K [N/m], e, c [N s/m], dT/dl0 [N/m]; TAUT or SLACK.
 
     Vector r [m] between the nodes and its rate u [m/s]. dT/dl0 is that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
     """
@@ -161,7 +161,7 @@ def linearize_tension(chain, s, r, u):
     turning = scale(c / length, along(u, -length_rate, e))
     g = along(turning, k - c * seen - stretch, e)
     slope = -(k * length + c * (length_rate - 2.0 * seen * length)) / rest
-    return add_to_diagonal(outer(e, g), stretch), e, c, slope
+    return add_to_diagonal(outer(e, g), stretch), e, c, slope, choose(length - rest, TAUT, SLACK)
 
 
 @kernel
