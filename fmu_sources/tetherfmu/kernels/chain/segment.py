@@ -147,12 +147,12 @@ def forces(chain, s, branch, x_p, x_q, v_p, v_q):
 
 
 @kernel
-def linearize_tension(chain, s, r, u):
-    """Derivatives of the tension vector of segment s, or of two: K [N/m], e, c [N s/m], dT/dl0 [N/m]; TAUT or SLACK.
+def linearize_tension(chain, s, length, e, u):
+    """Derivatives of the tension vector of segment s, or of two: K [N/m], c [N s/m], dT/dl0 [N/m]; TAUT or SLACK.
 
-    Vector r [m] between the nodes and its rate u [m/s]. dT/dl0 is that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
+    Length l [m], direction e, rate u [m/s] of the vector between the nodes. dT/dl0 is that at constant l, dl/dt, dl0/dt; k
+    and c fall as 1/l0.
     """
-    length, e = geometry(r)
     rest = rest_length(chain, s)
     k, c = stiffness(chain, s, length - rest, rest)
     length_rate = dot(e, u)
@@ -161,7 +161,7 @@ def linearize_tension(chain, s, r, u):
     turning = scale(c / length, along(u, -length_rate, e))
     g = along(turning, k - c * seen - stretch, e)
     slope = -(k * length + c * (length_rate - 2.0 * seen * length)) / rest
-    return add_to_diagonal(outer(e, g), stretch), e, c, slope, choose(length - rest, TAUT, SLACK)
+    return add_to_diagonal(outer(e, g), stretch), c, slope, choose(length - rest, TAUT, SLACK)
 
 
 @kernel
@@ -171,13 +171,12 @@ def slope_of_square(e, w, speed):
 
 
 @kernel
-def linearize_drag(chain, s, r, height, velocity):
+def linearize_drag(chain, s, length, e, height, velocity):
     """Derivatives of the half drag of segment s, or of two: G [N/m], A [N s/m] and a [N/m].
 
-    Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s].
+    Length l [m], direction e, mean height [m] and mean velocity [m/s] of its nodes.
     G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
     """
-    length, e = geometry(r)
     wind, density, wind_slope, density_slope = air_of(chain, s, height)
     w, lengthwise = apparent_wind(wind, e, velocity)
     speed = sqrt(dot(w, w) + STILLEST)
