@@ -33,13 +33,15 @@ def shared_arrays(n, work):
     """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
 
     blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
+    Records and room begin at even places: so no pair in them lies across the lines of the cache.
     """
-    first, size = state_size(n), 9 * (n + 1)
-    records = first + 3 * size
-    mass = records + at.SEGMENT_RECORD * (n + 1)
+    size = 9 * (n + 1)
+    records = state_size(n) + state_size(n) % 2
+    block = records + 2 * at.SEGMENT_RECORD * ((n + 1) // 2)
+    mass = block + 3 * size
     room = mass + n + 1
-    blocks = part(work, first, size), part(work, first + size, size), part(work, first + 2 * size, size)
-    return blocks, part(work, records, mass - records), part(work, mass, n + 1), part(work, room, len(work) - room)
+    blocks = part(work, block, size), part(work, block + size, size), part(work, block + 2 * size, size)
+    return blocks, part(work, records, block - records), part(work, mass, n + 1), part(work, room, len(work) - room)
 
 
 @view

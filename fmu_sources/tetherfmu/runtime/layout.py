@@ -141,4 +141,4 @@ def outputs_size(shape_points):
 def work_size(segments):
     """Length of the `work` array [-] of a tether with so many segments."""
     of_a_node = 3 * (2 + NODE_ARRAYS) + 9 * BLOCK_ARRAYS + SEGMENT_RECORD + 2
-    return STATE_HEADER + of_a_node * (segments + 1) + segments + 3 * FOLDED_ARRAYS
+    return STATE_HEADER + of_a_node * (segments + 1) + segments + 3 * FOLDED_ARRAYS + 1

@@ -58,13 +58,12 @@ def stages(n, work):
     """Cut the work array into the arrays of `Stages`."""
     blocks, records, mass, room = shared_arrays(n, work)
     flat, folded = 3 * (n + 1), folded_size(n)
-    x, v, q, room = split(flat, room)
-    error, room = part(room, 0, flat), part(room, flat, len(room) - flat)
+    velocities, room = part(room, 0, at.STAGES * folded), part(room, at.STAGES * folded, len(room) - at.STAGES * folded)
     start_x, start_v, stage_x, room = split(folded, room)
     stage_v, r, momentum, room = split(folded, room)
-    last = (2 + at.STAGES) * folded
-    force, force_rate, velocities = part(room, 0, folded), part(room, folded, folded), part(room, 2 * folded, last - 2 * folded)
-    stage_mass, branches = part(room, last, n + 1), part(room, last + n + 1, n)
+    force, force_rate, room = part(room, 0, folded), part(room, folded, folded), part(room, 2 * folded, len(room) - 2 * folded)
+    x, v, q, room = split(flat, room)
+    error, stage_mass, branches = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
     vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, momentum, force, force_rate, velocities
     return Stages(*vectors, Matrix(*blocks), records, mass, stage_mass, branches)
 
