@@ -4,8 +4,11 @@ The work array holds a whole state for trial, then the arrays that all solvers o
 that each solver divides and names for itself.
 """
 
+import numpy as np
+
 from tetherfmu.runtime import layout as at
 
+from .algebra.pairs import load_pair, store_pair
 from .algebra.parts import part
 from .compilation import kernel, view
 
@@ -65,6 +68,9 @@ def node_arrays(n, room):
 
 @kernel
 def copy(source, destination):
-    """Copy a flat array into another of the same length (modified)."""
-    for k in range(len(source)):
-        destination[k] = source[k]
+    """Copy a flat array into another of the same length (modified), two numbers at once."""
+    size = len(source)
+    for k in range(0, size - 1, 2):
+        store_pair(destination, np.uint64(k), load_pair(source, np.uint64(k)))
+    if size % 2 == 1:
+        destination[size - 1] = source[size - 1]

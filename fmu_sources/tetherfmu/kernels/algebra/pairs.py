@@ -220,6 +220,27 @@ def _choose(sign, a, b):
     return choose
 
 
+@intrinsic
+def _larger_in_pairs(typing, a, b):
+    def code(context, builder, signature, values):
+        a, b = _as_vectors(builder, signature.args, values)
+        return builder.select(builder.fcmp_ordered(">", a, b), a, b)
+
+    return _PAIR(a, b), code
+
+
+def larger(a, b):
+    """a where a > b, b elsewhere."""
+    return a if a > b else b
+
+
+@overload(larger)
+def _larger(a, b):
+    if _are_pairs(a, b):
+        return lambda a, b: _larger_in_pairs(a, b)
+    return larger
+
+
 def number_at(array, start, s):
     """Number at place start + s of an array; for two s, the pair of the numbers at both places."""
     return array[start + s]

@@ -29,7 +29,7 @@ from ..algebra.pairs import first, load_pair, number_at, pair, second
 from ..algebra.vectors import add, dot, get, norm, put, scale, sub
 from ..compilation import kernel, view
 from . import segment
-from .properties import point_mass, property_of, rest_length
+from .properties import point_mass, property_of, rest_length, sees_reeling
 
 
 @kernel
@@ -160,7 +160,7 @@ def add_rate_from_acceleration(chain, acceleration, x, records, force_rate):
 
     acceleration : second derivative of the unstretched length of the tether [m/s2].  x : node positions [m].
     """
-    if acceleration == 0.0 or not segment.sees_reeling(chain):
+    if acceleration == 0.0 or not sees_reeling(chain.parameters):
         return
     for s in range(chain.n):
         record = record_of(s, chain.n, records)

@@ -100,7 +100,7 @@ def stretch(attempt, s, x, w):
 @kernel
 def shrinkage(attempt):
     """b = 1 - h (dl0/dt)/l0 [-] as far as the damper sees it: above 0, the part of the unstretched length that is old."""
-    return 1.0 - attempt.h * segment.seen_growth(attempt.chain)
+    return 1.0 - attempt.h * attempt.chain.seen_growth
 
 
 @kernel

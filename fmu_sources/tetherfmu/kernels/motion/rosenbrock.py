@@ -197,11 +197,16 @@ def choose_end(sign, a, b):
 
 
 @kernel
-def lead_ends(drive, time, w):
-    """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
-    driven = pair(1.0 if drive.first == 1 else 0.0, 1.0 if drive.last == drive.n - 1 else 0.0)
+def curves_of(drive):
+    """Curves of both ends (`driven_end.curve`), as pairs; and a pair that is above 0 where an end is driven."""
     ground, kite = drive.ground, drive.kite
     ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
+    return ends, pair(1.0 if drive.first == 1 else 0.0, 1.0 if drive.last == drive.n - 1 else 0.0)
+
+
+@kernel
+def lead_ends(ends, driven, time, w):
+    """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
     put_folded(w.stage_x, 0, choose_end(driven, position_at(ends, time), get_folded(w.stage_x, 0)))
     put_folded(w.stage_v, 0, choose_end(driven, velocity_at(ends, time), get_folded(w.stage_v, 0)))
     put_folded(w.r, 0, choose_end(driven, pair(ZERO, ZERO), get_folded(w.r, 0)))
@@ -259,10 +264,11 @@ def step(drive, time, h, x, v, w):
     """
     if not prepare(drive, time, h, x, v, w):
         return False
+    ends, driven = curves_of(drive)
     for stage in range(at.STAGES):
         combine(stage, h, w)
         now = time + ALPHA[stage] * h
-        lead_ends(drive, now, w)
+        lead_ends(ends, driven, now, w)
         stage_masses(drive, stage, now, w)
         stage_force(drive, now, w)
         if stage == 0:
