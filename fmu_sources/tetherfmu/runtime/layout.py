@@ -110,7 +110,7 @@ LINEAR, HELD = 1, 2
 
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6
-NODE_ARRAYS = 12 + STAGES
+NODE_ARRAYS = 14 + STAGES
 FOLDED_ARRAYS = 8 + STAGES  # of those, with up to 3 numbers more each: see `algebra/both_ends.py`
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`

@@ -44,7 +44,21 @@ def node_masses(chain, mass):
 
 
 @kernel
-def node_forces(chain, branches, x, v, mass, force):
+def find_segments(n, x, segments):
+    """Directions and lengths [m] of all segments into `segments` (modified), 8 numbers for each two, from the outer node on.
+
+    A loop of its own: the processor then works on many square roots at once. x : folded positions [m].
+    """
+    x_p = get_folded(x, 0)
+    for s in range((n + 1) // 2):
+        x_q = next_folded(n, s, x)
+        length, e = segment.geometry(sub(x_q, x_p))
+        put_pairs(segments, 8 * s, (*e, length))
+        x_p = x_q
+
+
+@kernel
+def node_forces(chain, branches, x, v, mass, segments, force):
     """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
@@ -52,18 +66,24 @@ def node_forces(chain, branches, x, v, mass, force):
     """
     n = chain.n
     gravity = chain.parameters[at.GRAVITY]
+    find_segments(n, x, segments)
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    x_p = get_folded(x, 0)
     v_p = get_folded(v, 0)
+    z_p = load_pair(x, np.uint64(4))
     for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
         x_q = next_folded(n, s, x)
         v_q = next_folded(n, s, v)
         both = (s, n - 1 - s)
-        pull, drag, _, _ = segment.forces(chain, both, number_at(branches, 0, both), x_p, x_q, v_p, v_q)
+        e = get_vector_of_pairs(segments, 8 * s)
+        length = load_pair(segments, np.uint64(8 * s + 6))
+        height, velocity = 0.5 * (z_p + x_q[2]), scale(0.5, add(v_p, v_q))
+        pull, drag, _ = segment.forces_of(
+            chain, both, number_at(branches, 0, both), length, e, dot(e, sub(v_q, v_p)), height, velocity
+        )
         total = add(add(from_outside, pull), drag)
         put_folded(force, s, (total[0], total[1], total[2] - gravity * number_at(mass, 0, (s, n - s))))
         from_outside = sub(drag, pull)
-        x_p = x_q
+        z_p = x_q[2]
         v_p = v_q
     if n % 2 == 0:
         middle = n // 2

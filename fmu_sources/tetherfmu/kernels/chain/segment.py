@@ -135,6 +135,17 @@ def forces(chain, s, branch, x_p, x_q, v_p, v_q):
 
 
 @kernel
+def forces_of(chain, s, branch, length, e, length_rate, height, velocity):
+    """x."""
+    rest = rest_length(chain, s)
+    branch = choose(branch * branch, branch, length - rest)
+    k, c = stiffness(chain, s, branch, rest)
+    pull = tension(chain, length, length_rate, rest, k, c)
+    drag = half_drag(chain, s, length, e, height, velocity)
+    return scale(pull, e), drag, pull
+
+
+@kernel
 def linearize_tension(chain, s, length, e, u):
     """Derivatives of the tension vector of segment s, or of two: K [N/m], c [N s/m], dT/dl0 [N/m]; TAUT or SLACK.
 

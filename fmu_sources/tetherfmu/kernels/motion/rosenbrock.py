@@ -34,7 +34,7 @@ from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, MOMENTUM, R_BY_GAMMA, P
 Stages = namedtuple(
     "Stages",
     "x v q velocity_error start_x start_v stage_x stage_v r momentum force force_rate velocities "
-    "matrix records mass stage_mass branches",
+    "matrix records mass stage_mass branches segments",
 )
 Stages.__doc__ = """Scratch arrays of a step.
 
@@ -62,10 +62,11 @@ def stages(n, work):
     start_x, start_v, stage_x, room = split(folded, room)
     stage_v, r, momentum, room = split(folded, room)
     force, force_rate, room = part(room, 0, folded), part(room, folded, folded), part(room, 2 * folded, len(room) - 2 * folded)
+    segments, room = part(room, 0, 8 * (n // 2 + 1)), part(room, 8 * (n // 2 + 1), len(room) - 8 * (n // 2 + 1))
     x, v, q, room = split(flat, room)
     error, stage_mass, branches = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
     vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, momentum, force, force_rate, velocities
-    return Stages(*vectors, Matrix(*blocks), records, mass, stage_mass, branches)
+    return Stages(*vectors, Matrix(*blocks), records, mass, stage_mass, branches, segments)
 
 
 @kernel
@@ -111,7 +112,7 @@ def stage_masses(drive, stage, time, w):
 @kernel
 def stage_force(drive, time, w):
     """Forces at a stage [N] into w.force (modified)."""
-    nodes.node_forces(chain_during(drive, time), w.branches, w.stage_x, w.stage_v, w.stage_mass, w.force)
+    nodes.node_forces(chain_during(drive, time), w.branches, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
     put_folded(w.force, 0, add(get_folded(w.force, 0), pair(NOTHING, load_during(drive, time))))
 
 
