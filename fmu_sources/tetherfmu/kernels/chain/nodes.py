@@ -124,7 +124,7 @@ def ends_of_segments(n, s, a):
 
 
 @kernel
-def linearize(chain, x, v, branches, records, force_rate):
+def linearize(chain, x, v, branches, segments, records, force_rate):
     """Derivatives of all segment forces into `records`, rate of the forces from reeling into `force_rate` (both modified).
 
     x, v : folded positions [m] and velocities [m/s].  branches (modified) : which stiffness each segment has there.
@@ -132,10 +132,15 @@ def linearize(chain, x, v, branches, records, force_rate):
     """
     n = chain.n
     for s in range((n + 1) // 2):
+        x_p, x_q = ends_of_segments(n, s, x)
+        length, e = segment.geometry(sub(x_q, x_p))
+        put_pairs(segments, 8 * s, (*e, length))
+    for s in range((n + 1) // 2):
         both = (s, n - 1 - s)
         x_p, x_q = ends_of_segments(n, s, x)
         v_p, v_q = ends_of_segments(n, s, v)
-        length, e = segment.geometry(sub(x_q, x_p))
+        e = get_vector_of_pairs(segments, 8 * s)
+        length = load_pair(segments, np.uint64(8 * s + 6))
         axial, damper, slope, branch = segment.linearize_tension(chain, both, length, e, sub(v_q, v_p))
         height, velocity = 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
         drag, drag_by_velocity, a = segment.linearize_drag(chain, both, length, e, height, velocity)

@@ -80,7 +80,7 @@ def prepare(drive, time, h, x, v, w):
     fold(n, x, w.start_x)
     fold(n, v, w.start_v)
     nodes.node_masses(chain, w.mass)
-    nodes.linearize(chain, w.start_x, w.start_v, w.branches, w.records, w.q)
+    nodes.linearize(chain, w.start_x, w.start_v, w.branches, w.segments, w.records, w.q)
     nodes.add_rate_from_acceleration(chain, drive.acceleration, x, w.records, w.q)
     put(w.q, n, add(get(w.q, n), drive.load_rate))
     if drive.first == 1:
