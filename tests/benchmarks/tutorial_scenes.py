@@ -92,7 +92,7 @@ def our_run(scene, every):
 
     def run():
         model.set_state(start)
-        return model.fly(inputs, every, peaks=False).positions[:, 1:].reshape(len(inputs), -1)
+        return model.fly(inputs, every, outputs=False).positions[:, 1:].reshape(len(inputs), -1)
 
     return run
 

@@ -108,6 +108,8 @@ STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
 
+NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
+
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6
 NODE_ARRAYS = 14 + STAGES
