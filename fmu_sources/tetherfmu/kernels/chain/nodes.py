@@ -257,22 +257,14 @@ def step_blocks(start, damping_factor, stiffness_factor, records):
 
 
 @kernel
-def add_damping_product(n, sign, u, records, start, result):
-    """start + sign B u into `result` (modified), from both ends at once; u and start are folded, result is flat."""
-    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    u_p = get_folded(u, 0)
-    for s in range((n + 1) // 2):  # a segment in the middle is met twice
-        u_q = next_folded(n, s, u)
-        record = 2 * at.SEGMENT_RECORD * s
-        e = get_vector_of_pairs(records, record + 2 * segment.DIRECTION)
-        damper = sign * load_pair(records, np.uint64(record + 2 * segment.DAMPER))
-        axial = scale(damper * dot(e, sub(u_q, u_p)), e)
-        drag_by_velocity = get_matrix_of_pairs(records, record + 2 * segment.A)
-        drag = scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))
-        both = add(from_outside, add(drag, axial))
-        put_two(result, s, n - s, add(get_folded(start, s), both))
-        from_outside = sub(drag, axial)
-        u_p = u_q
-    if n % 2 == 0:
-        middle = n // 2
-        put(result, middle, add(first(get_folded(start, middle)), add(first(from_outside), second(from_outside))))
+def damping_product(s, sign, u_p, u_q, records):
+    """Changes of the axial force and of the half drag of segment s and of its mirror image by sign u, as pairs.
+
+    sign u : of the velocities [m/s] of their outer and of their inner nodes.
+    """
+    record = 2 * at.SEGMENT_RECORD * s
+    e = get_vector_of_pairs(records, record + 2 * segment.DIRECTION)
+    damper = sign * load_pair(records, np.uint64(record + 2 * segment.DAMPER))
+    axial = scale(damper * dot(e, sub(u_q, u_p)), e)
+    drag_by_velocity = get_matrix_of_pairs(records, record + 2 * segment.A)
+    return axial, scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))

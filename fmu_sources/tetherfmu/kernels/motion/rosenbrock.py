@@ -19,8 +19,8 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 
 from ..algebra.block_tridiagonal import Matrix, factorize, solve
-from ..algebra.both_ends import fold, folded_size, get_folded, get_two, put_folded, put_two, unfold
-from ..algebra.pairs import choose, number_at, pair
+from ..algebra.both_ends import fold, folded_size, get_folded, get_two, next_folded, put_folded, put_two, unfold
+from ..algebra.pairs import choose, first, number_at, pair, second
 from ..algebra.parts import part
 from ..algebra.vectors import add, along, get, put, scale, sub
 from ..arrays import copy, shared_arrays, split
@@ -214,24 +214,36 @@ def lead_ends(ends, driven, time, w):
 
 
 @kernel
-def add_right_hand_side(n, stage, h, w):
-    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h of all nodes [N] into w.force (modified), which holds F."""
-    rate = GAMMA_I[stage] * h
-    per_h = 1.0 / h
-    for k in range(n // 2 + 1):
-        both = (k, n - k)
-        mass = number_at(w.mass, 0, both)
-        force = scale(mass / number_at(w.stage_mass, 0, both), get_folded(w.force, k))
-        force = along(force, rate, get_folded(w.force_rate, k))
-        put_folded(w.force, k, along(force, per_h * mass, get_folded(w.momentum, k)))
+def without_damping(n, stage, h, k, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h of the nodes k and n - k [N], as pairs; w.force holds F."""
+    mass = number_at(w.mass, 0, (k, n - k))
+    force = scale(mass / number_at(w.stage_mass, 0, (k, n - k)), get_folded(w.force, k))
+    force = along(force, GAMMA_I[stage] * h, get_folded(w.force_rate, k))
+    return along(force, 1.0 / h * mass, get_folded(w.momentum, k))
+
+
+@kernel
+def right_hand_side(n, stage, h, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h - B r of all nodes [N] into w.q (modified), from both ends at once."""
+    from_outside = pair(ZERO, ZERO)
+    r_p = get_folded(w.r, 0)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        r_q = next_folded(n, s, w.r)
+        axial, drag = nodes.damping_product(s, -1.0, r_p, r_q, w.records)
+        change = add(from_outside, add(drag, axial))
+        put_two(w.q, s, n - s, add(without_damping(n, stage, h, s, w), change))
+        from_outside = sub(drag, axial)
+        r_p = r_q
+    if n % 2 == 0:
+        rest = first(without_damping(n, stage, h, n // 2, w))
+        put(w.q, n // 2, add(rest, add(first(from_outside), second(from_outside))))
 
 
 @kernel
 def solve_stage(drive, stage, h, w):
     """Solve for q into w.q and V into its place in w.velocities (both modified); w.force holds F."""
     n = drive.n
-    add_right_hand_side(n, stage, h, w)
-    nodes.add_damping_product(n, -1.0, w.r, w.records, w.force, w.q)
+    right_hand_side(n, stage, h, w)
     solve(drive.first, drive.last, w.matrix, w.q)
     hold_ends(drive, w.q)
     for k in range(n // 2 + 1):
