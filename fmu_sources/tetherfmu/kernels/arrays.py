@@ -36,7 +36,7 @@ def shared_arrays(n, work):
     """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
 
     blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
-    Records and room begin at even places: so no pair in them lies across the lines of the cache.
+    Records and room begin at even places, so that no pair of a folded array lies across two lines of the cache.
     """
     size = 9 * (n + 1)
     records = state_size(n) + state_size(n) % 2
@@ -44,18 +44,19 @@ def shared_arrays(n, work):
     mass = block + 3 * size
     room = mass + n + 1
     blocks = part(work, block, size), part(work, block + size, size), part(work, block + 2 * size, size)
-    return blocks, part(work, records, block - records), part(work, mass, n + 1), part(work, room, len(work) - room)
+    return blocks, part(work, records, block - records), part(work, mass, n + 1), behind(room, work)
+
+
+@view
+def behind(start, array):
+    """View of what an array has from a place on."""
+    return part(array, start, len(array) - start)
 
 
 @view
 def split(size, room):
     """Views of three arrays of so many numbers at the start of a room; and the room behind them."""
-    return (
-        part(room, 0, size),
-        part(room, size, size),
-        part(room, 2 * size, size),
-        part(room, 3 * size, len(room) - 3 * size),
-    )
+    return part(room, 0, size), part(room, size, size), part(room, 2 * size, size), behind(3 * size, room)
 
 
 @view

@@ -7,7 +7,8 @@ the drag of a segment sits on each of its nodes:
     F_i = T_i e_i - T_(i-1) e_(i-1) + half drags - m_i g e_z
 
 The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
-only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. Theory: docs/theory.md, "The chain".
+only. Flat arrays of node vectors have 3 (n + 1) numbers, folded ones are those of `algebra.both_ends`; `mass` has n + 1.
+Theory: docs/theory.md, "The chain".
 """
 
 import numpy as np
@@ -44,17 +45,33 @@ def node_masses(chain, mass):
 
 
 @kernel
-def find_segments(n, x, segments):
-    """Directions and lengths [m] of all segments into `segments` (modified), 8 numbers for each two, from the outer node on.
+def lower_and_upper(n, s, a):
+    """Vectors of a folded array at the lower ends of segment s and of its mirror image, and at their upper ends, as pairs."""
+    outer, inner = get_folded(a, s), next_folded(n, s, a)
+    return pair(first(outer), second(inner)), pair(first(inner), second(outer))
 
-    A loop of its own: the processor then works on many square roots at once. x : folded positions [m].
+
+@kernel
+def find_segments(n, x, upwards, segments):
+    """Directions and lengths [m] of all segments into `segments` (modified); x : folded positions [m].
+
+    Directions go from the ground to the kite if `upwards`, else from the outer node to the inner one.
+    This is a loop of its own because the processor looks some 300 instructions ahead: it then works on the square roots and
+    quotients of several segments at once.
     """
-    x_p = get_folded(x, 0)
     for s in range((n + 1) // 2):
-        x_q = next_folded(n, s, x)
+        if upwards:
+            x_p, x_q = lower_and_upper(n, s, x)
+        else:
+            x_p, x_q = get_folded(x, s), next_folded(n, s, x)
         length, e = segment.geometry(sub(x_q, x_p))
-        put_pairs(segments, 8 * s, (*e, length))
-        x_p = x_q
+        put_pairs(segments, at.SEGMENT * s, (*e, length))
+
+
+@kernel
+def found_segment(segments, s):
+    """Length [m] and direction of segment s and of its mirror image, from `find_segments`."""
+    return load_pair(segments, np.uint64(at.SEGMENT * s + 6)), get_vector_of_pairs(segments, at.SEGMENT * s)
 
 
 @kernel
@@ -62,28 +79,26 @@ def node_forces(chain, branches, x, v, mass, segments, force):
     """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
-    [kg]. x, v and force are folded.
+    [kg]. x, v and force are folded; `segments` is modified, see `find_segments`.
     """
     n = chain.n
     gravity = chain.parameters[at.GRAVITY]
-    find_segments(n, x, segments)
+    find_segments(n, x, False, segments)
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    x_p = get_folded(x, 0)
     v_p = get_folded(v, 0)
-    z_p = load_pair(x, np.uint64(4))
     for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
         x_q = next_folded(n, s, x)
         v_q = next_folded(n, s, v)
         both = (s, n - 1 - s)
-        e = get_vector_of_pairs(segments, 8 * s)
-        length = load_pair(segments, np.uint64(8 * s + 6))
-        height, velocity = 0.5 * (z_p + x_q[2]), scale(0.5, add(v_p, v_q))
-        pull, drag, _ = segment.forces_of(
-            chain, both, number_at(branches, 0, both), length, e, dot(e, sub(v_q, v_p)), height, velocity
-        )
+        length, e = found_segment(segments, s)
+        branch = number_at(branches, 0, both)
+        tension, drag = segment.tension_and_drag(chain, both, branch, length, e, (x_p[2], x_q[2]), (v_p, v_q))
+        pull = scale(tension, e)
         total = add(add(from_outside, pull), drag)
         put_folded(force, s, (total[0], total[1], total[2] - gravity * number_at(mass, 0, (s, n - s))))
         from_outside = sub(drag, pull)
-        z_p = x_q[2]
+        x_p = x_q
         v_p = v_q
     if n % 2 == 0:
         middle = n // 2
@@ -102,7 +117,7 @@ def end_force(chain, kite_end, x, v, mass):
     """
     s = chain.n - 1 if kite_end else 0
     i = chain.n if kite_end else 0
-    pull, drag, tension, _ = segment.forces(chain, s, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+    pull, drag, tension, _ = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
     total = add(scale(-1.0, pull), drag) if kite_end else add(pull, drag)
     weight = (mass[i] - point_mass(chain, i)) * chain.parameters[at.GRAVITY]
     return (total[0], total[1], total[2] - weight), tension
@@ -117,30 +132,20 @@ def record_of(s, n, records):
 
 
 @kernel
-def ends_of_segments(n, s, a):
-    """Vectors of a folded array at the lower ends of segment s and of its mirror image, and at their upper ends, as pairs."""
-    outer, inner = get_folded(a, s), next_folded(n, s, a)
-    return pair(first(outer), second(inner)), pair(first(inner), second(outer))
-
-
-@kernel
 def linearize(chain, x, v, branches, segments, records, force_rate):
     """Derivatives of all segment forces into `records`, rate of the forces from reeling into `force_rate` (both modified).
 
     x, v : folded positions [m] and velocities [m/s].  branches (modified) : which stiffness each segment has there.
-    `force_rate` [N/s] is dF/dl0 dl0/dt of every node at constant positions and velocities, a flat array.
+    segments (modified) : see `find_segments`.  force_rate : dF/dl0 dl0/dt of every node [N/s] at constant positions and
+    velocities, a flat array.
     """
     n = chain.n
-    for s in range((n + 1) // 2):
-        x_p, x_q = ends_of_segments(n, s, x)
-        length, e = segment.geometry(sub(x_q, x_p))
-        put_pairs(segments, 8 * s, (*e, length))
+    find_segments(n, x, True, segments)
     for s in range((n + 1) // 2):
         both = (s, n - 1 - s)
-        x_p, x_q = ends_of_segments(n, s, x)
-        v_p, v_q = ends_of_segments(n, s, v)
-        e = get_vector_of_pairs(segments, 8 * s)
-        length = load_pair(segments, np.uint64(8 * s + 6))
+        x_p, x_q = lower_and_upper(n, s, x)
+        v_p, v_q = lower_and_upper(n, s, v)
+        length, e = found_segment(segments, s)
         axial, damper, slope, branch = segment.linearize_tension(chain, both, length, e, sub(v_q, v_p))
         height, velocity = 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
         drag, drag_by_velocity, a = segment.linearize_drag(chain, both, length, e, height, velocity)

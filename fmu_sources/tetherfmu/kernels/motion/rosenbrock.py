@@ -23,7 +23,7 @@ from ..algebra.both_ends import fold, folded_size, get_folded, get_two, next_fol
 from ..algebra.pairs import choose, first, number_at, pair, second
 from ..algebra.parts import part
 from ..algebra.vectors import add, along, get, put, scale, sub
-from ..arrays import copy, shared_arrays, split
+from ..arrays import behind, copy, shared_arrays, split
 from ..chain import nodes
 from ..chain.properties import point_mass
 from ..communication.drive import chain_during, hold_ends, load_during, place_ends
@@ -34,7 +34,7 @@ from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, MOMENTUM, R_BY_GAMMA, P
 Stages = namedtuple(
     "Stages",
     "x v q velocity_error start_x start_v stage_x stage_v r momentum force force_rate velocities "
-    "matrix records mass stage_mass branches segments",
+    "matrix segments records mass stage_mass branches",
 )
 Stages.__doc__ = """Scratch arrays of a step.
 
@@ -44,11 +44,11 @@ velocity_error : the error estimate of v [m/s].
 
 Folded arrays (`algebra.both_ends`):
 start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, momentum : what `combine`
-adds up [m/s].  force : F, then the right-hand side [N].  force_rate : explicit time derivative of M v' [N/s].
+adds up [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
 velocities : V of all stages [m/s], those of two nodes beside each other: number `layout.STAGES` k + stage.
 
-matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  stage_mass : node masses at the stage [kg],
-n + 1.  branches : n, which stiffness each segment has, see `segment.TAUT`.
+matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `nodes.find_segments`.
+stage_mass : node masses at the stage [kg], n + 1.  branches : n, which stiffness each segment has, see `segment.TAUT`.
 """
 ZERO, NOTHING = (0.0, 0.0, 0.0), (-0.0, -0.0, -0.0)  # to add -0 changes nothing, not even the sign of a 0
 
@@ -57,16 +57,16 @@ ZERO, NOTHING = (0.0, 0.0, 0.0), (-0.0, -0.0, -0.0)  # to add -0 changes nothing
 def stages(n, work):
     """Cut the work array into the arrays of `Stages`."""
     blocks, records, mass, room = shared_arrays(n, work)
-    flat, folded = 3 * (n + 1), folded_size(n)
-    velocities, room = part(room, 0, at.STAGES * folded), part(room, at.STAGES * folded, len(room) - at.STAGES * folded)
+    flat, folded, segments = 3 * (n + 1), folded_size(n), at.SEGMENT * (n // 2 + 1)
     start_x, start_v, stage_x, room = split(folded, room)
     stage_v, r, momentum, room = split(folded, room)
-    force, force_rate, room = part(room, 0, folded), part(room, folded, folded), part(room, 2 * folded, len(room) - 2 * folded)
-    segments, room = part(room, 0, 8 * (n // 2 + 1)), part(room, 8 * (n // 2 + 1), len(room) - 8 * (n // 2 + 1))
+    force, force_rate, room = part(room, 0, folded), part(room, folded, folded), behind(2 * folded, room)
+    velocities, room = part(room, 0, at.STAGES * folded), behind(at.STAGES * folded, room)
+    segments, room = part(room, 0, segments), behind(segments, room)
     x, v, q, room = split(flat, room)
     error, stage_mass, branches = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
     vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, momentum, force, force_rate, velocities
-    return Stages(*vectors, Matrix(*blocks), records, mass, stage_mass, branches, segments)
+    return Stages(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, branches)
 
 
 @kernel
