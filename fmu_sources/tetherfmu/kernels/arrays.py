@@ -4,18 +4,38 @@ The work array holds a whole state for trial, then the arrays that all solvers o
 that each solver divides and names for itself.
 """
 
-import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_view
 
 from tetherfmu.runtime import layout as at
 
-from .algebra.pairs import load_pair, store_pair
-from .algebra.parts import part
 from .compilation import kernel, view
 
 parameters_size = kernel(at.parameters_size)
 state_size = kernel(at.state_size)
 outputs_size = kernel(at.outputs_size)
 work_size = kernel(at.work_size)
+
+
+@intrinsic
+def part(typing, array, start, size):
+    """View of `size` numbers of a flat array from place `start` on, which must be there.
+
+    It costs an addition; a slice of numba also looks for places that are negative or beyond the end.
+    """
+
+    def code(context, builder, signature, values):
+        kind = signature.args[0]
+        whole = context.make_array(kind)(context, builder, values[0])
+        first = builder.gep(whole.data, [values[1]])
+        strides = cgutils.unpack_tuple(builder, whole.strides)
+        view = make_view(context, builder, kind, whole, kind, first, values[2:], strides)
+        return impl_ret_borrowed(context, builder, kind, view._getvalue())
+
+    return array(array, types.intp, types.intp), code
 
 
 @view
@@ -69,9 +89,6 @@ def node_arrays(n, room):
 
 @kernel
 def copy(source, destination):
-    """Copy a flat array into another of the same length (modified), two numbers at once."""
-    size = len(source)
-    for k in range(0, size - 1, 2):
-        store_pair(destination, np.uint64(k), load_pair(source, np.uint64(k)))
-    if size % 2 == 1:
-        destination[size - 1] = source[size - 1]
+    """Copy a flat array into another of the same length (modified)."""
+    for k in range(len(source)):
+        destination[k] = source[k]

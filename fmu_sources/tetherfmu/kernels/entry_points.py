@@ -10,9 +10,8 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.status import OK
 
-from .algebra.parts import part
 from .algebra.vectors import norm, vector_at
-from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size, work_size
+from .arrays import copy, outputs_size, parameters_size, part, positions_and_velocities, state_size, work_size
 from .chain import power_balance
 from .compilation import view
 

@@ -23,7 +23,6 @@ from ..algebra.both_ends import (
     put_folded,
     put_pairs,
     put_side_by_side,
-    put_two,
 )
 from ..algebra.matrices import add_matrices, add_to_diagonal, apply, put_matrix, scale_matrix, subtract, symmetric
 from ..algebra.pairs import first, load_pair, number_at, pair, second
@@ -46,7 +45,7 @@ def node_masses(chain, mass):
 
 @kernel
 def lower_and_upper(n, s, a):
-    """Vectors of a folded array at the lower ends of segment s and of its mirror image, and at their upper ends, as pairs."""
+    """Vectors of a folded array at the lower ends of segment s and of its mirror image, as pairs; at their upper ends."""
     outer, inner = get_folded(a, s), next_folded(n, s, a)
     return pair(first(outer), second(inner)), pair(first(inner), second(outer))
 

@@ -21,9 +21,8 @@ from tetherfmu.runtime import layout as at
 from ..algebra.block_tridiagonal import Matrix, factorize, solve
 from ..algebra.both_ends import fold, folded_size, get_folded, get_two, next_folded, put_folded, put_two, unfold
 from ..algebra.pairs import choose, first, number_at, pair, second
-from ..algebra.parts import part
 from ..algebra.vectors import add, along, get, put, scale, sub
-from ..arrays import behind, copy, shared_arrays, split
+from ..arrays import behind, copy, part, shared_arrays, split
 from ..chain import nodes
 from ..chain.properties import point_mass
 from ..communication.drive import chain_during, hold_ends, load_during, place_ends
@@ -43,8 +42,8 @@ x, v : result of the step [m], [m/s].  q : the solution q of a stage; after the 
 velocity_error : the error estimate of v [m/s].
 
 Folded arrays (`algebra.both_ends`):
-start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, momentum : what `combine`
-adds up [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
+start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, momentum : what
+`combine` adds up [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
 velocities : V of all stages [m/s], those of two nodes beside each other: number `layout.STAGES` k + stage.
 
 matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `nodes.find_segments`.
