@@ -84,20 +84,21 @@ def node_forces(chain, branches, x, v, mass, segments, force):
     gravity = chain.parameters[at.GRAVITY]
     find_segments(n, x, False, segments)
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    x_p = get_folded(x, 0)
+    z_p = get_folded(x, 0)[2]
     v_p = get_folded(v, 0)
     for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
         x_q = next_folded(n, s, x)
         v_q = next_folded(n, s, v)
         both = (s, n - 1 - s)
         length, e = found_segment(segments, s)
-        branch = number_at(branches, 0, both)
-        tension, drag = segment.tension_and_drag(chain, both, branch, length, e, (x_p[2], x_q[2]), (v_p, v_q))
+        branch, rate = number_at(branches, 0, both), dot(e, sub(v_q, v_p))
+        height, velocity = 0.5 * (z_p + x_q[2]), scale(0.5, add(v_p, v_q))
+        tension, drag = segment.tension_and_drag(chain, both, branch, length, e, rate, height, velocity)
         pull = scale(tension, e)
         total = add(add(from_outside, pull), drag)
         put_folded(force, s, (total[0], total[1], total[2] - gravity * number_at(mass, 0, (s, n - s))))
         from_outside = sub(drag, pull)
-        x_p = x_q
+        z_p = x_q[2]
         v_p = v_q
     if n % 2 == 0:
         middle = n // 2
