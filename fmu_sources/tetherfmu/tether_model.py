@@ -268,8 +268,8 @@ class TetherModel:
             Without it they are computed where a row is kept only: `peak` is that of the row, and a step whose outputs would
             not be finite numbers is refused there only.
         outputs : bool
-            Whether the rows have outputs. Without them they have the node positions only, whatever `peaks` says, and no step is
-            refused for its outputs: a sixth less time for a dynamic tether with 5 segments.
+            Whether the rows have outputs. Without them they have the node positions only, whatever `peaks` says, and no step
+            is refused for its outputs: a sixth less time for a dynamic tether with 5 segments.
 
         Returns
         -------
