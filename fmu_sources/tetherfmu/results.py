@@ -72,10 +72,10 @@ class Flown(NamedTuple):
 
     Attributes
     ----------
-    outputs : (rows, outputs_size) array
-        All outputs, as `layout.py` has them; forces and shapes are properties.
-    peak : (rows,) array
-        Largest ``norm(kite_force)`` since the row before [N].
+    outputs : (rows, outputs_size) array or None
+        All outputs, as `layout.py` has them; forces and shapes are properties. None if flown with ``outputs=False``.
+    peak : (rows,) array or None
+        Largest ``norm(kite_force)`` since the row before [N]. None like `outputs`.
     positions : (rows, segments + 1, 3) array
         Of the nodes [m].
     seconds : float
@@ -91,26 +91,32 @@ class Flown(NamedTuple):
     ((10, 3), (10, 7, 3), (10, 7, 3))
     """
 
-    outputs: np.ndarray
-    peak: np.ndarray
+    outputs: np.ndarray | None
+    peak: np.ndarray | None
     positions: np.ndarray
     seconds: float = 0.0
+
+    def _observed(self):
+        """The outputs; ValueError without."""
+        if self.outputs is None:
+            raise ValueError("this flight has node positions only: fly with outputs=True for forces and shapes")
+        return self.outputs
 
     @property
     def kite_force(self) -> np.ndarray:
         """Force on the kite [N], array (rows, 3)."""
-        return self.outputs[:, at.KITE_FORCE : at.KITE_FORCE + 3]
+        return self._observed()[:, at.KITE_FORCE : at.KITE_FORCE + 3]
 
     @property
     def ground_force(self) -> np.ndarray:
         """Force on the ground station [N], array (rows, 3)."""
-        return self.outputs[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
+        return self._observed()[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
 
     @property
     def shape(self) -> np.ndarray:
         """Points of the tether [m], array (rows, points, 3)."""
-        points = (self.outputs.shape[1] - at.SHAPE) // 3
-        return self.outputs[:, at.SHAPE :].reshape(len(self.outputs), points, 3)
+        outputs = self._observed()
+        return outputs[:, at.SHAPE :].reshape(len(outputs), (outputs.shape[1] - at.SHAPE) // 3, 3)
 
 
 class PlausibilityWarning(UserWarning):

@@ -11,6 +11,7 @@ of order h^2.
 import numpy as np
 import pytest
 
+from kernels.folded import node_forces
 from mechanics import energy as energy_of_chain
 from mechanics import line_density
 from tetherfmu.energy import EnergyAudit
@@ -45,10 +46,10 @@ def accelerations(model, reel_out_speed, free_ends):
     """Acceleration of every node (n + 1, 3) [m/s2] from the kernels; 0 at driven ends."""
     n, state, parameters = model.segments, model.get_state(), model._parameters
     x, v = state[at.STATE_HEADER :].reshape(2, -1)
-    mass, force = np.zeros(n + 1), np.zeros(3 * (n + 1))
+    mass = np.zeros(n + 1)
     chain = chain_at(n, parameters, state[at.LENGTH], reel_out_speed, WIND)
     nodes.node_masses(chain, mass)
-    nodes.node_forces(chain, np.full(n, segment.BY_LENGTH), x, v, mass, force)
+    force = node_forces(chain, np.full(n, segment.BY_LENGTH), x, v)
     force[-3:] += LOAD
     result = force.reshape(-1, 3) / mass[:, None]
     for end, free in zip((0, -1), free_ends, strict=True):

@@ -4,6 +4,12 @@ The work array holds a whole state for trial, then the arrays that all solvers o
 that each solver divides and names for itself.
 """
 
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_view
+
 from tetherfmu.runtime import layout as at
 
 from .compilation import kernel, view
@@ -14,20 +20,35 @@ outputs_size = kernel(at.outputs_size)
 work_size = kernel(at.work_size)
 
 
+@intrinsic
+def part(typing, array, start, size):
+    """View of `size` numbers of a flat array from place `start` on, which must be there.
+
+    It costs an addition; a slice of numba also looks for places that are negative or beyond the end.
+    """
+
+    def code(context, builder, signature, values):
+        kind = signature.args[0]
+        whole = context.make_array(kind)(context, builder, values[0])
+        first = builder.gep(whole.data, [values[1]])
+        strides = cgutils.unpack_tuple(builder, whole.strides)
+        view = make_view(context, builder, kind, whole, kind, first, values[2:], strides)
+        return impl_ret_borrowed(context, builder, kind, view._getvalue())
+
+    return array(array, types.intp, types.intp), code
+
+
 @view
 def positions_and_velocities(n, state):
     """Views of the node positions [m] and node velocities [m/s] in a state."""
     nodes = 3 * (n + 1)
-    return (
-        state[at.STATE_HEADER : at.STATE_HEADER + nodes],
-        state[at.STATE_HEADER + nodes : at.STATE_HEADER + 2 * nodes],
-    )
+    return part(state, at.STATE_HEADER, nodes), part(state, at.STATE_HEADER + nodes, nodes)
 
 
 @view
 def trial_state(n, work):
     """View of a whole state in the work array."""
-    return work[: at.STATE_HEADER + 6 * (n + 1)]
+    return part(work, 0, state_size(n))
 
 
 @view
@@ -35,21 +56,35 @@ def shared_arrays(n, work):
     """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
 
     blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
+    Records and room begin at even places, so that no pair of a folded array lies across two lines of the cache.
     """
-    first = at.STATE_HEADER + 6 * (n + 1)
     size = 9 * (n + 1)
-    records = first + 3 * size
-    mass = records + at.SEGMENT_RECORD * (n + 1)
-    blocks = work[first : first + size], work[first + size : first + 2 * size], work[first + 2 * size : records]
-    return blocks, work[records:mass], work[mass : mass + n + 1], work[mass + n + 1 :]
+    records = state_size(n) + state_size(n) % 2
+    block = records + 2 * at.SEGMENT_RECORD * ((n + 1) // 2)
+    mass = block + 3 * size
+    room = mass + n + 1
+    blocks = part(work, block, size), part(work, block + size, size), part(work, block + 2 * size, size)
+    return blocks, part(work, records, block - records), part(work, mass, n + 1), behind(room, work)
+
+
+@view
+def behind(start, array):
+    """View of what an array has from a place on."""
+    return part(array, start, len(array) - start)
+
+
+@view
+def split(size, room):
+    """Views of three arrays of so many numbers at the start of a room; and the room behind them."""
+    return part(room, 0, size), part(room, size, size), part(room, 2 * size, size), behind(3 * size, room)
 
 
 @view
 def node_arrays(n, room):
     """Views of six arrays of node vectors, 3 (n + 1) numbers each, at the start of a room; and the room behind them."""
-    a = 3 * (n + 1)
-    b, c, d, e, f = 2 * a, 3 * a, 4 * a, 5 * a, 6 * a
-    return room[:a], room[a:b], room[b:c], room[c:d], room[d:e], room[e:f], room[f:]
+    a, b, c, room = split(3 * (n + 1), room)
+    d, e, f, room = split(3 * (n + 1), room)
+    return a, b, c, d, e, f, room
 
 
 @kernel

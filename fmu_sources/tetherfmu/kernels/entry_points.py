@@ -11,7 +11,7 @@ from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.status import OK
 
 from .algebra.vectors import norm, vector_at
-from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size, work_size
+from .arrays import copy, outputs_size, parameters_size, part, positions_and_velocities, state_size, work_size
 from .chain import power_balance
 from .compilation import view
 
@@ -53,35 +53,40 @@ def entry_points(variant):
         p, s, w = _chain_arrays(n, parameters, state, work)
         return variant.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
-    def fly(n, parameters, inputs, steps, step, every, peaks, state, before, shape_points, rows, work):
+    def fly(n, parameters, inputs, steps, step, every, outputs, state, before, shape_points, rows, work):
         """Do `steps` communication steps, until one is refused; returns how many were done. The state is modified.
 
-        inputs : one row of inputs per step.  every : a row is kept after every so many steps; 0 for none.  peaks : whether
-        outputs are computed after each step, see `TetherModel.fly`.  before : room for a state.
-        rows (modified) : of each kept step the outputs, the largest |kite_force| since the row before, the node positions.
+        inputs : one row of inputs per step.  every : a row is kept after every so many steps; 0 for none.
+        outputs : NEVER, AT_ROWS or ALWAYS (after each step) computed, see `TetherModel.fly`.  before : room for a state.
+        rows (modified) : of each kept step the outputs and the largest |kite_force| since the row before, unless NEVER; the
+        node positions.
         """
         p, s, w = _chain_arrays(n, parameters, state, work)
+        x, _ = positions_and_velocities(n, s)
         old = carray(before, state_size(n))
         flight = carray(inputs, steps * at.INPUTS)
         size, nodes = outputs_size(shape_points), 3 * (n + 1)
-        width = size + 1 + nodes
+        observed = size + 1 if outputs != at.NEVER else 0
+        width = observed + nodes
         kept = carray(rows, width * (steps // every + 1 if every > 0 else 1))
         largest, row = 0.0, 0
         for k in range(steps):
-            copy(s, old)
-            outputs = kept[row : row + size]
             keep = every > 0 and (k + 1) % every == 0
-            result = variant.advance(n, p, flight[k * at.INPUTS : (k + 1) * at.INPUTS], step, s, w)
-            if result == OK and (keep or peaks != 0):
-                result = variant.observe(n, p, s, shape_points, outputs, w)
-                largest = max(largest, norm(vector_at(outputs, at.KITE_FORCE)))
-            if result != OK:
-                copy(old, s)
+            observes = outputs == at.ALWAYS or (keep and outputs == at.AT_ROWS)
+            if observes:
+                copy(s, old)
+            if variant.advance(n, p, part(flight, k * at.INPUTS, at.INPUTS), step, s, w) != OK:
                 return k
+            if observes:
+                now = part(kept, row, size)
+                if variant.observe(n, p, s, shape_points, now, w) != OK:
+                    copy(old, s)
+                    return k
+                largest = max(largest, norm(vector_at(now, at.KITE_FORCE)))
             if keep:
-                x, _ = positions_and_velocities(n, s)
-                kept[row + size] = largest
-                copy(x, kept[row + size + 1 : row + width])
+                if outputs != at.NEVER:
+                    kept[row + size] = largest
+                copy(x, part(kept, row + observed, nodes))
                 largest, row = 0.0, row + width
         return steps
 

@@ -110,9 +110,13 @@ STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
 
+NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
+
 # work of the solver, in arrays of 3 (n + 1) numbers and of segment records
 STAGES = 6
-NODE_ARRAYS = 7 + STAGES
+NODE_ARRAYS = 12 + STAGES
+FOLDED_ARRAYS = 8 + STAGES  # of those, with up to 3 numbers more each: see `algebra/both_ends.py`
+SEGMENT = 8  # direction and length of a segment and of its mirror image, see `nodes.find_segments`
 BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
 SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`
 
@@ -141,5 +145,5 @@ def outputs_size(shape_points):
 
 def work_size(segments):
     """Length of the `work` array [-] of a tether with so many segments."""
-    of_a_node = 3 * (2 + NODE_ARRAYS) + 9 * BLOCK_ARRAYS + SEGMENT_RECORD + 2
-    return STATE_HEADER + of_a_node * (segments + 1) + segments
+    of_a_node = 3 * (2 + NODE_ARRAYS) + 9 * BLOCK_ARRAYS + SEGMENT_RECORD + SEGMENT // 2 + 2
+    return STATE_HEADER + of_a_node * (segments + 1) + segments + 3 * FOLDED_ARRAYS + SEGMENT // 2 + 1

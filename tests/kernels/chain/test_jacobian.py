@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from kernels.chain_problem import ChainProblem
-from tetherfmu.kernels.chain import nodes
+from kernels.folded import folded, node_forces
+from tetherfmu.kernels.chain import nodes, segment
 from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.kernels.motion import rosenbrock
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-5
@@ -18,12 +20,14 @@ def chain_of_length(problem, length):
 
 
 def forces(problem, x, v, length):
-    out = np.zeros_like(x)
-    mass = np.zeros(problem.n + 1)
-    chain = chain_of_length(problem, length)
-    nodes.node_masses(chain, mass)
-    nodes.node_forces(chain, np.zeros(problem.n), x, v, mass, out)
-    return out
+    return node_forces(chain_of_length(problem, length), np.full(problem.n, segment.BY_LENGTH), x, v)
+
+
+def linearize(chain, x, v, w):
+    """Records of the segments into those of `w`; returns the rate of the forces from reeling."""
+    rate = np.zeros_like(x)
+    nodes.linearize(chain, folded(x), folded(v), w.branches, w.segments, w.records, rate)
+    return rate
 
 
 def differences(function, point):
@@ -59,14 +63,15 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     w = problem.stages
     chain = chain_of_length(problem, length)
     nodes.node_masses(chain, w.mass)
-    nodes.linearize(chain, problem.x, problem.v, w.records, w.force_rate)
+    force_rate = linearize(chain, problem.x, problem.v, w)
+    np.testing.assert_array_equal(w.branches, segment.SLACK if slack else segment.TAUT)
     by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
     by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
     by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
     for found, expected in (
         (dense(problem, (0.0, 0.0, -1.0)), by_position),
         (dense(problem, (0.0, -1.0, 0.0)), by_velocity),
-        (w.force_rate / problem.drive.reeling, by_length),
+        (force_rate / problem.drive.reeling, by_length),
     ):
         np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())
 
@@ -75,7 +80,7 @@ def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     problem = ChainProblem()
     n, w = problem.n, problem.stages
     nodes.node_masses(problem.chain, w.mass)
-    nodes.linearize(problem.chain, problem.x, problem.v, w.records, w.force_rate)
+    linearize(problem.chain, problem.x, problem.v, w)
     stiffness = dense(problem, (0.0, 0.0, -1.0))
     damping = dense(problem, (0.0, -1.0, 0.0))
     move = np.random.default_rng(5).normal(size=(2, 3))
@@ -85,9 +90,10 @@ def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
         expected = stiffness[:, columns] @ move[0] + damping[:, columns] @ move[1]
         np.testing.assert_allclose(change, expected, rtol=1e-12, atol=1e-9)
     u = np.random.default_rng(6).normal(size=3 * (n + 1))
-    product = np.zeros_like(u)
-    nodes.add_damping_product(n, -2.0, u, w.records, product)
-    np.testing.assert_allclose(product, -2.0 * damping @ u, rtol=1e-12, atol=1e-9)
+    w.r[:] = folded(u)
+    w.stage_mass[:] = w.mass
+    rosenbrock.right_hand_side(n, 0, 1.0, w)  # force, force_rate and momentum are 0
+    np.testing.assert_allclose(w.q, -damping @ u, rtol=1e-12, atol=1e-9)
 
 
 def test_still_air_has_a_derivative():
@@ -96,5 +102,5 @@ def test_still_air_has_a_derivative():
     w = problem.stages
     still = np.zeros_like(problem.v)
     calm = chain_at(problem.n, problem.parameters, 38.0, 0.0, (0.0, 0.0, 0.0))
-    nodes.linearize(calm, problem.x, still, w.records, w.force_rate)
+    linearize(calm, problem.x, still, w)
     assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()

@@ -112,6 +112,31 @@ def test_a_step_is_refused_for_its_outputs_where_they_are_computed():
     started("TetherStraight", **options).fly(inputs, STEP, every=4, peaks=False)
 
 
+@every_variant
+@pytest.mark.parametrize("every", [1, 4, 0])
+def test_without_outputs_the_positions_and_the_state_are_the_same(variant, every):
+    model, twin = started(variant), started(variant)
+    flown, expected = model.fly(circle_inputs(), STEP, every, outputs=False), twin.fly(circle_inputs(), STEP, every)
+    assert np.array_equal(flown.positions, expected.positions)
+    assert np.array_equal(model.get_state(), twin.get_state())
+    assert np.array_equal(model.outputs().shape, twin.outputs().shape)
+    assert flown.outputs is None
+    assert flown.peak is None
+    with pytest.raises(ValueError, match="this flight has node positions only: fly with outputs=True"):
+        _ = flown.kite_force
+
+
+@every_variant
+def test_without_outputs_a_refused_step_keeps_the_state_of_before(variant):
+    inputs = circle_inputs()
+    inputs[9, at.WIND_VELOCITY + 1] = np.nan
+    model, twin = started(variant), started(variant)
+    twin.fly(inputs[:9], STEP)
+    with pytest.raises(StepRefused, match=r"^step 10 of 23: the input wind_velocity\[2\] is nan"):
+        model.fly(inputs, STEP, outputs=False)
+    assert np.array_equal(model.get_state(), twin.get_state())
+
+
 def test_a_refusal_says_what_step_says():
     """The same sentence as that of `step`, with the speed and the length of that step."""
     inputs = circle_inputs()

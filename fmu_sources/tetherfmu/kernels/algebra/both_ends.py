@@ -1,9 +1,16 @@
-"""Loads and stores of pairs: numbers, vectors and blocks of both halves of a chain at once."""
+"""Loads and stores of pairs: numbers, vectors and blocks of both halves of a chain at once.
+
+A folded array holds the vectors of n + 1 nodes as pairs, those of node k and of its mirror image side by side:
+
+    x_k x_(n-k) y_k y_(n-k) z_k z_(n-k),   k = 0 .. n // 2
+
+The node in the middle of an even n stands there twice. A flat array holds one vector after the other.
+"""
 
 import numpy as np
 
 from ..compilation import kernel
-from .pairs import first, load_pair, pair, second, store_pair, unzip
+from .pairs import first, load_pair, pair, second, store_pair, swapped, unzip
 
 TWO, FOUR, SIX, EIGHT = np.uint64(2), np.uint64(4), np.uint64(6), np.uint64(8)
 
@@ -50,6 +57,46 @@ def put_pairs(array, first, pairs):
     k = np.uint64(first)
     for i in range(len(pairs)):
         store_pair(array, k + np.uint64(2 * i), pairs[i])
+
+
+@kernel
+def folded_size(n):
+    """Length of a folded array of n + 1 vectors."""
+    return 6 * (n // 2 + 1)
+
+
+@kernel
+def get_folded(array, k):
+    """Vectors number k and n - k of a folded array, as pairs."""
+    return get_vector_of_pairs(array, 6 * k)
+
+
+@kernel
+def put_folded(array, k, a):
+    """Write a vector of pairs to the vectors number k and n - k of a folded array (modified)."""
+    put_pairs(array, 6 * k, a)
+
+
+@kernel
+def next_folded(n, k, array):
+    """Vectors number k + 1 and n - k - 1 of a folded array, as pairs, up to the middle and one beyond."""
+    if 2 * (k + 1) <= n:
+        return get_folded(array, k + 1)
+    return swapped(get_folded(array, k))
+
+
+@kernel
+def fold(n, flat, folded):
+    """Copy the vectors of a flat array into a folded one (modified)."""
+    for k in range(n // 2 + 1):
+        put_folded(folded, k, get_two(flat, k, n - k))
+
+
+@kernel
+def unfold(n, folded, flat):
+    """Copy the vectors of a folded array into a flat one (modified)."""
+    for k in range(n // 2 + 1):
+        put_two(flat, k, n - k, get_folded(folded, k))
 
 
 @kernel

@@ -137,6 +137,17 @@ def unzip(typing, a, b):
     return types.UniTuple(_PAIR, 2)(a, b), code
 
 
+@intrinsic
+def swapped(typing, a):
+    """Pair with its two numbers the other way round; tuple of such pairs."""
+
+    def code(context, builder, signature, values):
+        mask = ir.Constant(ir.VectorType(ir.IntType(32), 2), [1, 0])
+        return _each(context, builder, lambda a: builder.shuffle_vector(a, a, mask), signature.return_type, *values)
+
+    return a(a), code
+
+
 def _operate(operation, instruction):
     """Let an operator of Python work on pairs."""
 
@@ -207,6 +218,27 @@ def _choose(sign, a, b):
     if _are_pairs(sign, a, b):
         return lambda sign, a, b: _choose_in_pairs(sign, a, b)
     return choose
+
+
+@intrinsic
+def _larger_in_pairs(typing, a, b):
+    def code(context, builder, signature, values):
+        a, b = _as_vectors(builder, signature.args, values)
+        return builder.select(builder.fcmp_ordered(">", a, b), a, b)
+
+    return _PAIR(a, b), code
+
+
+def larger(a, b):
+    """a where a > b, b elsewhere."""
+    return a if a > b else b
+
+
+@overload(larger)
+def _larger(a, b):
+    if _are_pairs(a, b):
+        return lambda a, b: _larger_in_pairs(a, b)
+    return larger
 
 
 def number_at(array, start, s):

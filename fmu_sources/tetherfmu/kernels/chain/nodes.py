@@ -7,60 +7,104 @@ the drag of a segment sits on each of its nodes:
     F_i = T_i e_i - T_(i-1) e_(i-1) + half drags - m_i g e_z
 
 The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
-only. `x`, `v`, `force` are flat arrays of 3 (n + 1) numbers, `mass` has n + 1. Theory: docs/theory.md, "The chain".
+only. Flat arrays of node vectors have 3 (n + 1) numbers, folded ones are those of `algebra.both_ends`; `mass` has n + 1.
+Theory: docs/theory.md, "The chain".
 """
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.both_ends import get_matrix_of_pairs, get_two, get_vector_of_pairs, put_pairs, put_side_by_side, put_two
+from ..algebra.both_ends import (
+    get_folded,
+    get_matrix_of_pairs,
+    get_vector_of_pairs,
+    next_folded,
+    put_folded,
+    put_pairs,
+    put_side_by_side,
+)
 from ..algebra.matrices import add_matrices, add_to_diagonal, apply, put_matrix, scale_matrix, subtract, symmetric
-from ..algebra.pairs import first, load_pair, pair, second
+from ..algebra.pairs import first, load_pair, number_at, pair, second
 from ..algebra.vectors import add, dot, get, norm, put, scale, sub
 from ..compilation import kernel, view
 from . import segment
-from .properties import point_mass, property_of, rest_length
+from .properties import point_mass, property_of, rest_length, sees_reeling
 
 
 @kernel
 def node_masses(chain, mass):
     """Masses of all nodes [kg] into `mass` (modified)."""
-    for i in range(chain.n + 1):
-        mass[i] = point_mass(chain, i)
+    below = 0.0
     for s in range(chain.n):
         half = 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_length(chain, s)
-        mass[s] += half
-        mass[s + 1] += half
+        mass[s] = point_mass(chain, s) + below + half
+        below = half
+    mass[chain.n] = point_mass(chain, chain.n) + below
 
 
 @kernel
-def node_forces(chain, branches, x, v, mass, force):
+def lower_and_upper(n, s, a):
+    """Vectors of a folded array at the lower ends of segment s and of its mirror image, as pairs; at their upper ends."""
+    outer, inner = get_folded(a, s), next_folded(n, s, a)
+    return pair(first(outer), second(inner)), pair(first(inner), second(outer))
+
+
+@kernel
+def find_segments(n, x, upwards, segments):
+    """Directions and lengths [m] of all segments into `segments` (modified); x : folded positions [m].
+
+    Directions go from the ground to the kite if `upwards`, else from the outer node to the inner one.
+    This is a loop of its own because the processor looks some 300 instructions ahead: it then works on the square roots and
+    quotients of several segments at once.
+    """
+    for s in range((n + 1) // 2):
+        if upwards:
+            x_p, x_q = lower_and_upper(n, s, x)
+        else:
+            x_p, x_q = get_folded(x, s), next_folded(n, s, x)
+        length, e = segment.geometry(sub(x_q, x_p))
+        put_pairs(segments, at.SEGMENT * s, (*e, length))
+
+
+@kernel
+def found_segment(segments, s):
+    """Length [m] and direction of segment s and of its mirror image, from `find_segments`."""
+    return load_pair(segments, np.uint64(at.SEGMENT * s + 6)), get_vector_of_pairs(segments, at.SEGMENT * s)
+
+
+@kernel
+def node_forces(chain, branches, x, v, mass, segments, force):
     """Forces of tension, drag and weight on all nodes [N] into `force` (modified), from both ends at once.
 
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
-    [kg].
+    [kg]. x, v and force are folded; `segments` is modified, see `find_segments`.
     """
     n = chain.n
     gravity = chain.parameters[at.GRAVITY]
+    find_segments(n, x, False, segments)
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    x_p = get_two(x, 0, n)
-    v_p = get_two(v, 0, n)
+    z_p = get_folded(x, 0)[2]
+    v_p = get_folded(v, 0)
     for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
-        mirror = n - 1 - s
-        x_q = get_two(x, s + 1, mirror)
-        v_q = get_two(v, s + 1, mirror)
-        branch = pair(branches[s], branches[mirror])
-        pull, drag, _, _ = segment.forces(chain, (s, mirror), branch, x_p, x_q, v_p, v_q)
+        x_q = next_folded(n, s, x)
+        v_q = next_folded(n, s, v)
+        both = (s, n - 1 - s)
+        length, e = found_segment(segments, s)
+        branch, rate = number_at(branches, 0, both), dot(e, sub(v_q, v_p))
+        height, velocity = 0.5 * (z_p + x_q[2]), scale(0.5, add(v_p, v_q))
+        tension, drag = segment.tension_and_drag(chain, both, branch, length, e, rate, height, velocity)
+        pull = scale(tension, e)
         total = add(add(from_outside, pull), drag)
-        put_two(force, s, n - s, (total[0], total[1], total[2] - gravity * pair(mass[s], mass[n - s])))
+        put_folded(force, s, (total[0], total[1], total[2] - gravity * number_at(mass, 0, (s, n - s))))
         from_outside = sub(drag, pull)
-        x_p = x_q
+        z_p = x_q[2]
         v_p = v_q
     if n % 2 == 0:
         middle = n // 2
         total = add(first(from_outside), second(from_outside))
-        put(force, middle, (total[0], total[1], total[2] - gravity * mass[middle]))
+        total = (total[0], total[1], total[2] - gravity * mass[middle])
+        put_folded(force, middle, pair(total, total))
 
 
 @kernel
@@ -73,7 +117,7 @@ def end_force(chain, kite_end, x, v, mass):
     """
     s = chain.n - 1 if kite_end else 0
     i = chain.n if kite_end else 0
-    pull, drag, tension, _ = segment.forces(chain, s, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+    pull, drag, tension, _ = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
     total = add(scale(-1.0, pull), drag) if kite_end else add(pull, drag)
     weight = (mass[i] - point_mass(chain, i)) * chain.parameters[at.GRAVITY]
     return (total[0], total[1], total[2] - weight), tension
@@ -88,23 +132,26 @@ def record_of(s, n, records):
 
 
 @kernel
-def linearize(chain, x, v, records, force_rate):
-    """Derivatives of all segment forces into `records` (modified); rate of the forces from reeling into `force_rate`.
+def linearize(chain, x, v, branches, segments, records, force_rate):
+    """Derivatives of all segment forces into `records`, rate of the forces from reeling into `force_rate` (both modified).
 
-    `force_rate` [N/s] (modified) is dF/dl0 dl0/dt of every node at constant positions and velocities.
+    x, v : folded positions [m] and velocities [m/s].  branches (modified) : which stiffness each segment has there.
+    segments (modified) : see `find_segments`.  force_rate : dF/dl0 dl0/dt of every node [N/s] at constant positions and
+    velocities, a flat array.
     """
-    for s in range((chain.n + 1) // 2):
-        mirror = chain.n - 1 - s
-        both = (s, mirror)
-        x_p = get_two(x, s, mirror)
-        x_q = get_two(x, s + 1, mirror + 1)
-        v_p = get_two(v, s, mirror)
-        v_q = get_two(v, s + 1, mirror + 1)
-        r = sub(x_q, x_p)
-        axial, e, damper, slope = segment.linearize_tension(chain, both, r, sub(v_q, v_p))
-        height = 0.5 * (x_p[2] + x_q[2])
-        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, r, height, scale(0.5, add(v_p, v_q)))
+    n = chain.n
+    find_segments(n, x, True, segments)
+    for s in range((n + 1) // 2):
+        both = (s, n - 1 - s)
+        x_p, x_q = lower_and_upper(n, s, x)
+        v_p, v_q = lower_and_upper(n, s, v)
+        length, e = found_segment(segments, s)
+        axial, damper, slope, branch = segment.linearize_tension(chain, both, length, e, sub(v_q, v_p))
+        height, velocity = 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
+        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, length, e, height, velocity)
         put_records(s, axial, drag, drag_by_velocity, (*a, *e, damper, slope), records)
+        branches[s] = first(branch)
+        branches[n - 1 - s] = second(branch)
     rate_from_reeling(chain, records, force_rate)
 
 
@@ -143,7 +190,7 @@ def add_rate_from_acceleration(chain, acceleration, x, records, force_rate):
 
     acceleration : second derivative of the unstretched length of the tether [m/s2].  x : node positions [m].
     """
-    if acceleration == 0.0 or not segment.sees_reeling(chain):
+    if acceleration == 0.0 or not sees_reeling(chain.parameters):
         return
     for s in range(chain.n):
         record = record_of(s, chain.n, records)
@@ -215,23 +262,14 @@ def step_blocks(start, damping_factor, stiffness_factor, records):
 
 
 @kernel
-def add_damping_product(n, sign, u, records, result):
-    """Add sign B u to `result` (modified), from both ends at once; u and result are flat arrays of node vectors."""
-    from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    u_p = get_two(u, 0, n)
-    for s in range((n + 1) // 2):  # a segment in the middle is met twice
-        mirror = n - 1 - s
-        u_q = get_two(u, s + 1, mirror)
-        start = 2 * at.SEGMENT_RECORD * s
-        e = get_vector_of_pairs(records, start + 2 * segment.DIRECTION)
-        damper = sign * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
-        axial = scale(damper * dot(e, sub(u_q, u_p)), e)
-        drag_by_velocity = get_matrix_of_pairs(records, start + 2 * segment.A)
-        drag = scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))
-        both = add(from_outside, add(drag, axial))
-        put_two(result, s, n - s, add(get_two(result, s, n - s), both))
-        from_outside = sub(drag, axial)
-        u_p = u_q
-    if n % 2 == 0:
-        middle = n // 2
-        put(result, middle, add(get(result, middle), add(first(from_outside), second(from_outside))))
+def damping_product(s, sign, u_p, u_q, records):
+    """Changes of the axial force and of the half drag of segment s and of its mirror image by sign u, as pairs.
+
+    sign u : of the velocities [m/s] of their outer and of their inner nodes.
+    """
+    record = 2 * at.SEGMENT_RECORD * s
+    e = get_vector_of_pairs(records, record + 2 * segment.DIRECTION)
+    damper = sign * load_pair(records, np.uint64(record + 2 * segment.DAMPER))
+    axial = scale(damper * dot(e, sub(u_q, u_p)), e)
+    drag_by_velocity = get_matrix_of_pairs(records, record + 2 * segment.A)
+    return axial, scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))

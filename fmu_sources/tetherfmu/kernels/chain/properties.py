@@ -7,20 +7,37 @@ from tetherfmu.runtime import layout as at
 from ..algebra.pairs import number_at
 from ..algebra.vectors import vector_at
 from ..compilation import kernel, view
+from .atmosphere import is_uniform
 
-Chain = namedtuple("Chain", "n parameters length reeling growth wind")
+Chain = namedtuple(
+    "Chain", "n parameters length reeling growth seen_growth slack_stiffness_ratio slack_damping_ratio wind air_is_uniform"
+)
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling : unstretched length L of the tether [m] and its rate [m/s].  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
+seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
+slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].
 wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
+air_is_uniform : whether wind and density are the same everywhere.
+
+What is in `parameters` too stands here because a loop that writes to arrays would load it anew for each segment.
 """
+
+
+@kernel
+def sees_reeling(parameters):
+    """Whether a damper sees the strain, and so the rate of the unstretched length: by the strain_rate law."""
+    return parameters[at.DAMPING_LAW] == at.STRAIN_RATE
 
 
 @view
 def chain_at(n, parameters, length, reeling, wind):
     """`Chain` of this unstretched length [m] and its rate [m/s] in a wind [m/s]."""
-    return Chain(n, parameters, length, reeling, reeling / length, wind)
+    growth = reeling / length
+    seen_growth = growth if sees_reeling(parameters) else 0.0
+    ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
+    return Chain(n, parameters, length, reeling, growth, seen_growth, *ratios, wind, is_uniform(parameters))
 
 
 @view

@@ -25,10 +25,10 @@ from math import sqrt
 from tetherfmu.runtime import layout as at
 
 from ..algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
-from ..algebra.pairs import alike, choose
+from ..algebra.pairs import alike, choose, larger
 from ..algebra.vectors import add, along, cross, dot, scale, sub
 from ..compilation import kernel
-from .atmosphere import is_uniform, varying_air
+from .atmosphere import varying_air
 from .properties import has_node_winds, node_wind, property_of, rest_length
 
 # places in the record of derivatives, see `nodes.record_of`
@@ -50,7 +50,7 @@ STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exis
 def geometry(r):
     """Length [m] and direction of a segment from the vector [m] between its nodes."""
     length = sqrt(dot(r, r))
-    length = choose(length - SHORTEST, length, SHORTEST)
+    length = larger(length, SHORTEST)
     return length, scale(1.0 / length, r)
 
 
@@ -60,27 +60,15 @@ def stiffness(chain, s, branch, rest):
     per_length = 1.0 / rest
     k = per_length * property_of(chain, s, at.STIFFNESS)
     c = per_length * property_of(chain, s, at.DAMPING)
-    slack_k = chain.parameters[at.SLACK_STIFFNESS_RATIO] * k
-    slack_c = chain.parameters[at.SLACK_DAMPING_RATIO] * c
+    slack_k = chain.slack_stiffness_ratio * k
+    slack_c = chain.slack_damping_ratio * c
     return choose(branch, k, slack_k), choose(branch, c, slack_c)
-
-
-@kernel
-def sees_reeling(chain):
-    """Whether a damper sees the strain, and so the rate of the unstretched length: by the strain_rate law."""
-    return chain.parameters[at.DAMPING_LAW] == at.STRAIN_RATE
-
-
-@kernel
-def seen_growth(chain):
-    """(dl0/dt)/l0 [1/s] as far as the damper sees it: all of it by the strain_rate law, nothing by the stretch_rate law."""
-    return chain.growth if sees_reeling(chain) else 0.0
 
 
 @kernel
 def seen_rate(chain, length, length_rate):
     """Rate [m/s] that the damper of a segment of this length [m] and rate of the length [m/s] sees: that of its strain."""
-    return length_rate - seen_growth(chain) * length
+    return length_rate - chain.seen_growth * length
 
 
 @kernel
@@ -99,7 +87,7 @@ def air_of(chain, s, height):
 
     Mean height of its nodes [m]. A wind that is given at the nodes has no slope: it goes where they go.
     """
-    if is_uniform(chain.parameters):
+    if chain.air_is_uniform:
         density, zero = alike((chain.parameters[at.AIR_DENSITY], 0.0), height)
         return alike(chain.wind, height), density, (zero, zero, zero), zero
     factor, density, wind_slope, density_slope = varying_air(height, chain.parameters)
@@ -132,36 +120,44 @@ def half_drag(chain, s, length, e, height, velocity):
 
 
 @kernel
-def forces(chain, s, branch, x_p, x_q, v_p, v_q):
-    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of segment s, or of two, as pairs.
+def tension_and_drag(chain, s, branch, length, e, length_rate, height, velocity):
+    """Tension T [N] and half drag F [N] of segment s, or of two, as pairs.
 
-    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.  length, e, length_rate : l [m], direction, dl/dt [m/s].
+    height, velocity : means of its nodes [m], [m/s].
     """
-    length, e = geometry(sub(x_q, x_p))
     rest = rest_length(chain, s)
     branch = choose(branch * branch, branch, length - rest)
     k, c = stiffness(chain, s, branch, rest)
-    pull = tension(chain, length, dot(e, sub(v_q, v_p)), rest, k, c)
-    drag = half_drag(chain, s, length, e, 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q)))
+    pull = tension(chain, length, length_rate, rest, k, c)
+    return pull, half_drag(chain, s, length, e, height, velocity)
+
+
+@kernel
+def forces(chain, s, x_p, x_q, v_p, v_q):
+    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of segment s with its nodes there [m, m/s]."""
+    length, e = geometry(sub(x_q, x_p))
+    rate, height, velocity = dot(e, sub(v_q, v_p)), 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
+    pull, drag = tension_and_drag(chain, s, BY_LENGTH, length, e, rate, height, velocity)
     return scale(pull, e), drag, pull, length
 
 
 @kernel
-def linearize_tension(chain, s, r, u):
-    """Derivatives of the tension vector of segment s, or of two: K [N/m], e, c [N s/m] and dT/dl0 [N/m].
+def linearize_tension(chain, s, length, e, u):
+    """Derivatives of the tension vector of segment s, or of two: K [N/m], c [N s/m], dT/dl0 [N/m]; TAUT or SLACK.
 
-    Vector r [m] between the nodes and its rate u [m/s]. dT/dl0 is that at constant l, dl/dt, dl0/dt; k and c fall as 1/l0.
+    Length l [m], direction e, rate u [m/s] of the vector between the nodes. dT/dl0 is that at constant l, dl/dt, dl0/dt; k
+    and c fall as 1/l0.
     """
-    length, e = geometry(r)
     rest = rest_length(chain, s)
     k, c = stiffness(chain, s, length - rest, rest)
     length_rate = dot(e, u)
     stretch = tension(chain, length, length_rate, rest, k, c) / length
-    seen = seen_growth(chain)
+    seen = chain.seen_growth
     turning = scale(c / length, along(u, -length_rate, e))
     g = along(turning, k - c * seen - stretch, e)
     slope = -(k * length + c * (length_rate - 2.0 * seen * length)) / rest
-    return add_to_diagonal(outer(e, g), stretch), e, c, slope
+    return add_to_diagonal(outer(e, g), stretch), c, slope, choose(length - rest, TAUT, SLACK)
 
 
 @kernel
@@ -171,13 +167,12 @@ def slope_of_square(e, w, speed):
 
 
 @kernel
-def linearize_drag(chain, s, r, height, velocity):
+def linearize_drag(chain, s, length, e, height, velocity):
     """Derivatives of the half drag of segment s, or of two: G [N/m], A [N s/m] and a [N/m].
 
-    Vector r [m] between the nodes, their mean height [m] and mean velocity [m/s].
+    Length l [m], direction e, mean height [m] and mean velocity [m/s] of its nodes.
     G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
     """
-    length, e = geometry(r)
     wind, density, wind_slope, density_slope = air_of(chain, s, height)
     w, lengthwise = apparent_wind(wind, e, velocity)
     speed = sqrt(dot(w, w) + STILLEST)

@@ -54,9 +54,7 @@ def survey(chain, x, v, outputs):
     chord = sub(get(x, chain.n), ground)
     for s in range(chain.n):
         rest = rest_length(chain, s)
-        _, _, tension, length = segment.forces(
-            chain, s, segment.BY_LENGTH, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
-        )
+        _, _, tension, length = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
         largest = max(largest, tension)
         if length < rest:
             slack += 1

@@ -176,10 +176,9 @@ def linearize(body, w):
         both = (s, mirror)
         x_p = get_two(x, s, mirror)
         x_q = get_two(x, s + 1, mirror + 1)
-        r = sub(x_q, x_p)
-        length, e = segment.geometry(r)
+        length, e = segment.geometry(sub(x_q, x_p))
         velocity = scale(0.5, add(get_two(v, s, mirror), get_two(v, s + 1, mirror + 1)))
-        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, r, 0.5 * (x_p[2] + x_q[2]), velocity)
+        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, length, e, 0.5 * (x_p[2] + x_q[2]), velocity)
         rest = rest_length(chain, both)
         stiffness, _ = segment.stiffness(chain, both, length - rest, rest)
         stretch = pair(w.tension[s], w.tension[mirror]) / length

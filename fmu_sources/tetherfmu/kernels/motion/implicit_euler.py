@@ -100,7 +100,7 @@ def stretch(attempt, s, x, w):
 @kernel
 def shrinkage(attempt):
     """b = 1 - h (dl0/dt)/l0 [-] as far as the damper sees it: above 0, the part of the unstretched length that is old."""
-    return 1.0 - attempt.h * segment.seen_growth(attempt.chain)
+    return 1.0 - attempt.h * attempt.chain.seen_growth
 
 
 @kernel
@@ -263,12 +263,11 @@ def add_drag(attempt, x, w):
     """Half drags F [N] and slopes A [N s/m] of all segments into w, at the positions x [m] and the old velocities."""
     chain, v = attempt.chain, attempt.v
     for s in range(chain.n):
-        r = sub(get(x, s + 1), get(x, s))
-        length, e = segment.geometry(r)
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         height = 0.5 * (x[3 * s + 2] + x[3 * s + 5])
         mean = scale(0.5, add(get(v, s), get(v, s + 1)))
         put(w.drag, s, segment.half_drag(chain, s, length, e, height, mean))
-        _, by_velocity, _ = segment.linearize_drag(chain, s, r, height, mean)
+        _, by_velocity, _ = segment.linearize_drag(chain, s, length, e, height, mean)
         put_matrix(w.slope, 9 * s, by_velocity)
 
 

@@ -16,193 +16,256 @@ smooth equations; a step that goes too far beyond the kink is rejected (`step_co
 
 from collections import namedtuple
 
-import numpy as np
-
 from tetherfmu.runtime import layout as at
 
 from ..algebra.block_tridiagonal import Matrix, factorize, solve
-from ..algebra.both_ends import get_two, put_two
-from ..algebra.pairs import load_pair, pair, store_pair
-from ..algebra.vectors import add, along, get, norm, put, scale, sub
-from ..arrays import node_arrays, shared_arrays
-from ..chain import nodes, segment
-from ..chain.properties import point_mass, rest_length
+from ..algebra.both_ends import fold, folded_size, get_folded, get_two, next_folded, put_folded, put_two, unfold
+from ..algebra.pairs import choose, first, number_at, pair, second
+from ..algebra.vectors import add, along, get, put, scale, sub
+from ..arrays import behind, copy, part, shared_arrays, split
+from ..chain import nodes
+from ..chain.properties import point_mass
 from ..communication.drive import chain_during, hold_ends, load_during, place_ends
-from ..communication.driven_end import acceleration_at, velocity_at
+from ..communication.driven_end import acceleration_at, position_at, velocity_at
 from ..compilation import kernel, view
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, MOMENTUM, R_BY_GAMMA, P
 
 Stages = namedtuple(
-    "Stages", "x v r momentum q force_rate velocities velocity_error matrix records mass stage_mass branches"
+    "Stages",
+    "x v q velocity_error start_x start_v stage_x stage_v r momentum force force_rate velocities "
+    "matrix segments records mass stage_mass branches",
 )
-Stages.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
+Stages.__doc__ = """Scratch arrays of a step.
 
-x, v : argument of the stage [m], [m/s]; after the step its result.  r, momentum : what `combine` adds up [m/s].
-q : force [N], right-hand side [N], then the solution q of a stage; after the step the error estimate of x over d [m/s].
-force_rate : explicit time derivative of M v' [N/s].  velocities : V of all stages [m/s], `layout.STAGES` times 3 (n + 1).
-velocity_error : the last V, the error estimate of v [m/s].  matrix, records, mass : see `arrays.shared_arrays`; at the start
-of the step.  stage_mass : node masses at the stage [kg], n + 1.  branches : n, which stiffness each segment has, see
-`segment.TAUT`.
+Flat arrays of 3 (n + 1) numbers:
+x, v : result of the step [m], [m/s].  q : the solution q of a stage; after the step the error estimate of x over d [m/s].
+velocity_error : the error estimate of v [m/s].
+
+Folded arrays (`algebra.both_ends`):
+start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, momentum : what
+`combine` adds up [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
+velocities : V of all stages [m/s], those of two nodes beside each other: number `layout.STAGES` k + stage.
+
+matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `nodes.find_segments`.
+stage_mass : node masses at the stage [kg], n + 1.  branches : n, which stiffness each segment has, see `segment.TAUT`.
 """
+ZERO, NOTHING = (0.0, 0.0, 0.0), (-0.0, -0.0, -0.0)  # to add -0 changes nothing, not even the sign of a 0
 
 
 @view
 def stages(n, work):
     """Cut the work array into the arrays of `Stages`."""
     blocks, records, mass, room = shared_arrays(n, work)
-    x, v, r, momentum, q, force_rate, room = node_arrays(n, room)
-    last = 3 * (n + 1) * at.STAGES
-    velocities, error, room = room[:last], room[last - 3 * (n + 1) : last], room[last:]
-    stage_mass, branches = room[: n + 1], room[n + 1 : 2 * n + 1]
-    matrix = Matrix(*blocks)
-    return Stages(x, v, r, momentum, q, force_rate, velocities, error, matrix, records, mass, stage_mass, branches)
+    flat, folded, segments = 3 * (n + 1), folded_size(n), at.SEGMENT * (n // 2 + 1)
+    start_x, start_v, stage_x, room = split(folded, room)
+    stage_v, r, momentum, room = split(folded, room)
+    force, force_rate, room = part(room, 0, folded), part(room, folded, folded), behind(2 * folded, room)
+    velocities, room = part(room, 0, at.STAGES * folded), behind(at.STAGES * folded, room)
+    segments, room = part(room, 0, segments), behind(segments, room)
+    x, v, q, room = split(flat, room)
+    error, stage_mass, branches = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
+    vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, momentum, force, force_rate, velocities
+    return Stages(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, branches)
 
 
 @kernel
 def prepare(drive, time, h, x, v, w):
-    """Matrix of the step, factorized, and the explicit time derivative of M v' [N/s]; False if it is singular.
+    """Matrix of the step, factorized, and the explicit time derivative of forces [N/s] into w.q; False if it is singular.
 
-    Modifies w.mass, w.branches, w.records, w.force_rate and w.matrix.
+    Modifies w.start_x, w.start_v, w.mass, w.branches, w.records, w.q and w.matrix.
     """
     n = drive.n
     chain = chain_during(drive, time)
+    fold(n, x, w.start_x)
+    fold(n, v, w.start_v)
     nodes.node_masses(chain, w.mass)
-    nodes.linearize(chain, x, v, w.records, w.force_rate)
-    nodes.add_rate_from_acceleration(chain, drive.acceleration, x, w.records, w.force_rate)
-    put(w.force_rate, n, add(get(w.force_rate, n), drive.load_rate))
+    nodes.linearize(chain, w.start_x, w.start_v, w.branches, w.segments, w.records, w.q)
+    nodes.add_rate_from_acceleration(chain, drive.acceleration, x, w.records, w.q)
+    put(w.q, n, add(get(w.q, n), drive.load_rate))
     if drive.first == 1:
         end, rate = velocity_at(drive.ground, time), acceleration_at(drive.ground, time)
-        nodes.add_end_motion(n, False, end, rate, w.records, w.force_rate)
+        nodes.add_end_motion(n, False, end, rate, w.records, w.q)
     if drive.last == n - 1:
         end, rate = velocity_at(drive.kite, time), acceleration_at(drive.kite, time)
-        nodes.add_end_motion(n, True, end, rate, w.records, w.force_rate)
-    for s in range(n):
-        stretched = norm(sub(get(x, s + 1), get(x, s))) > rest_length(chain, s)
-        w.branches[s] = segment.TAUT if stretched else segment.SLACK
+        nodes.add_end_motion(n, True, end, rate, w.records, w.q)
     d = GAMMA * h
     nodes.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     return factorize(drive.first, drive.last, w.matrix)
 
 
 @kernel
+def is_reeling(drive):
+    """Whether the unstretched length changes in the communication step, and with it the masses of the nodes."""
+    return drive.reeling != 0.0 or drive.acceleration != 0.0
+
+
+@kernel
+def stage_masses(drive, stage, time, w):
+    """Node masses at a stage [kg] into w.stage_mass (modified), which has those of the stage before."""
+    if stage == 0:
+        copy(w.mass, w.stage_mass)
+    elif is_reeling(drive) and ALPHA[stage] != ALPHA[stage - 1]:
+        nodes.node_masses(chain_during(drive, time), w.stage_mass)
+
+
+@kernel
 def stage_force(drive, time, w):
-    """Forces at a stage [N] into w.q and the node masses then [kg] into w.stage_mass (both modified)."""
+    """Forces at a stage [N] into w.force (modified)."""
+    nodes.node_forces(chain_during(drive, time), w.branches, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
+    put_folded(w.force, 0, add(get_folded(w.force, 0), pair(NOTHING, load_during(drive, time))))
+
+
+@kernel
+def take_force_rate(drive, time, w):
+    """Explicit time derivative of M v' [N/s] into w.force_rate (modified): that of the forces, from w.q, and of the masses.
+
+    d(F/m)/dt = (dF/dt - F/m dm/dt)/m; w.force holds F at the start of the step.
+    """
+    n = drive.n
+    fold(n, w.q, w.force_rate)
+    if not is_reeling(drive):
+        return
     chain = chain_during(drive, time)
-    nodes.node_masses(chain, w.stage_mass)
-    nodes.node_forces(chain, w.branches, w.x, w.v, w.stage_mass, w.q)
-    put(w.q, drive.n, add(get(w.q, drive.n), load_during(drive, time)))
+    for k in range(n // 2 + 1):
+        mass = number_at(w.mass, 0, (k, n - k))
+        of_tether = mass - pair(point_mass(chain, k), point_mass(chain, n - k))
+        rate = of_tether / mass * chain.reeling / chain.length
+        put_folded(w.force_rate, k, sub(get_folded(w.force_rate, k), scale(rate, get_folded(w.force, k))))
 
 
 @kernel
-def correct_rate_for_mass(chain, w):
-    """Complete w.force_rate (modified): d(F/m)/dt = (dF/dt - F/m dm/dt)/m; w.q holds F at the start of the step."""
-    for i in range(chain.n + 1):
-        rate = (w.mass[i] - point_mass(chain, i)) / w.mass[i] * chain.reeling / chain.length
-        for j in range(3 * i, 3 * i + 3):
-            w.force_rate[j] -= rate * w.q[j]
-
-
-@kernel
-def add_up(start, factors, velocities, k):
-    """start + sum_j factors_j V_j at the places k and k + 1 of all V_j, as a pair."""
-    size = len(velocities) // at.STAGES
+def add_up(start, factors, k, w):
+    """start + sum_j factors_j V_j of the nodes k and n - k, as pairs."""
     for j in range(len(factors)):
-        start = start + factors[j] * load_pair(velocities, np.uint64(size * j + k))
+        start = along(start, factors[j], get_folded(w.velocities, at.STAGES * k + j))
     return start
 
 
 @kernel
-def place_argument(in_position, in_velocity, alpha, h, x, v, w):
-    """x_i and v_i of a stage into w.x, w.v (modified), two numbers at once.
-
-    Factors of V_j in both, alpha_i.  The last pair may overlap the one before.
-    """
-    for k in range(0, len(x), 2):
-        k = np.uint64(min(k, len(x) - 2))
-        start = load_pair(v, k)
-        position = load_pair(x, k) + h * add_up(alpha * start, in_position, w.velocities, k)
-        velocity = add_up(start, in_velocity, w.velocities, k)
-        store_pair(w.x, k, position)
-        store_pair(w.v, k, velocity)
+def place_argument(in_position, in_velocity, alpha, h, w):
+    """x_i and v_i of a stage into w.stage_x, w.stage_v (modified): factors of V_j in both, alpha_i."""
+    for k in range(len(w.r) // 6):
+        start = get_folded(w.start_v, k)
+        put_folded(w.stage_x, k, along(get_folded(w.start_x, k), h, add_up(scale(alpha, start), in_position, k, w)))
+        put_folded(w.stage_v, k, add_up(start, in_velocity, k, w))
 
 
 @kernel
-def place_right(in_r, in_momentum, gamma, v, w):
+def place_right(in_r, in_momentum, gamma, w):
     """r_i and momentum of a stage into w.r, w.momentum (modified): factors of V_j in both, gamma_i/gamma of the stage."""
-    for k in range(0, len(v), 2):
-        k = np.uint64(min(k, len(v) - 2))
-        start = gamma * load_pair(v, k)
-        r = add_up(start, in_r, w.velocities, k)
-        momentum = add_up(1.0 / GAMMA * start, in_momentum, w.velocities, k)
-        store_pair(w.r, k, r)
-        store_pair(w.momentum, k, momentum)
+    for k in range(len(w.r) // 6):
+        start = scale(gamma, get_folded(w.start_v, k))
+        put_folded(w.r, k, add_up(start, in_r, k, w))
+        put_folded(w.momentum, k, add_up(scale(1.0 / GAMMA, start), in_momentum, k, w))
 
 
 @kernel
-def combine(stage, h, x, v, w):
-    """Add up the stages before this one into w.x, w.v, w.r and w.momentum (modified).
+def combine(stage, h, w):
+    """Add up the stages before this one into w.stage_x, w.stage_v, w.r and w.momentum (modified).
 
-    The last stage finds its argument in w.x, w.v, where `add_stage` has put U of the one before.
+    The last stage finds its argument in w.stage_x, w.stage_v, where `add_stage` has put U of the one before.
     """
     alpha = ALPHA[stage]
     gamma = GAMMA_I[stage] / GAMMA
     if stage == 0:
-        for k in range(len(x)):
-            w.x[k] = x[k]
-            w.v[k] = v[k]
-            w.r[k] = v[k]
-            w.momentum[k] = v[k] / GAMMA
+        for k in range(len(w.r) // 6):
+            start = get_folded(w.start_v, k)
+            put_folded(w.stage_x, k, get_folded(w.start_x, k))
+            put_folded(w.stage_v, k, start)
+            put_folded(w.r, k, start)
+            put_folded(w.momentum, k, (start[0] / GAMMA, start[1] / GAMMA, start[2] / GAMMA))
     elif stage == 1:
-        place_argument(P[0], A_ROWS[0], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[0], MOMENTUM[0], gamma, v, w)
+        place_argument(P[0], A_ROWS[0], alpha, h, w)
+        place_right(R_BY_GAMMA[0], MOMENTUM[0], gamma, w)
     elif stage == 2:
-        place_argument(P[1], A_ROWS[1], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[1], MOMENTUM[1], gamma, v, w)
+        place_argument(P[1], A_ROWS[1], alpha, h, w)
+        place_right(R_BY_GAMMA[1], MOMENTUM[1], gamma, w)
     elif stage == 3:
-        place_argument(P[2], A_ROWS[2], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[2], MOMENTUM[2], gamma, v, w)
+        place_argument(P[2], A_ROWS[2], alpha, h, w)
+        place_right(R_BY_GAMMA[2], MOMENTUM[2], gamma, w)
     elif stage == 4:
-        place_argument(P[3], A_ROWS[3], alpha, h, x, v, w)
-        place_right(R_BY_GAMMA[3], MOMENTUM[3], gamma, v, w)
+        place_argument(P[3], A_ROWS[3], alpha, h, w)
+        place_right(R_BY_GAMMA[3], MOMENTUM[3], gamma, w)
     else:
-        place_right(R_BY_GAMMA[4], MOMENTUM[4], gamma, v, w)
+        place_right(R_BY_GAMMA[4], MOMENTUM[4], gamma, w)
 
 
 @kernel
-def add_right_hand_side(n, stage, h, w):
-    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h of all nodes [N] into w.q (modified), which holds F."""
-    rate = GAMMA_I[stage] * h
-    per_h = 1.0 / h
-    for i in range(n // 2 + 1):  # a node in the middle is met twice
-        j = n - i
-        mass = pair(w.mass[i], w.mass[j])
-        force = scale(mass / pair(w.stage_mass[i], w.stage_mass[j]), get_two(w.q, i, j))
-        force = along(force, rate, get_two(w.force_rate, i, j))
-        put_two(w.q, i, j, along(force, per_h * mass, get_two(w.momentum, i, j)))
+def choose_end(sign, a, b):
+    """Vector of pairs with the number of a where `sign` > 0, with that of b elsewhere."""
+    return choose(sign, a[0], b[0]), choose(sign, a[1], b[1]), choose(sign, a[2], b[2])
+
+
+@kernel
+def curves_of(drive):
+    """Curves of both ends (`driven_end.curve`), as pairs; and a pair that is above 0 where an end is driven."""
+    ground, kite = drive.ground, drive.kite
+    ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
+    return ends, pair(1.0 if drive.first == 1 else 0.0, 1.0 if drive.last == drive.n - 1 else 0.0)
+
+
+@kernel
+def lead_ends(ends, driven, time, w):
+    """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
+    put_folded(w.stage_x, 0, choose_end(driven, position_at(ends, time), get_folded(w.stage_x, 0)))
+    put_folded(w.stage_v, 0, choose_end(driven, velocity_at(ends, time), get_folded(w.stage_v, 0)))
+    put_folded(w.r, 0, choose_end(driven, pair(ZERO, ZERO), get_folded(w.r, 0)))
+
+
+@kernel
+def without_damping(n, stage, h, k, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h of the nodes k and n - k [N], as pairs; w.force holds F."""
+    mass = number_at(w.mass, 0, (k, n - k))
+    force = scale(mass / number_at(w.stage_mass, 0, (k, n - k)), get_folded(w.force, k))
+    force = along(force, GAMMA_I[stage] * h, get_folded(w.force_rate, k))
+    return along(force, 1.0 / h * mass, get_folded(w.momentum, k))
+
+
+@kernel
+def right_hand_side(n, stage, h, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 momentum/h - B r of all nodes [N] into w.q (modified), from both ends at once."""
+    from_outside = pair(ZERO, ZERO)
+    r_p = get_folded(w.r, 0)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        r_q = next_folded(n, s, w.r)
+        axial, drag = nodes.damping_product(s, -1.0, r_p, r_q, w.records)
+        change = add(from_outside, add(drag, axial))
+        put_two(w.q, s, n - s, add(without_damping(n, stage, h, s, w), change))
+        from_outside = sub(drag, axial)
+        r_p = r_q
+    if n % 2 == 0:
+        rest = first(without_damping(n, stage, h, n // 2, w))
+        put(w.q, n // 2, add(rest, add(first(from_outside), second(from_outside))))
 
 
 @kernel
 def solve_stage(drive, stage, h, w):
-    """Solve for q into w.q and V into its place in w.velocities (modified); w.q holds F."""
-    add_right_hand_side(drive.n, stage, h, w)
-    hold_ends(drive, w.r)
-    nodes.add_damping_product(drive.n, -1.0, w.r, w.records, w.q)
+    """Solve for q into w.q and V into its place in w.velocities (both modified); w.force holds F."""
+    n = drive.n
+    right_hand_side(n, stage, h, w)
     solve(drive.first, drive.last, w.matrix, w.q)
     hold_ends(drive, w.q)
-    size = len(w.q)
-    velocities = w.velocities[size * stage : size * (stage + 1)]
-    for k in range(size):
-        velocities[k] = w.q[k] - w.r[k]
+    for k in range(n // 2 + 1):
+        put_folded(w.velocities, at.STAGES * k + stage, sub(get_two(w.q, k, n - k), get_folded(w.r, k)))
 
 
 @kernel
-def add_stage(stage, h, w):
-    """Add U = (d q, V) of a stage to w.x, w.v (modified): the argument of the last stage, and its result."""
-    size = len(w.q)
-    velocities = w.velocities[size * stage : size * (stage + 1)]
-    for k in range(size):
-        w.x[k] += GAMMA * h * w.q[k]
-        w.v[k] += velocities[k]
+def add_stage(n, stage, h, w):
+    """Add U = (d q, V) of a stage to w.stage_x, w.stage_v (modified): the argument of the last stage, and its result."""
+    for k in range(n // 2 + 1):
+        put_folded(w.stage_x, k, along(get_folded(w.stage_x, k), GAMMA * h, get_two(w.q, k, n - k)))
+        put_folded(w.stage_v, k, add(get_folded(w.stage_v, k), get_folded(w.velocities, at.STAGES * k + stage)))
+
+
+@kernel
+def take_result(drive, time, w):
+    """Result of the step that ends at a time [s] of the communication step into w.x, w.v, w.velocity_error (modified)."""
+    n = drive.n
+    unfold(n, w.stage_x, w.x)
+    unfold(n, w.stage_v, w.v)
+    place_ends(drive, time, w.x, w.v)
+    for k in range(n // 2 + 1):
+        put_two(w.velocity_error, k, n - k, get_folded(w.velocities, at.STAGES * (k + 1) - 1))
 
 
 @kernel
@@ -213,15 +276,17 @@ def step(drive, time, h, x, v, w):
     """
     if not prepare(drive, time, h, x, v, w):
         return False
+    ends, driven = curves_of(drive)
     for stage in range(at.STAGES):
-        combine(stage, h, x, v, w)
+        combine(stage, h, w)
         now = time + ALPHA[stage] * h
-        place_ends(drive, now, w.x, w.v)
+        lead_ends(ends, driven, now, w)
+        stage_masses(drive, stage, now, w)
         stage_force(drive, now, w)
-        if stage == 0 and (drive.reeling != 0.0 or drive.acceleration != 0.0):
-            correct_rate_for_mass(chain_during(drive, time), w)
+        if stage == 0:
+            take_force_rate(drive, time, w)
         solve_stage(drive, stage, h, w)
         if stage >= at.STAGES - 2:
-            add_stage(stage, h, w)
-    place_ends(drive, time + h, w.x, w.v)
+            add_stage(drive.n, stage, h, w)
+    take_result(drive, time + h, w)
     return True

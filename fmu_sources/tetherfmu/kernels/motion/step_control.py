@@ -11,6 +11,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..algebra.vectors import dot, get, sub
+from ..arrays import copy
 from ..chain import segment
 from ..chain.properties import has_node_winds, node_wind, rest_length
 from ..communication.drive import chain_during
@@ -164,9 +165,8 @@ def integrate(drive, duration, state, x, v, w):
             error = error_of_step(drive, time, h_now, v, w)
         if error <= 1.0:
             time = time + h_now if left > 1.0 else duration
-            for k in range(3 * (drive.n + 1)):
-                x[k] = w.x[k]
-                v[k] = w.v[k]
+            copy(w.x, x)
+            copy(w.v, v)
             proposal = h_now * step_factor(error, last_error)
             if rejected_before:
                 proposal = min(proposal, h_now)

@@ -4,8 +4,10 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from tetherfmu.kernels.algebra.both_ends import fold, folded_size, unfold
 from tetherfmu.kernels.chain import nodes
 from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, pack
 from tetherfmu.study.scenes.standard import tether_at_start
 
@@ -17,7 +19,11 @@ def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
     """Node accelerations [m/s2] into `force` (modified); `mass` is modified."""
     chain = chain_at(n, parameters, length, reeling, wind)
     nodes.node_masses(chain, mass)
-    nodes.node_forces(chain, np.zeros(n), x, v, mass, force)
+    folded_x, folded_v, folded_force = np.zeros((3, folded_size(n)))
+    fold(n, x, folded_x)
+    fold(n, v, folded_v)
+    nodes.node_forces(chain, np.zeros(n), folded_x, folded_v, mass, np.zeros(at.SEGMENT * (n // 2 + 1)), folded_force)
+    unfold(n, folded_force, force)
     force /= np.repeat(mass, 3)
 
 

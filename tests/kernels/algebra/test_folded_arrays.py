@@ -1,0 +1,95 @@
+"""Folded arrays, parts of arrays, and what goes through an array by pairs, for even and odd numbers."""
+
+import numpy as np
+import pytest
+from numba import njit
+
+from kernels.folded import folded
+from tetherfmu.kernels.algebra.both_ends import next_folded, unfold
+from tetherfmu.kernels.algebra.pairs import first, larger, pair, second
+from tetherfmu.kernels.arrays import copy, part
+from tetherfmu.kernels.communication.inputs import check_state
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK, STATE_NOT_FINITE
+
+every_length = pytest.mark.parametrize("n", range(1, 8))
+
+
+@njit
+def vectors_of_next(n, k, array):
+    vectors = next_folded(n, k, array)
+    return first(vectors), second(vectors)
+
+
+@njit
+def larger_of_pairs(a, b):
+    found = larger(pair(a[0], a[1]), pair(b[0], b[1]))
+    return first(found), second(found)
+
+
+@njit
+def larger_numbers(a, b):
+    return larger(a[0], b[0]), larger(a[1], b[1])
+
+
+@njit
+def fill(array, start, size):
+    part(array, start, size)[:] = 1.0
+    return len(part(array, start, size))
+
+
+def flat(n):
+    """Vectors of n + 1 nodes, all numbers different."""
+    return np.arange(3.0 * (n + 1)) + 1.0
+
+
+@every_length
+def test_vectors_of_mirror_images_stand_beside_each_other(n):
+    array, nodes = folded(flat(n)).reshape(-1, 3, 2), flat(n).reshape(-1, 3)
+    np.testing.assert_array_equal(array[..., 0], nodes[: n // 2 + 1])
+    np.testing.assert_array_equal(array[..., 1], nodes[::-1][: n // 2 + 1])
+
+
+@every_length
+def test_unfolded_is_what_was_folded(n):
+    found = np.zeros(3 * (n + 1))
+    unfold(n, folded(flat(n)), found)
+    np.testing.assert_array_equal(found, flat(n))
+
+
+@every_length
+def test_the_next_vectors_towards_the_middle_and_one_beyond(n):
+    nodes = flat(n).reshape(-1, 3)
+    for k in range((n + 1) // 2):
+        np.testing.assert_array_equal(vectors_of_next(n, k, folded(flat(n))), (nodes[k + 1], nodes[n - k - 1]))
+
+
+@pytest.mark.parametrize("function", [larger_of_pairs, larger_numbers])
+def test_the_larger_number_and_the_second_one_beside_a_nan(function):
+    """As `choose(a - b, a, b)`, also for what is no number."""
+    assert function((1.0, -2.0), (0.5, 3.0)) == (1.0, 3.0)
+    assert function((np.nan, np.inf), (0.5, 3.0)) == (0.5, np.inf)
+
+
+def test_a_part_is_a_view():
+    array = np.zeros(9)
+    assert fill(array, 2, 3) == 3
+    np.testing.assert_array_equal(array, [0, 0, 1, 1, 1, 0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("size", [0, 1, 2, 3, 88, 89])
+def test_all_of_an_array_is_copied(size):
+    source, destination = np.arange(size) + 1.0, np.zeros(size)
+    copy(source, destination)
+    np.testing.assert_array_equal(destination, source)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@every_length
+def test_a_state_is_finite_or_not_at_any_place(bad, n):
+    state = np.resize([1e308, -1e308, 5e-324], at.state_size(n))
+    assert check_state(n, state) == OK
+    for place in range(len(state)):
+        wrong = state.copy()
+        wrong[place] = bad
+        assert check_state(n, wrong) == STATE_NOT_FINITE
