@@ -1,5 +1,6 @@
 """What every variant does in a communication step: check the inputs, begin, remember what the next step needs, accept."""
 
+from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
