@@ -39,6 +39,11 @@ TARGETS = {
 }
 
 
+# Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
+# in would need a function of the C library on Windows
+APART = ("rosenbrock7prepare",)
+
+
 def object_files(code, platforms):
     """Object files of an `intermediate_code.Code`: pairs (platform, bytes); RuntimeError if they need more than mathematics.
 
@@ -74,6 +79,9 @@ def _linked(code):
         linked.link_in(module)
     for name, exported in code.names.items():
         linked.get_function(name).name = exported
+    for function in linked.functions:
+        if any(name in function.name for name in APART):
+            function.add_function_attribute("noinline")
     # the names that numba gives have counters and addresses in them
     for place, item in enumerate([*linked.global_variables, *linked.functions]):
         if not item.is_declaration and item.name not in code.names.values():
