@@ -4,38 +4,14 @@ The work array holds a whole state for trial, then the arrays that all solvers o
 that each solver divides and names for itself.
 """
 
-from numba import types
-from numba.core import cgutils
-from numba.core.imputils import impl_ret_borrowed
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_view
-
 from tetherfmu.runtime import layout as at
 
-from .compilation import kernel, view
+from .compilation import kernel, part, view
 
 parameters_size = kernel(at.parameters_size)
 state_size = kernel(at.state_size)
 outputs_size = kernel(at.outputs_size)
 work_size = kernel(at.work_size)
-
-
-@intrinsic
-def part(typing, array, start, size):
-    """View of `size` numbers of a flat array from place `start` on, which must be there.
-
-    It costs an addition; a slice of numba also looks for places that are negative or beyond the end.
-    """
-
-    def code(context, builder, signature, values):
-        kind = signature.args[0]
-        whole = context.make_array(kind)(context, builder, values[0])
-        first = builder.gep(whole.data, [values[1]])
-        strides = cgutils.unpack_tuple(builder, whole.strides)
-        view = make_view(context, builder, kind, whole, kind, first, values[2:], strides)
-        return impl_ret_borrowed(context, builder, kind, view._getvalue())
-
-    return array(array, types.intp, types.intp), code
 
 
 @view

@@ -1,11 +1,15 @@
-"""How kernels are compiled: by numba, without exceptions and without allocation.
+"""How kernels are compiled: by numba, without exceptions and without allocation. And the view of a part of an array.
 
 Rules of a kernel, so that its machine code can stand alone without Python: arguments are numbers, tuples and flat
 arrays; work space comes from the caller; a failure is a status code; other kernels are called by name only. Nothing
 is allocated, raised or received as a function.
 """
 
-from numba import cfunc, njit
+from numba import cfunc, njit, types
+from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_view
 
 OPTIONS = {"error_model": "numpy"}
 
@@ -23,3 +27,21 @@ def view(function):
 def entry_point(signature, function):
     """Compile a function that takes numbers and pointers, to a `numba.CFunc`."""
     return cfunc(signature, **OPTIONS)(function)
+
+
+@intrinsic
+def part(typing, array, start, size):
+    """View of `size` numbers of a flat array from place `start` on, which must be there.
+
+    It costs an addition; a slice of numba also looks for places that are negative or beyond the end.
+    """
+
+    def code(context, builder, signature, values):
+        kind = signature.args[0]
+        whole = context.make_array(kind)(context, builder, values[0])
+        first = builder.gep(whole.data, [values[1]])
+        strides = cgutils.unpack_tuple(builder, whole.strides)
+        view = make_view(context, builder, kind, whole, kind, first, values[2:], strides)
+        return impl_ret_borrowed(context, builder, kind, view._getvalue())
+
+    return array(array, types.intp, types.intp), code

@@ -11,9 +11,9 @@ from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.status import OK
 
 from .algebra.vectors import norm, vector_at
-from .arrays import copy, outputs_size, parameters_size, part, positions_and_velocities, state_size, work_size
+from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size, work_size
 from .chain import power_balance
-from .compilation import view
+from .compilation import part, view
 
 _DOUBLES = types.CPointer(types.float64)
 _COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64

@@ -22,12 +22,12 @@ from ..algebra.block_tridiagonal import Matrix, factorize, solve
 from ..algebra.both_ends import fold, folded_size, get_folded, get_two, next_folded, put_folded, put_two, unfold
 from ..algebra.pairs import choose, first, number_at, pair, second
 from ..algebra.vectors import add, along, get, put, scale, sub
-from ..arrays import behind, copy, part, shared_arrays, split
+from ..arrays import behind, copy, shared_arrays, split
 from ..chain import nodes
 from ..chain.properties import point_mass
 from ..communication.drive import chain_during, hold_ends, load_during, place_ends
 from ..communication.driven_end import acceleration_at, position_at, velocity_at
-from ..compilation import kernel, view
+from ..compilation import kernel, part, view
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, MOMENTUM, R_BY_GAMMA, P
 
 Stages = namedtuple(
