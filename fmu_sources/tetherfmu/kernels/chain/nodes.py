@@ -117,7 +117,7 @@ def end_force(chain, kite_end, x, v, mass):
     """
     s = chain.n - 1 if kite_end else 0
     i = chain.n if kite_end else 0
-    pull, drag, tension, _ = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+    pull, drag, tension = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
     total = add(scale(-1.0, pull), drag) if kite_end else add(pull, drag)
     weight = (mass[i] - point_mass(chain, i)) * chain.parameters[at.GRAVITY]
     return (total[0], total[1], total[2] - weight), tension

@@ -120,26 +120,34 @@ def half_drag(chain, s, length, e, height, velocity):
 
 
 @kernel
-def tension_and_drag(chain, s, branch, length, e, length_rate, height, velocity):
-    """Tension T [N] and half drag F [N] of segment s, or of two, as pairs.
+def tension_of(chain, s, branch, length, length_rate):
+    """Tension T [N] of segment s, or of two, as a pair, from its length l [m] and dl/dt [m/s].
 
-    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.  length, e, length_rate : l [m], direction, dl/dt [m/s].
-    height, velocity : means of its nodes [m], [m/s].
+    branch : TAUT or SLACK, or BY_LENGTH to let the length decide.
     """
     rest = rest_length(chain, s)
     branch = choose(branch * branch, branch, length - rest)
     k, c = stiffness(chain, s, branch, rest)
-    pull = tension(chain, length, length_rate, rest, k, c)
+    return tension(chain, length, length_rate, rest, k, c)
+
+
+@kernel
+def tension_and_drag(chain, s, branch, length, e, length_rate, height, velocity):
+    """Tension T [N], see `tension_of`, and half drag F [N] of segment s, or of two, as pairs.
+
+    e : direction.  height, velocity : means of its nodes [m], [m/s].
+    """
+    pull = tension_of(chain, s, branch, length, length_rate)
     return pull, half_drag(chain, s, length, e, height, velocity)
 
 
 @kernel
 def forces(chain, s, x_p, x_q, v_p, v_q):
-    """Tension vector T e [N], half drag F [N], tension T [N] and length l [m] of segment s with its nodes there [m, m/s]."""
+    """Tension vector T e [N], half drag F [N] and tension T [N] of segment s with its nodes there [m, m/s]."""
     length, e = geometry(sub(x_q, x_p))
     rate, height, velocity = dot(e, sub(v_q, v_p)), 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
     pull, drag = tension_and_drag(chain, s, BY_LENGTH, length, e, rate, height, velocity)
-    return scale(pull, e), drag, pull, length
+    return scale(pull, e), drag, pull
 
 
 @kernel

@@ -54,7 +54,9 @@ def survey(chain, x, v, outputs):
     chord = sub(get(x, chain.n), ground)
     for s in range(chain.n):
         rest = rest_length(chain, s)
-        _, _, tension, length = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rate = dot(e, sub(get(v, s + 1), get(v, s)))
+        tension = segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
         largest = max(largest, tension)
         if length < rest:
             slack += 1
