@@ -48,10 +48,10 @@ static const double SAME_STEP = 1e-3; /* relative difference of the internal ste
 static double scale_of(const Chain *chain, unsigned place, double step)
 {
     double length = step > 0.0 ? chain->state[AT_LENGTH] : chain->parameters[AT_INITIAL_LENGTH];
-    double segment = length / (double)chain->segments, stiffness = chain->parameters[AT_PARAMETER_SCALARS + chain->segments];
+    double segment = length / (double)chain->segments;
     bool is_position = place < AT_KITE_VELOCITY || (AT_GROUND_POSITION <= place && place < AT_GROUND_VELOCITY);
     if (is_position) return segment;
-    if (place >= AT_KITE_LOAD) return stiffness;
+    if (place >= AT_KITE_LOAD) return chain->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * chain->segments];
     if (place >= AT_WIND_VELOCITY) return 1000.0;
     return segment < 100.0 * step ? segment / step : 100.0;
 }
