@@ -4,7 +4,6 @@ import numpy as np
 
 from tetherfmu.kernels.algebra.both_ends import fold, folded_size, unfold
 from tetherfmu.kernels.chain import nodes
-from tetherfmu.runtime import layout as at
 
 
 def folded(flat):
@@ -17,7 +16,7 @@ def folded(flat):
 
 def room_for_segments(n):
     """What `nodes.find_segments` fills."""
-    return np.zeros(at.SEGMENT * (n // 2 + 1))
+    return np.zeros(nodes.segments_size(n))
 
 
 def node_forces(chain, branches, x, v):

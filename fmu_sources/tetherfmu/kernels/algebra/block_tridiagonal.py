@@ -13,7 +13,7 @@ from math import inf
 from ..compilation import kernel
 from .both_ends import get_blocks, get_two, get_woven, put_two, weave
 from .matrices import apply, get_matrix, multiply, put_matrix, subtract
-from .pairs import first, pair, second
+from .pairs import first, second
 from .vectors import get, put, sub
 
 Matrix = namedtuple("Matrix", "diagonal lower upper")
@@ -122,7 +122,6 @@ def solve(first_row, last_row, matrix, b):
     middle = (first_row + last_row) // 2
     rows = middle - first_row
     below = last_row - rows
-    at_middle, at_below = get(b, middle), get(b, below)
     if rows > 0:
         two = get_two(b, first_row, last_row)
         for k in range(1, rows):
@@ -131,19 +130,15 @@ def solve(first_row, last_row, matrix, b):
             two = minus_product(get_two(b, i, j), get_woven(lower, i, upper, j), two)
             put_two(b, i, j, two)
         loss = apply(get_woven(lower, middle, upper, below), two)
-        at_middle = sub(at_middle, first(loss))
-        at_below = sub(at_below if below > middle else at_middle, second(loss))
+        put(b, middle, sub(get(b, middle), first(loss)))
+        put(b, below, sub(get(b, below), second(loss)))
     if below > middle:
-        at_middle = sub(at_middle, apply(get_matrix(upper, 9 * middle), at_below))
-        at_middle = apply(get_matrix(diagonal, 9 * middle), at_middle)
-        at_below = sub(at_below, apply(get_matrix(lower, 9 * below), at_middle))
-        at_below = apply(get_matrix(diagonal, 9 * below), at_below)
-    else:
-        at_middle = apply(get_matrix(diagonal, 9 * middle), at_below)
-        at_below = at_middle
-    put(b, middle, at_middle)
-    put(b, below, at_below)
-    two = pair(at_middle, at_below)
+        put(b, middle, sub(get(b, middle), apply(get_matrix(upper, 9 * middle), get(b, below))))
+    put(b, middle, apply(get_matrix(diagonal, 9 * middle), get(b, middle)))
+    if below > middle:
+        rest = sub(get(b, below), apply(get_matrix(lower, 9 * below), get(b, middle)))
+        put(b, below, apply(get_matrix(diagonal, 9 * below), rest))
+    two = get_two(b, middle, below)
     for k in range(1, rows + 1):
         i = middle - k
         j = below + k

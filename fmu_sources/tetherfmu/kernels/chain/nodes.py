@@ -51,6 +51,12 @@ def lower_and_upper(n, s, a):
 
 
 @kernel
+def segments_size(n):
+    """Length of the array that `find_segments` fills."""
+    return at.SEGMENT * ((n + 1) // 2)
+
+
+@kernel
 def find_segments(n, x, upwards, segments):
     """Directions and lengths [m] of all segments into `segments` (modified); x : folded positions [m].
 

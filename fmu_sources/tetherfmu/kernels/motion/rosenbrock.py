@@ -56,7 +56,7 @@ ZERO, NOTHING = (0.0, 0.0, 0.0), (-0.0, -0.0, -0.0)  # to add -0 changes nothing
 def stages(n, work):
     """Cut the work array into the arrays of `Stages`."""
     blocks, records, mass, room = shared_arrays(n, work)
-    flat, folded, segments = 3 * (n + 1), folded_size(n), at.SEGMENT * (n // 2 + 1)
+    flat, folded, segments = 3 * (n + 1), folded_size(n), nodes.segments_size(n)
     start_x, start_v, stage_x, room = split(folded, room)
     stage_v, r, momentum, room = split(folded, room)
     force, force_rate, room = part(room, 0, folded), part(room, folded, folded), behind(2 * folded, room)

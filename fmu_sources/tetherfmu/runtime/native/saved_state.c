@@ -145,12 +145,10 @@ static Status check_integers(const Tether *tether, const double *values)
     return OK;
 }
 
-/* Whether the sets of bits in a state are such. */
-static bool has_sets(const double *state)
+/* Whether a number of a state is a set of so many bits. */
+static bool is_set(double number, int count)
 {
-    double noted = state[AT_WARNINGS], given = state[AT_GIVEN_DERIVATIVES];
-    bool warnings = 0.0 <= noted && noted < (1 << AT_WARNING_KINDS) && noted == floor(noted);
-    return warnings && 0.0 <= given && given < (1 << AT_INPUTS) && given == floor(given);
+    return 0.0 <= number && number < (1 << count) && number == floor(number);
 }
 
 /* Why the numbers of a state array cannot be used, or NULL if the chain has taken them. */
@@ -158,7 +156,8 @@ static const char *problem_of_state(Chain *chain, const Head *head, const double
 {
     if (chain->segments != (int64_t)head->segments) return STATE_DAMAGED;
     memcpy(chain->state, state, STATE_SIZE(chain->segments) * sizeof(double));
-    if (!has_sets(chain->state) || observe(chain, chain->values)) return STATE_IMPOSSIBLE;
+    bool sets = is_set(chain->state[AT_WARNINGS], AT_WARNING_KINDS) && is_set(chain->state[AT_GIVEN_DERIVATIVES], AT_INPUTS);
+    if (!sets || observe(chain, chain->values)) return STATE_IMPOSSIBLE;
     read_free_kite(chain, chain->values);
     return NULL;
 }

@@ -7,7 +7,6 @@ from scipy.integrate import solve_ivp
 from tetherfmu.kernels.algebra.both_ends import fold, folded_size, unfold
 from tetherfmu.kernels.chain import nodes
 from tetherfmu.kernels.chain.properties import chain_at
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, pack
 from tetherfmu.study.scenes.standard import tether_at_start
 
@@ -22,7 +21,7 @@ def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
     folded_x, folded_v, folded_force = np.zeros((3, folded_size(n)))
     fold(n, x, folded_x)
     fold(n, v, folded_v)
-    nodes.node_forces(chain, np.zeros(n), folded_x, folded_v, mass, np.zeros(at.SEGMENT * (n // 2 + 1)), folded_force)
+    nodes.node_forces(chain, np.zeros(n), folded_x, folded_v, mass, np.zeros(nodes.segments_size(n)), folded_force)
     unfold(n, folded_force, force)
     force /= np.repeat(mass, 3)
 
