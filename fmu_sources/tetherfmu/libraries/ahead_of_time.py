@@ -1,8 +1,9 @@
 """Compile the entry points ahead of time: one small shared library per variant and platform, without Python.
 
 numba writes intermediate code (`intermediate_code.py`). All functions of a variant are linked, all but the entry points
-becomes internal, and the whole is optimized once for each kind of processor: all that refers to Python is then dead and
-vanishes. llvmlite makes an object file for each platform, which is linked (`linking.py`) whatever machine this runs on.
+becomes internal, and the whole is optimized once for each architecture: all that refers to Python is then dead and
+vanishes. llvmlite makes an object file for each platform, on x86-64 for two kinds of processors (`processors.py`), which is
+linked (`linking.py`) whatever machine this runs on.
 
     python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ...     run by `ready`
 
@@ -19,6 +20,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
+from tetherfmu.libraries import processors
 from tetherfmu.libraries.linking import MATHEMATICS, MEMORY, link
 from tetherfmu.runtime.kernel_library import file_name, verbs
 
@@ -61,11 +63,14 @@ def object_files(code, platforms):
     for platform in platforms:
         target = TARGETS[platform]
         machine = _machine(target)
-        processor = platform.partition("-")[0], target.cpu
+        architecture = platform.partition("-")[0]
+        processor = architecture, target.cpu
         if processor not in optimized:
             module = _for_target(plain, target, machine)
             _optimize(module, machine, level=3, vectors=True)
             _check_names(module, code.names.values())
+            if architecture == processors.ARCHITECTURE:
+                module = processors.for_both_kinds(module, list(code.names.values()))
             optimized[processor] = str(module)
         yield platform, machine.emit_object(_for_target(optimized[processor], target, machine))
 
@@ -137,7 +142,7 @@ def write_libraries(folder, variant, platforms, code):
     for platform, content in object_files(code, platforms):
         path = folder / file_name(variant, platform)
         _write(folder / object_name(platform), content)
-        _write(path, link([content], path.name, platform, exported))
+        _write(path, link([content, *processors.what_asks(platform)], path.name, platform, exported))
     return variant
 
 

@@ -1,6 +1,6 @@
 """Link kernels without a C library: the linkers inside the package `ziglang`, and stubs that only name what is needed.
 
-Nothing is compiled, so an empty cache costs nothing. ELF: stub libraries with the symbol versions of glibc, made by the
+No library is compiled, so an empty cache costs nothing. ELF: stub libraries with the symbol versions of glibc, made by the
 linker itself from lists of names. PE: import libraries made from lists of names; the Universal C Runtime is part of Windows.
 Mach-O: the names of libSystem come with the linker.
 """
@@ -21,7 +21,13 @@ ELF = {  # emulation of the linker, version of glibc's symbols, and the younger 
     "aarch64-linux": ("aarch64linux", "GLIBC_2.17", {}),
 }
 PE = "api-ms-win-crt-{}-l1-1-0"  # a library of Windows
-MACHO = {"aarch64-darwin": "aarch64-macos.11.0", "x86_64-darwin": "x86_64-macos.11.0"}  # target of the linker
+TARGETS = {  # what Zig calls the platforms
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-darwin": "x86_64-macos.11.0",
+    "aarch64-darwin": "aarch64-macos.11.0",
+}
 
 
 def link(objects, library, platform, exported, needed=None):
@@ -37,8 +43,8 @@ def link(objects, library, platform, exported, needed=None):
             (folder / name).write_bytes(content)
         if platform in ELF:
             _link_elf(folder, library, names, platform, needed or KERNELS_NEED, exported)
-        elif platform in MACHO:
-            options = ("-dynamic", "-OReleaseSmall", "-fstrip", "-fno-compiler-rt", "-lc", "-target", MACHO[platform])
+        elif platform.endswith("darwin"):
+            options = ("-dynamic", "-OReleaseSmall", "-fstrip", "-fno-compiler-rt", "-lc", "-target", TARGETS[platform])
             zig(folder, "build-lib", *options, f"-femit-bin={library}", *names)
         else:
             _link_pe(folder, library, names, needed or KERNELS_NEED, exported)
@@ -76,6 +82,12 @@ def _link_pe(folder, library, objects, needed, exported):
     options = ("/dll", "/noentry", "/machine:x64", "/nodefaultlib", "/brepro", "/opt:ref", "/lldmingw", f"/out:{library}")
     exports = [f"/export:{name}" for name in exported]
     zig(folder, "lld-link", *options, *exports, *objects, *(f"{PE.format(part)}.lib" for _, part in needed))
+
+
+def compile_c(folder, source, platform, options):
+    """Object file (bytes) of a C file for a platform, compiled in a folder by Zig with options of the compiler."""
+    zig(folder, "cc", "-target", TARGETS[platform], *options, "-c", str(source), "-o", "compiled.o")
+    return (folder / "compiled.o").read_bytes()
 
 
 def zig(folder, *command):

@@ -7,11 +7,11 @@ no C library is built. Nothing is kept: it takes a tenth of a second.
 import tempfile
 from pathlib import Path
 
-from .linking import KERNELS_NEED, MACHO, link, zig
+from .linking import KERNELS_NEED, compile_c, link
 from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
-PARTS = ("messages", "chain", "saved_state", "derivatives", "tether")
+PARTS = ("has_avx", "messages", "chain", "saved_state", "derivatives", "tether")
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen", "strncmp"),
@@ -19,12 +19,6 @@ NEEDED = {
     ("libc.so.6", "heap"): ("calloc", "free"),
     ("libc.so.6", "convert"): ("strtod", "strtol"),
     ("libc.so.6", "stdio"): ("vsnprintf", "__stdio_common_vsprintf"),  # the second on Windows
-}
-TARGETS = {
-    "x86_64-linux": "x86_64-linux-gnu.2.17",
-    "aarch64-linux": "aarch64-linux-gnu.2.17",
-    "x86_64-windows": "x86_64-windows-gnu",
-    **MACHO,
 }
 OPTIONS = (
     *("-Os", "-fno-inline-functions"),  # compiles in half the time of -O2, and a step takes its time in the kernels
@@ -50,7 +44,6 @@ def native_library(kernels, library, platform, tables, fmi, headers, exported):
         (folder / "tables.h").write_text(tables, encoding="utf-8")
         (folder / "unit.c").write_text(unit(fmi), encoding="utf-8")
         places = (f"-I{folder}", f"-I{SHELL}", f"-I{headers}")
-        zig(folder, "cc", "-target", TARGETS[platform], *OPTIONS, *places, "-c", "unit.c", "-o", "unit.o")
-        shell = (folder / "unit.o").read_bytes()
+        shell = compile_c(folder, "unit.c", platform, (*OPTIONS, *places))
     marked = platform.endswith("windows")  # by the headers
     return link([shell, kernels], library, platform, () if marked else exported, NEEDED)

@@ -8,7 +8,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1]
 IN_WHEEL = PACKAGE / "examples"
 EXAMPLES = IN_WHEEL if IN_WHEEL.exists() else PACKAGE.parents[1] / "examples"  # in a checkout they are beside the package
-RECIPE = ("ahead_of_time", "intermediate_code", "linking")  # modules beside this one, how a library is made
+HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
+RECIPE = ("ahead_of_time", "intermediate_code", "linking", "processors")  # modules beside this one, how a library is made
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
 
 
@@ -35,8 +36,7 @@ def sources_of(variant):
         if path not in found:
             found.add(path)
             waiting.extend(imported(path))
-    found |= {PACKAGE / "libraries" / f"{name}.py" for name in RECIPE}
-    return sorted(found)
+    return sorted({*found, *(PACKAGE / "libraries" / f"{name}.py" for name in RECIPE), HAS_AVX})
 
 
 @cache
