@@ -39,21 +39,24 @@ STYLES = {
 TITLES = {"circle": "Circle", "figure of eight": "Figure of eight", "release": "Released tether"}
 
 
-def interleaved(jobs, repeats, statistic=median, clock=perf_counter):
+def interleaved(jobs, repeats, statistic=median, clock=perf_counter, shortest=0.0):
     """Median (or another statistic of the) time [s] of each job; each runs once before, untimed.
 
     The jobs take turns: all see the same load of the machine.
 
-    jobs : dict of functions without arguments.  clock : function that gives the time [s].
+    jobs : dict of functions without arguments.  clock : function that gives the time [s].  shortest : a job that takes less
+    [s] runs several times in each turn, so that what it finds in the caches of the processor is its own.
     Returns dict of times and dict of what the untimed calls returned.
     """
     results = {name: job() for name, job in jobs.items()}
     times = {name: [] for name in jobs}
     for _ in range(repeats):
         for name, job in jobs.items():
-            started = clock()
-            job()
-            times[name].append(clock() - started)
+            started, runs = clock(), 0
+            while runs == 0 or clock() - started < shortest:
+                job()
+                runs += 1
+            times[name].append((clock() - started) / runs)
     return {name: statistic(each) for name, each in times.items()}, results
 
 
