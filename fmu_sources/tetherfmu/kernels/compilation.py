@@ -20,7 +20,9 @@ def kernel(function):
 
 
 def view(function):
-    """Compile a kernel that returns arrays, as views or in a record; always inlined, so that no reference is counted."""
+    """Compile a kernel that is always inlined: one that returns arrays, as views or in a record, so that no reference is
+    counted, or one that is compiled anew for each constant that it is called with.
+    """
     return njit(forceinline=True, **OPTIONS)(function)
 
 

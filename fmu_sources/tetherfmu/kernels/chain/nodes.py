@@ -25,11 +25,14 @@ from ..algebra.both_ends import (
     put_side_by_side,
 )
 from ..algebra.matrices import add_matrices, add_to_diagonal, apply, put_matrix, scale_matrix, subtract, symmetric
-from ..algebra.pairs import first, load_pair, number_at, pair, second
+from ..algebra.pairs import alike, first, load_pair, number_at, pair, second
 from ..algebra.vectors import add, dot, get, norm, put, scale, sub
 from ..compilation import kernel, view
 from . import segment
-from .properties import point_mass, property_of, rest_length, sees_reeling
+from .properties import has_drag, point_mass, property_of, rest_length, sees_reeling
+
+NOTHING = (0.0, 0.0, 0.0)
+NO_CHANGE = (*NOTHING, *NOTHING, *NOTHING)  # a 3x3 matrix
 
 
 @kernel
@@ -86,9 +89,21 @@ def node_forces(chain, branches, x, v, mass, segments, force):
     Branch of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
     [kg]. x, v and force are folded; `segments` is modified, see `find_segments`.
     """
+    find_segments(chain.n, x, False, segments)
+    if has_drag(chain):
+        sum_forces(chain, True, branches, x, v, mass, segments, force)
+    else:
+        sum_forces(chain, False, branches, x, v, mass, segments, force)
+
+
+@view
+def sum_forces(chain, in_air, branches, x, v, mass, segments, force):
+    """What `node_forces` does once `segments` are found.
+
+    in_air : `has_drag`, as a constant: the loop is compiled for both, so that a chain without drag takes a tenth less time.
+    """
     n = chain.n
     gravity = chain.parameters[at.GRAVITY]
-    find_segments(n, x, False, segments)
     from_outside = pair((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     z_p = get_folded(x, 0)[2]
     v_p = get_folded(v, 0)
@@ -98,9 +113,10 @@ def node_forces(chain, branches, x, v, mass, segments, force):
         both = (s, n - 1 - s)
         length, e = found_segment(segments, s)
         branch, rate = number_at(branches, 0, both), dot(e, sub(v_q, v_p))
-        height, velocity = 0.5 * (z_p + x_q[2]), scale(0.5, add(v_p, v_q))
-        tension, drag = segment.tension_and_drag(chain, both, branch, length, e, rate, height, velocity)
-        pull = scale(tension, e)
+        pull = scale(segment.tension_of(chain, both, branch, length, rate), e)
+        drag = alike(NOTHING, length)
+        if in_air:
+            drag = segment.half_drag(chain, both, length, e, 0.5 * (z_p + x_q[2]), scale(0.5, add(v_p, v_q)))
         total = add(add(from_outside, pull), drag)
         put_folded(force, s, (total[0], total[1], total[2] - gravity * number_at(mass, 0, (s, n - s))))
         from_outside = sub(drag, pull)
@@ -145,20 +161,31 @@ def linearize(chain, x, v, branches, segments, records, force_rate):
     segments (modified) : see `find_segments`.  force_rate : dF/dl0 dl0/dt of every node [N/s] at constant positions and
     velocities, a flat array.
     """
+    find_segments(chain.n, x, True, segments)
+    if has_drag(chain):
+        linearize_segments(chain, True, x, v, branches, segments, records)
+    else:
+        linearize_segments(chain, False, x, v, branches, segments, records)
+    rate_from_reeling(chain, records, force_rate)
+
+
+@view
+def linearize_segments(chain, in_air, x, v, branches, segments, records):
+    """Records and branches of `linearize` once `segments` are found; in_air : see `sum_forces`."""
     n = chain.n
-    find_segments(n, x, True, segments)
     for s in range((n + 1) // 2):
         both = (s, n - 1 - s)
         x_p, x_q = lower_and_upper(n, s, x)
         v_p, v_q = lower_and_upper(n, s, v)
         length, e = found_segment(segments, s)
         axial, damper, slope, branch = segment.linearize_tension(chain, both, length, e, sub(v_q, v_p))
-        height, velocity = 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
-        drag, drag_by_velocity, a = segment.linearize_drag(chain, both, length, e, height, velocity)
+        drag, drag_by_velocity, a = alike(NO_CHANGE, length), alike(NO_CHANGE, length), alike(NOTHING, length)
+        if in_air:
+            height, velocity = 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
+            drag, drag_by_velocity, a = segment.linearize_drag(chain, both, length, e, height, velocity)
         put_records(s, axial, drag, drag_by_velocity, (*a, *e, damper, slope), records)
         branches[s] = first(branch)
         branches[n - 1 - s] = second(branch)
-    rate_from_reeling(chain, records, force_rate)
 
 
 @kernel

@@ -53,6 +53,16 @@ def property_of(chain, s, which):
 
 
 @kernel
+def has_drag(chain):
+    """Whether the air exerts any force on the chain."""
+    if chain.parameters[at.AIR_DENSITY] != 0.0:
+        for s in range(chain.n):
+            if property_of(chain, s, at.DRAG_WIDTH) != 0.0:
+                return True
+    return False
+
+
+@kernel
 def rest_length(chain, s):
     """Unstretched length l0 [m] of segment s, or of two segments, as a pair."""
     return property_of(chain, s, at.SHARE) * chain.length

@@ -132,21 +132,11 @@ def tension_of(chain, s, branch, length, length_rate):
 
 
 @kernel
-def tension_and_drag(chain, s, branch, length, e, length_rate, height, velocity):
-    """Tension T [N], see `tension_of`, and half drag F [N] of segment s, or of two, as pairs.
-
-    e : direction.  height, velocity : means of its nodes [m], [m/s].
-    """
-    pull = tension_of(chain, s, branch, length, length_rate)
-    return pull, half_drag(chain, s, length, e, height, velocity)
-
-
-@kernel
 def forces(chain, s, x_p, x_q, v_p, v_q):
     """Tension vector T e [N], half drag F [N] and tension T [N] of segment s with its nodes there [m, m/s]."""
     length, e = geometry(sub(x_q, x_p))
-    rate, height, velocity = dot(e, sub(v_q, v_p)), 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q))
-    pull, drag = tension_and_drag(chain, s, BY_LENGTH, length, e, rate, height, velocity)
+    pull = tension_of(chain, s, BY_LENGTH, length, dot(e, sub(v_q, v_p)))
+    drag = half_drag(chain, s, length, e, 0.5 * (x_p[2] + x_q[2]), scale(0.5, add(v_p, v_q)))
     return scale(pull, e), drag, pull
 
 
