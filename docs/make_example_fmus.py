@@ -57,9 +57,9 @@ the inputs go on within the step: `linear` (1), as from their last two values, i
 from the same communication point; `held` (2) leaves them as they are; `interpolated` (3) is for importers that step one
 FMU after the other and hand over outputs of the end of the step.
 
-A step is refused (`fmi2Discard`) with a message if an input is not finite or out of its range, or if the step is not positive;
-the state then does not change. The winch brakes, and says so, where the tether comes to its shortest or longest length.
-It refuses the step if it is jammed: if it has not the torque to stop there.
+A step is refused (`fmi2Discard`) with a message if an input is not finite or out of its range, or if the step is not
+positive; the state then does not change. The winch brakes, and says so, where the tether comes to its shortest or longest
+length. It refuses the step if it is jammed: if it has not the torque to stop there.
 
 ## A kite power system
 
