@@ -132,6 +132,27 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     assert (tmp_path / "result.csv").exists()
 
 
+def test_blocks_of_cranes_and_drones(tmp_path):
+    """At rest the first segment carries the load and the wire below its middle; both versions of FMI give the same pull."""
+    printed = []
+    for language, code in blocks(page("cranes_and_drones")):
+        commands = [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
+        printed += [ran(command, tmp_path) for command in commands]
+    wire, text = tetherfmu.tether_of("steel", 0.012), "".join(printed)
+    hanging = (500.0 + wire.mass_per_meter * 80.0 * (1.0 - 0.5 / wire.segments)) * 9.81
+    assert float(re.search(r"tension at rest: (\d+) N", text)[1]) == pytest.approx(hanging, abs=1.0)  # N, no digits printed
+    pulls = re.search(r"largest pull on the drone: ([\d.]+) N, by FMI 3 ([\d.]+) N", text)
+    assert pulls[1] == pulls[2]
+    assert all((tmp_path / name).exists() for name in ("crane.png", "drone.png"))
+
+
+@pytest.mark.parametrize("name", ["diameter", "density", "axial_stiffness", "axial_damping"])
+def test_parameters_of_the_crane_are_those_of_its_wire(name):
+    """Three digits stand in the table."""
+    number = float(re.search(rf"^\| `{name}` \| (\S+) \|$", page("cranes_and_drones"), re.MULTILINE)[1])
+    assert number == pytest.approx(getattr(tetherfmu.tether_of("steel", 0.012), name), rel=1e-3)
+
+
 def test_both_pages_have_the_same_command():
     first = [re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start"))]
     assert first[0] == first[1]
