@@ -132,6 +132,18 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     assert (tmp_path / "result.csv").exists()
 
 
+def test_blocks_for_users_of_tethers_jl(tmp_path):
+    """Waves count most on a figure of eight, then segments; the kite comes to rest near atan((lift - weight)/drag)."""
+    printed = "".join(ran([sys.executable, "-c", code], tmp_path) for _, code in blocks(page("from_tethers_jl")))
+    quasi_steady, coarse, fine = map(float, re.findall(r"wrong by ([\d.e+-]+) %", printed))
+    assert quasi_steady > coarse > 10.0 * fine  # of second order: a quarter of the length is a sixteenth of the error
+    pressure = 0.5 * 1.225 * 10.0 * 8.0**2  # times the area [N]: the kite hovers in the wind
+    up, along = 0.7 * pressure - 10.0 * 9.81, 0.15 * pressure  # lift less weight, drag [N]
+    flattest = np.arctan2(up - 18.0, along + 20.0)  # weight and drag of the tether [N] turn its chord down
+    elevation = float(re.search(r"([\d.]+) deg above", printed)[1])
+    assert np.degrees(flattest) < elevation < np.degrees(np.arctan2(up, along))
+
+
 def test_blocks_of_cranes_and_drones(tmp_path):
     """At rest the first segment carries the load and the wire below its middle; both versions of FMI give the same pull."""
     printed = []
