@@ -101,6 +101,12 @@ class Flown(NamedTuple):
     positions: np.ndarray
     seconds: float = 0.0
 
+    def __repr__(self):
+        """How much there is, instead of all its numbers."""
+        rows, nodes, _ = self.positions.shape
+        kept = "node positions only" if self.outputs is None else "all outputs"
+        return f"<Flown: {rows} rows, {nodes} nodes, {kept}>"
+
     def _observed(self):
         """The outputs; ValueError without."""
         if self.outputs is None:

@@ -34,3 +34,10 @@ def test_another_name_is_refused_with_those_that_exist():
     flown = tether.fly(inputs_along(1, STEP), STEP)
     with pytest.raises(ValueError, match=r"^name is 'tension'; it must be one of ground_tension, kite_tension, "):
         flown.of("tension")
+
+
+def test_it_is_printed_in_one_line():
+    tether = TetherDynamic(segments=5)
+    tether.initialize()
+    assert repr(tether.fly(inputs_along(4, STEP), STEP)) == "<Flown: 4 rows, 6 nodes, all outputs>"
+    assert repr(tether.fly(inputs_along(4, STEP), STEP, outputs=False)) == "<Flown: 4 rows, 6 nodes, node positions only>"
