@@ -84,7 +84,7 @@ Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`; AMD EPYC, 2 cores, Linux, P
 The load comes one step late: with steps of 40 ms the Jacobi exchange is unstable, and the example allows 30 ms. In steps
 of 20 ms with 10 segments a second of flight took 5.3 ms (188 times real time).
 Over a cycle the work at both ends, drag, damping and stored energy balance within 1 % of what the drum gains
-(`tests/physics/test_pumping_energy.py`). The coefficients are those of the sources below; the flight is plausible, and no
+(`tests/physics/test_pumping_energy.py`). The coefficients are those of the sources below; the flight is plausible, but not a
 measured one.
 
 ## A model of your own
