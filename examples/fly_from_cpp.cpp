@@ -16,6 +16,7 @@ dlopen. `Tether` sets and gets vectors by their names: a start for a host of you
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -51,9 +52,10 @@ class Library {
     }
 };
 
-/* The text of modelDescription.xml, in which attributes are found by plain search. */
+/* The text of modelDescription.xml, in which attributes are found by plain search, each value reference once. */
 class Description {
     std::string xml;
+    std::map<std::string, fmi3ValueReference> known;
 
   public:
     explicit Description(const std::string &folder) {
@@ -65,13 +67,19 @@ class Description {
     std::string attribute(const std::string &mark, const std::string &name, size_t from = 0) const {
         const size_t place = xml.find(mark, from);
         if (place == std::string::npos) throw std::runtime_error("the model description has no" + mark);
-        const size_t begin = xml.find(name + "=\"", xml.rfind('<', place)) + name.size() + 2;
+        const size_t found = xml.find(name + "=\"", xml.rfind('<', place));
+        if (found == std::string::npos) throw std::runtime_error("the model description has no " + name);
+        const size_t begin = found + name.size() + 2;
         return xml.substr(begin, xml.find('"', begin) - begin);
     }
     /* Value reference of a variable; an enumeration has the name of its type, which stands above the variables. */
-    fmi3ValueReference reference(const std::string &variable) const {
-        const std::string mark = " name=\"" + variable + "\"";
-        return static_cast<fmi3ValueReference>(std::stoul(attribute(mark, "valueReference", xml.find("<ModelVariables"))));
+    fmi3ValueReference reference(const std::string &variable) {
+        const auto [entry, is_new] = known.try_emplace(variable);
+        if (is_new) {
+            const std::string text = attribute(" name=\"" + variable + "\"", "valueReference", xml.find("<ModelVariables"));
+            entry->second = static_cast<fmi3ValueReference>(std::stoul(text));
+        }
+        return entry->second;
     }
 };
 

@@ -90,8 +90,8 @@ def end_of(name, given):
 def inputs_along(
     steps: int,
     step: float,
-    kite: MovingEnd | ArrayLike = (300.0, 0.0, 400.0),
-    ground: MovingEnd | ArrayLike = (0.0, 0.0, 0.0),
+    kite: MovingEnd | ArrayLike | None = None,
+    ground: MovingEnd | ArrayLike | None = None,
     reel_out_speed: Callable[[float], float] | float = 0.0,
     wind_velocity: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
     start: float = 0.0,
@@ -99,15 +99,17 @@ def inputs_along(
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
-    kite, ground : ends that move, or positions [m] of ends that stay. What `initialize` got is not known
-    here: give it again.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite end) [N] : constant, or
+    kite, ground : ends that move, or positions [m] of ends that stay; None: at (300, 0, 400) m and at the origin, wherever
+    `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite end) [N] : constant, or
     functions of time [s].  start : time of the first step [s].  ValueError if an end is something else.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 19)
     """
     rows = np.zeros((whole("steps", steps), at.INPUTS))
-    ends = (at.KITE_POSITION, end_of("kite", kite)), (at.GROUND_POSITION, end_of("ground", ground))
+    kite_end = end_of("kite", (300.0, 0.0, 400.0) if kite is None else kite)
+    ground_end = end_of("ground", (0.0, 0.0, 0.0) if ground is None else ground)
+    ends = (at.KITE_POSITION, kite_end), (at.GROUND_POSITION, ground_end)
     for k, row in enumerate(rows):
         time = start + k * step
         for place, end in ends:
