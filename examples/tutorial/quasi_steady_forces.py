@@ -11,8 +11,6 @@ from tether_11 import AXES
 from tetherfmu import TetherDynamic, TetherQuasiSteady
 from tetherfmu.console.colours import BLACK
 
-SHIFTS = {"x": -4.0, "y": 0.0, "z": 4.0}  # of names in the lower panels, in points: x and z end at nearly the same value
-
 
 def lesson():
     """Components of the forces at both ends, and the difference from TetherDynamic."""
@@ -23,12 +21,12 @@ def lesson():
         force, missing = getattr(steady, end), getattr(dynamic, end) - getattr(steady, end)
         for i, (name, colour) in enumerate(AXES.items()):
             curve(above, time, force[:, i], name, color=colour)
-            curve(below, time, missing[:, i], name, shift=SHIFTS[name], color=colour)
+            curve(below, time, missing[:, i], name, color=colour)
         curve(above, time, np.linalg.norm(force, axis=1), "magnitude", color=BLACK)
         above.set(title=f"Force on the {title}")
         below.set(xlabel="time [s]")
     found[0, 0].set(ylabel="TetherQuasiSteady [N]")
-    found[1, 0].set(ylabel="difference of\nTetherDynamic [N]")
+    found[1, 0].set(ylabel="TetherDynamic\nminus that [N]")
     part = (
         np.linalg.norm(dynamic.kite_force - steady.kite_force, axis=1).max()
         / np.linalg.norm(dynamic.kite_force, axis=1).max()

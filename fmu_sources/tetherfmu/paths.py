@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.runtime import layout as at
 
-from .arguments import whole
-
 
 def polar(distance, elevation, azimuth):
     """Point [m] at a distance [m] and two angles [rad] from the origin: x, y, z; numbers or arrays, also complex ones."""
@@ -106,13 +104,12 @@ def inputs_along(
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 19)
     """
-    rows = np.zeros((whole("steps", steps), at.INPUTS))
-    kite_end = end_of("kite", (300.0, 0.0, 400.0) if kite is None else kite)
-    ground_end = end_of("ground", (0.0, 0.0, 0.0) if ground is None else ground)
-    ends = (at.KITE_POSITION, kite_end), (at.GROUND_POSITION, ground_end)
+    rows = np.zeros((steps, at.INPUTS))
+    kite = end_of("kite", (300.0, 0.0, 400.0) if kite is None else kite)
+    ground = end_of("ground", (0.0, 0.0, 0.0) if ground is None else ground)
     for k, row in enumerate(rows):
         time = start + k * step
-        for place, end in ends:
+        for place, end in ((at.KITE_POSITION, kite), (at.GROUND_POSITION, ground)):
             row[place : place + 6] = np.concatenate(end.at(time))
         row[at.REEL_OUT_SPEED] = reel_out_speed(time) if callable(reel_out_speed) else reel_out_speed
         for place, vector in ((at.WIND_VELOCITY, wind_velocity), (at.KITE_LOAD, kite_load)):

@@ -67,9 +67,6 @@ class Outputs(NamedTuple):
     kite_velocity: np.ndarray
 
 
-SCALARS = tuple(name for name, kind in Outputs.__annotations__.items() if kind is not np.ndarray)
-
-
 class Flown(NamedTuple):
     """What a flight of many communication steps gave: one row for each step that was kept.
 
@@ -134,6 +131,9 @@ class Flown(NamedTuple):
         """Points of the tether [m], array (rows, points, 3)."""
         outputs = self._observed()
         return outputs[:, at.SHAPE :].reshape(len(outputs), (outputs.shape[1] - at.SHAPE) // 3, 3)
+
+
+SCALARS = tuple(name for name, kind in Outputs.__annotations__.items() if kind is not np.ndarray)
 
 
 class PlausibilityWarning(UserWarning):

@@ -80,8 +80,3 @@ def test_three_numbers_are_an_end_that_stays():
 def test_an_end_that_is_something_else_is_refused(wrong):
     with pytest.raises(ValueError, match=r"^ground is .*; it must be a MovingEnd, or three numbers where it stays$"):
         inputs_along(3, 0.02, ground=wrong)
-
-
-def test_part_of_a_step_is_refused():
-    with pytest.raises(ValueError, match=r"^steps is 10\.5; it must be a whole number of at least 0$"):
-        inputs_along(10.5, 0.02)
