@@ -57,9 +57,9 @@ the inputs go on within the step: `linear` (1), as from their last two values, i
 from the same communication point; `held` (2) leaves them as they are; `interpolated` (3) is for importers that step one
 FMU after the other and hand over outputs of the end of the step.
 
-A step is refused (`fmi2Discard`) in words if an input is not finite or out of its range, or if the step is not positive;
-the state is then that of before. The winch brakes, and says so, where the tether comes to its shortest or longest length.
-It refuses the step if it is jammed: if it has not the torque to stop there.
+A step is refused (`fmi2Discard`) with a message if an input is not finite or out of its range, or if the step is not
+positive; the state then does not change. The winch brakes, and says so, where the tether comes to its shortest or longest
+length. It refuses the step if it is jammed: if it has not the torque to stop there.
 
 ## A kite power system
 
@@ -84,7 +84,7 @@ Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`; AMD EPYC, 2 cores, Linux, P
 The load comes one step late: with steps of 40 ms the Jacobi exchange is unstable, and the example allows 30 ms. In steps
 of 20 ms with 10 segments a second of flight took 5.3 ms (188 times real time).
 Over a cycle the work at both ends, drag, damping and stored energy balance within 1 % of what the drum gains
-(`tests/physics/test_pumping_energy.py`). The coefficients are those of the sources below; the flight is plausible, and no
+(`tests/physics/test_pumping_energy.py`). The coefficients are those of the sources below; the flight is plausible, but not a
 measured one.
 
 ## A model of your own

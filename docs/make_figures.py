@@ -25,6 +25,7 @@ def draw(flight, path):
         draw_components(axes, flight.time, getattr(flight, field))
         axes.set(title=f"Force of the tether on the {end}", ylabel="force [N]", xlim=flight.time[[0, -1]])
         axes.grid(alpha=0.3)
+        axes.tick_params(labelbottom=row == len(ENDS) - 1)
     axes.set_xlabel("time [s]")
     figure.savefig(path, dpi=90, metadata={"Software": None})
 

@@ -47,7 +47,7 @@ at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm
 the ends rest.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
-leave segments shorter than 1 cm, or the solver fails. The state is then that of before the step, and the next good step
+leave segments shorter than 1 cm, or the solver fails. The state then does not change, and the next good step
 works. A parameter out of range is refused when the initialization ends, with the allowed range.
 
 One warning each is logged, and the numbers stay what they are, when a segment is stretched by more than 5 %, an end is

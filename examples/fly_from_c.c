@@ -53,10 +53,13 @@ static void attribute(const char *xml, const char *mark, const char *name, char 
     text[end - found] = '\0';
 }
 
+/* Value reference of a variable; an enumeration has the name of its type, which stands above the variables. */
 static fmi2ValueReference reference(const char *xml, const char *variable) {
+    const char *variables = strstr(xml, "<ModelVariables");
     char mark[64], text[16];
+    if (!variables) stop("the model description has no ", "ModelVariables");
     snprintf(mark, sizeof mark, " name=\"%s\"", variable);
-    attribute(xml, mark, " valueReference=\"", text, sizeof text);
+    attribute(variables, mark, " valueReference=\"", text, sizeof text);
     return (fmi2ValueReference)strtoul(text, NULL, 10);
 }
 

@@ -4,6 +4,7 @@ import sys
 from importlib import import_module
 
 from .console.ending import WrongUse, command
+from .runtime import __version__
 
 STUDY = "tetherfmu.study.__main__"
 COMMANDS = {  # name: (module, what it does)
@@ -22,7 +23,8 @@ COMMANDS = {  # name: (module, what it does)
 def usage():
     """All commands, a line each."""
     lines = [f"  {name:<10} {about}" for name, (_, about) in COMMANDS.items()]
-    return "\n".join(["usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the options", "", *lines])
+    head = "usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the options, --version the version"
+    return "\n".join([head, "", *lines])
 
 
 @command
@@ -31,6 +33,9 @@ def main(arguments=None):
     name, *rest = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
     if name in ("-h", "--help"):
         print(usage())
+        return 0
+    if name == "--version":
+        print(f"tetherfmu {__version__}")
         return 0
     if name not in COMMANDS:
         raise WrongUse(f"tetherfmu: there is no command {name!r}; choose from {', '.join(COMMANDS)}")

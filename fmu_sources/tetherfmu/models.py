@@ -1,5 +1,7 @@
 """The Python API: the tethers, without FMI."""
 
+from __future__ import annotations
+
 from numpy.typing import ArrayLike
 
 from tetherfmu.runtime.parameters import FreeKite

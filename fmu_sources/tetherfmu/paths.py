@@ -72,11 +72,24 @@ class MovingEnd:
         return found
 
 
+def end_of(name, given):
+    """A moving end as it is, three numbers as an end that stays there [m]; ValueError for anything else."""
+    if isinstance(given, MovingEnd):
+        return given
+    try:
+        place = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        place = np.empty(0)
+    if place.shape != (3,):
+        raise ValueError(f"{name} is {given!r}; it must be a MovingEnd, or three numbers where it stays")
+    return MovingEnd(lambda time: place, lambda time: (0.0, 0.0, 0.0))
+
+
 def inputs_along(
     steps: int,
     step: float,
-    kite: MovingEnd | None = None,
-    ground: MovingEnd | None = None,
+    kite: MovingEnd | ArrayLike | None = None,
+    ground: MovingEnd | ArrayLike | None = None,
     reel_out_speed: Callable[[float], float] | float = 0.0,
     wind_velocity: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
     start: float = 0.0,
@@ -84,18 +97,19 @@ def inputs_along(
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
-    kite, ground : ends that move; None: at (300, 0, 400) m and at the origin.  reel_out_speed [m/s], wind_velocity [m/s],
-    kite_load (of a free kite end) [N] : constant, or functions of time [s].  start : time of the first step [s].
+    kite, ground : ends that move, or positions [m] of ends that stay; None: at (300, 0, 400) m and at the origin, wherever
+    `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite end) [N] : constant, or
+    functions of time [s].  start : time of the first step [s].  ValueError if an end is something else.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 19)
     """
     rows = np.zeros((steps, at.INPUTS))
-    still = MovingEnd(lambda time: (0.0, 0.0, 0.0), lambda time: (0.0, 0.0, 0.0))
-    parked = MovingEnd(lambda time: (300.0, 0.0, 400.0), still.velocity)
+    kite = end_of("kite", (300.0, 0.0, 400.0) if kite is None else kite)
+    ground = end_of("ground", (0.0, 0.0, 0.0) if ground is None else ground)
     for k, row in enumerate(rows):
         time = start + k * step
-        for place, end in ((at.KITE_POSITION, kite or parked), (at.GROUND_POSITION, ground or still)):
+        for place, end in ((at.KITE_POSITION, kite), (at.GROUND_POSITION, ground)):
             row[place : place + 6] = np.concatenate(end.at(time))
         row[at.REEL_OUT_SPEED] = reel_out_speed(time) if callable(reel_out_speed) else reel_out_speed
         for place, vector in ((at.WIND_VELOCITY, wind_velocity), (at.KITE_LOAD, kite_load)):

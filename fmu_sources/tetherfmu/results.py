@@ -73,7 +73,7 @@ class Flown(NamedTuple):
     Attributes
     ----------
     outputs : (rows, outputs_size) array or None
-        All outputs, as `layout.py` has them; forces and shapes are properties. None if flown with ``outputs=False``.
+        All outputs; `of` gives one by its name, forces and shapes are properties. None if flown with ``outputs=False``.
     peak : (rows,) array or None
         Largest ``norm(kite_force)`` since the row before [N]. None like `outputs`.
     positions : (rows, segments + 1, 3) array
@@ -89,6 +89,8 @@ class Flown(NamedTuple):
     >>> flown = tether.fly(inputs_along(100, 0.02, reel_out_speed=0.5), 0.02, every=10)
     >>> flown.kite_force.shape, flown.shape.shape, flown.positions.shape
     ((10, 3), (10, 7, 3), (10, 7, 3))
+    >>> bool(flown.of("max_tension").max() >= flown.of("kite_tension").max())
+    True
     """
 
     outputs: np.ndarray | None
@@ -96,11 +98,23 @@ class Flown(NamedTuple):
     positions: np.ndarray
     seconds: float = 0.0
 
+    def __repr__(self):
+        """How much there is, instead of all its numbers."""
+        rows, nodes, _ = self.positions.shape
+        kept = "node positions only" if self.outputs is None else "all outputs"
+        return f"<Flown: {rows} rows, {nodes} nodes, {kept}>"
+
     def _observed(self):
         """The outputs; ValueError without."""
         if self.outputs is None:
             raise ValueError("this flight has node positions only: fly with outputs=True for forces and shapes")
         return self.outputs
+
+    def of(self, name: str) -> np.ndarray:
+        """A scalar output by its name in `Outputs`, such as "max_tension", array (rows,); ValueError for other names."""
+        if name not in SCALARS:
+            raise ValueError(f"name is {name!r}; it must be one of {', '.join(SCALARS)}")
+        return self._observed()[:, getattr(at, name.upper())]
 
     @property
     def kite_force(self) -> np.ndarray:
@@ -117,6 +131,9 @@ class Flown(NamedTuple):
         """Points of the tether [m], array (rows, points, 3)."""
         outputs = self._observed()
         return outputs[:, at.SHAPE :].reshape(len(outputs), (outputs.shape[1] - at.SHAPE) // 3, 3)
+
+
+SCALARS = tuple(name for name, kind in Outputs.__annotations__.items() if kind is not np.ndarray)
 
 
 class PlausibilityWarning(UserWarning):
@@ -137,7 +154,7 @@ class PlausibilityWarning(UserWarning):
 
 
 class StepRefused(ValueError):
-    """A step or an initialization that cannot be done; the tether keeps the state of before.
+    """A step or an initialization that cannot be done; the tether keeps its previous state.
 
     Attributes
     ----------

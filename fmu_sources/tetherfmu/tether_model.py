@@ -280,7 +280,7 @@ class TetherModel:
         ValueError
             If `inputs` has another shape or `every` is negative.
         StepRefused
-            If a step cannot be done; the message says which, and the tether keeps the state of before that step.
+            If a step cannot be done; the message says which, and the tether keeps its state before that step.
         """
         if not self._runs:
             raise self._not_initialized()

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from foreign import foreign
+from tetherfmu import __version__
 from tetherfmu.__main__ import COMMANDS
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import WrongUse, remedy
@@ -273,3 +274,8 @@ def test_a_damaged_fmu_of_a_study_is_named(tmp_path):
     (tmp_path / "TetherStraight.fmu").write_text("no archive")
     with pytest.raises(WrongUse, match=r"TetherStraight\.fmu is no FMU"):
         fmus_in(tmp_path)
+
+
+def test_the_command_says_its_version(capsys):
+    assert tetherfmu(["--version"]) == 0
+    assert capsys.readouterr().out == f"tetherfmu {__version__}\n"

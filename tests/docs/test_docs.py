@@ -132,6 +132,41 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     assert (tmp_path / "result.csv").exists()
 
 
+def test_blocks_for_users_of_tethers_jl(tmp_path):
+    """Waves count most on a figure of eight, then segments; the kite comes to rest near atan((lift - weight)/drag)."""
+    printed = "".join(ran([sys.executable, "-c", code], tmp_path) for _, code in blocks(page("from_tethers_jl")))
+    quasi_steady, coarse, fine = map(float, re.findall(r"wrong by ([\d.e+-]+) %", printed))
+    assert quasi_steady > coarse > 10.0 * fine  # of second order: a quarter of the length is a sixteenth of the error
+    pressure = 0.5 * 1.225 * 10.0 * 8.0**2  # times the area [N]: the kite hovers in the wind
+    up, along = 0.7 * pressure - 10.0 * 9.81, 0.15 * pressure  # lift less weight, drag [N]
+    flattest = np.arctan2(up - 18.0, along + 20.0)  # weight and drag of the tether [N] turn its chord down
+    elevation = float(re.search(r"([\d.]+) deg above", printed)[1])
+    assert np.degrees(flattest) < elevation < np.degrees(np.arctan2(up, along))
+
+
+def test_blocks_of_cranes_and_drones(tmp_path):
+    """At rest the tip carries load and wire; both versions of FMI give the same pull."""
+    printed = []
+    for language, code in blocks(page("cranes_and_drones")):
+        commands = [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
+        printed += [ran(command, tmp_path) for command in commands]
+    wire, text = tetherfmu.tether_of("steel", 0.012), "".join(printed)
+    hanging = (500.0 + wire.mass_per_meter * 80.0) * 9.81
+    found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
+    assert float(found[0]) == pytest.approx(hanging, abs=1.0)  # N, no digits printed
+    assert re.search(r"(\d+) N at rest, .*, and at most (\d+) N", page("cranes_and_drones")).groups() == found
+    pulls = re.search(r"largest pull on the drone: ([\d.]+) N, by FMI 3 ([\d.]+) N", text)
+    assert pulls[1] == pulls[2]
+    assert all((tmp_path / name).exists() for name in ("crane.png", "drone.png"))
+
+
+@pytest.mark.parametrize("name", ["diameter", "density", "axial_stiffness", "axial_damping"])
+def test_parameters_of_the_crane_are_those_of_its_wire(name):
+    """Three digits stand in the table."""
+    number = float(re.search(rf"^\| `{name}` \| (\S+) \|$", page("cranes_and_drones"), re.MULTILINE)[1])
+    assert number == pytest.approx(getattr(tetherfmu.tether_of("steel", 0.012), name), rel=1e-3)
+
+
 def test_both_pages_have_the_same_command():
     first = [re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start"))]
     assert first[0] == first[1]

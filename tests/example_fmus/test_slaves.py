@@ -88,7 +88,7 @@ def test_refused_steps_and_states_change_nothing(example_folder, name):
         host.set(**{variable.name: good})
     for damaged in (blob_of(host)[:-1], b"", b"x" * 200):
         restore(host, damaged)
-        assert "the state of before is kept" in host.messages[-1]
+        assert "the previous state is kept" in host.messages[-1]
         with pytest.raises(FMICallException):
             host.fmu.doStep(host.time, 0.02)
     assert blob_of(host) == blob_of(twin)

@@ -67,3 +67,16 @@ def test_a_flight_along_paths_equals_a_loop():
         outputs = loop.step(0.02, *kite.at(time), *ground.at(time), 0.1 * time, (8.0 + time, 0.0, 0.0))
     np.testing.assert_array_equal(flown.kite_force[-1], outputs.kite_force)
     np.testing.assert_array_equal(flown.positions[-1], loop.positions)
+
+
+def test_three_numbers_are_an_end_that_stays():
+    place = (1.0, 2.0, 3.0)
+    still = MovingEnd(lambda t: place, lambda t: (0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(inputs_along(3, 0.02, place, still), inputs_along(3, 0.02, still, place))
+    assert inputs_along(1, 0.02, ground=(1.0, 2.0, 3.0))[0, :12].tolist() == [300, 0, 400, 0, 0, 0, 1, 2, 3, 0, 0, 0]
+
+
+@pytest.mark.parametrize("wrong", [(0.0, 0.0), 5.0, lambda t: (0.0, 0.0, 0.0), "here"])
+def test_an_end_that_is_something_else_is_refused(wrong):
+    with pytest.raises(ValueError, match=r"^ground is .*; it must be a MovingEnd, or three numbers where it stays$"):
+        inputs_along(3, 0.02, ground=wrong)

@@ -34,6 +34,7 @@ def test_a_kite_at_500_m_on_a_tether_of_100_m(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu", 100.0)
     assert len(host.messages) == 1
     assert STRETCHED in host.messages[0].replace("%%", "%")  # a message is a printf format
+    assert "initial_kite_position" in host.messages[0]  # what a free kite end has instead of an input
     assert not any("stretched" in message for message in fly(host, 0, 20, 1.0))
 
 

@@ -146,7 +146,7 @@ def test_size_of_a_state(fmu_folder):
 def test_truncated_state(fmu_folder, kept):
     host = started(fmu_folder / "TetherDynamic.fmu")
     before = host.all_outputs()
-    host.refuses(lambda: restore(host, blob_of(host)[:kept]), "the state of before is kept")
+    host.refuses(lambda: restore(host, blob_of(host)[:kept]), "the previous state is kept")
     assert host.all_outputs() == before
     host.step(STEP)
 

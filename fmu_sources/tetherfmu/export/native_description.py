@@ -22,8 +22,8 @@ CAPABILITIES = {
 }
 CATEGORIES = {
     "logStatusWarning": "what is implausible; it was done",
-    "logStatusDiscard": "steps that were refused; the state is that of before",
-    "logStatusError": "other calls that were refused; the state is that of before",
+    "logStatusDiscard": "steps that were refused; the state does not change",
+    "logStatusError": "other calls that were refused; the state does not change",
 }
 
 

@@ -115,7 +115,7 @@ class BaseSlave(Fmi2Slave):
         self._warn()
 
     def do_step(self, current_time, step_size):
-        """One communication step. False (fmi2Discard), a message and the state of before if it cannot be done."""
+        """One communication step. False (fmi2Discard), a message and the previous state if it cannot be done."""
         problem = self._refusal or self._problem_of_time(current_time, step_size) or self.advance(step_size)
         if problem:
             self._refusal = None

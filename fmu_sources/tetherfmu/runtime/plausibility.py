@@ -28,7 +28,7 @@ _RESIDUE = (
 SENTENCES = {
     STRETCH: (
         "a segment is stretched by {strain:.3g} %, beyond {allowed:.3g} % (Dyneema breaks near 4 %); "
-        "check kite_position, ground_position, initial_length and reel_out_speed"
+        "check kite_position (initial_kite_position of a free kite end), ground_position, initial_length and reel_out_speed"
     ),
     GROUND_ACCELERATION: _ACCELERATION,
     KITE_ACCELERATION: _ACCELERATION,

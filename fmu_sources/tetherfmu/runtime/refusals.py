@@ -21,7 +21,7 @@ CANNOT_BE_READ = "value reference {reference} cannot be read: it is no variable 
 CANNOT_BE_SET = "value reference {reference} cannot be set to {value}: it is no input or parameter of this type"
 IS_FIXED = "{name} cannot be set to {value} now; it is fixed when the initialization ends"
 
-STATE_REFUSED = "the FMU state that was set {problem}; the state of before is kept"
+STATE_REFUSED = "the FMU state that was set {problem}; the previous state is kept"
 NO_STATE = "is no state of a tether, or of another version"
 STATE_DAMAGED = "is damaged"
 STATE_OF_ANOTHER = "belongs to another tether FMU"

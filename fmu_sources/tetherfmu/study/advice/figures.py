@@ -23,6 +23,7 @@ LINES = {0: "-", 4: ":", 11: "--", 32: "-"}  # by the segments of the curves tha
 STRETCHES = (0.001, 0.0)  # of the curves that are shown: a middle one
 CHART_LEVEL = 0.01  # error for which the decision chart is drawn
 COLUMNS = 4  # of small figures
+PALE = ("straight", "dynamic_free")  # white letters are hard to read on their colours
 
 
 def draw_points(axis, points, size):
@@ -96,7 +97,7 @@ def questions():
     most = rows.set_index(["group", "variant"]).value  # number up to which a tether is enough
     loads, wave = min(most["weight", "straight"], most["drag", "straight"]), most["wave", "catenary"]
     return (
-        ("Does a force that you compute\nmove a kite of finite mass?", "yes", "dynamic_free"),
+        ("Is the far end a mass that moves freely,\nsuch as a kite, drone or crane load?", "yes", "dynamic_free"),
         (f"Is the tether pulled taut, with weight and\ndrag below {100 * loads:.1f} % of the tension?", "yes", "straight"),
         (f"Does its force F change slowly:\nwave_time · rms(dF/dt) / rms(F) < {wave:.2g}?", "no", "dynamic"),
         (f"Is the drag more than {100 * most['drag', 'catenary']:.0f} % of the tension?", "yes", "quasi_steady"),
@@ -127,4 +128,5 @@ def draw_chart(path):
 def draw_answer(axis, x, y, variant):
     """A box with the name of the FMU of a variant."""
     box = {"boxstyle": "round,pad=0.6", "fc": COLOUR[variant], "ec": "none"}
-    axis.text(x, y, class_name(variant), color="white", weight="bold", fontsize=12, ha="center", va="center", bbox=box)
+    letters = "black" if variant in PALE else "white"
+    axis.text(x, y, class_name(variant), color=letters, weight="bold", fontsize=12, ha="center", va="center", bbox=box)

@@ -1,0 +1,58 @@
+"""The host in C++ of the examples prints the forces that the Python API computes with the same inputs."""
+
+import re
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from native.programs import available
+from tetherfmu import TetherDynamic
+
+SOURCE = Path(__file__).resolve().parents[2] / "examples" / "fly_from_cpp.cpp"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
+STEP, COUNT, ROUNDING = 0.02, 1000, 0.5e-3  # s, -, N: three digits are printed
+
+pytestmark = pytest.mark.skipif(not available(), reason="needs gcc on 64-bit Linux")
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Path of the compiled example."""
+    command = ["g++", "-std=c++17", *WARNINGS, SOURCE, f"-I{HEADERS}", "-ldl", "-o", tmp_path / "fly_from_cpp"]
+    subprocess.run([*map(str, command)], check=True)
+    return tmp_path / "fly_from_cpp"
+
+
+def motion(time):
+    """Inputs of the example: a truck that speeds up to 15 m/s in 10 s, a drone 100 m above it."""
+    speed, way = (1.5 * time, 0.75 * time**2) if time < 10.0 else (15.0, 15.0 * (time - 5.0))
+    velocity = (speed, 0.0, 0.0)
+    return {
+        "kite_position": (way, 0.0, 100.0),
+        "kite_velocity": velocity,
+        "ground_position": (way, 0.0, 0.0),
+        "ground_velocity": velocity,
+    }
+
+
+def test_forces_are_those_of_the_python_api(program, fmi3_folder, tmp_path):
+    with zipfile.ZipFile(fmi3_folder / "TetherDynamic.fmu") as archive:
+        archive.extractall(tmp_path / "TetherDynamic")
+    printed = subprocess.run([program, tmp_path / "TetherDynamic"], capture_output=True, text=True, check=True).stdout
+    rows = [[float(number) for number in re.findall(r"\d+\.\d+", line)] for line in printed.splitlines()]
+    wind = {"wind_profile": "power_law", "wind_reference_height": 10.0, "wind_exponent": 0.14}
+    tether = TetherDynamic(initial_length=110.0, **wind)
+    tether.initialize(**motion(0.0), wind_velocity=(-6.0, 0.0, 0.0))
+    forces = [np.linalg.norm(tether.step(STEP, **motion(STEP * k)).kite_force) for k in range(COUNT)]
+    assert [time for time, _ in rows] == [4.0, 8.0, 12.0, 16.0, 20.0]
+    assert np.allclose([force for _, force in rows], forces[199::200], rtol=0.0, atol=ROUNDING)
+
+
+def test_a_folder_without_an_fmu_is_refused_in_one_line(program, tmp_path):
+    done = subprocess.run([program, tmp_path], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (1, "fly_from_cpp: the folder has no modelDescription.xml\n")
