@@ -35,7 +35,7 @@ from ..algebra.pairs import pair
 from ..algebra.vectors import add, along, cross, dot, get, norm, put, scale, sub
 from ..arrays import node_arrays, shared_arrays
 from ..chain import nodes, segment
-from ..chain.properties import property_of, rest_length
+from ..chain.properties import point_mass, property_of, rest_length
 from ..compilation import kernel, view
 from . import compliance, elastic_catenary, hanging_chain, strut
 
@@ -362,12 +362,14 @@ def breath(chain, chord, load):
 def hang_under_mean_load(body, aside, w):
     """Hang the chain under the mean of the loads w.load [N] of its nodes (positions, w.tension, w.load modified).
 
+    A point mass at the kite end is held by that end and does not pull at the chain.
     aside : whether under a `breath` from the side, too.
     """
     chain, x = body.chain, body.x
     mean = (0.0, 0.0, 0.0)
     for i in range(chain.n + 1):
         mean = add(mean, get(w.load, i))
+    mean = sub(mean, body_force(body, point_mass(chain, chain.n), get(x, chain.n)))
     mean = scale(1.0 / chain.length, mean)
     chord = sub(get(x, chain.n), get(x, 0))
     if aside:
