@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
-from tetherfmu import TetherDynamicFree
+from tetherfmu import TetherDynamic, TetherDynamicFree
 
 
 @pytest.mark.parametrize(("tolerance", "allowed"), SCENE_08_ERRORS)
@@ -92,3 +92,24 @@ def test_order_of_a_load_that_depends_on_the_motion(input_continuation, order):
     positions = [flown(step, input_continuation) for step in (0.04, 0.02, 0.01)]
     coarse, fine = (np.linalg.norm(positions[k] - positions[k + 1]) for k in (0, 1))
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.2)
+
+
+@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # of the softest
+@pytest.mark.parametrize(("mass", "stiffness", "wind"), [(1e5, 614_600.0, 8.0), (1e9, 614_600.0, 8.0), (10.0, 0.001, 0.0)])
+def test_the_shape_at_the_start_does_not_depend_on_the_mass(mass, stiffness, wind):
+    """The kite end is held there, so its mass pulls at nothing: the shape is that between driven ends.
+
+    Taut and slack, kite above and below the station. Positions of the springs' ends are rounded to 100 m * 2e-16, which is
+    EA/l0 * 2e-14 m = 3e-9 N in a force, and a node of the slackest chain moves by 1 m per 0.01 N: below 1e-6 m. The search
+    takes nearly the same way, so a heavy kite costs no iterations.
+    """
+    properties = {"initial_length": 100.0, "axial_stiffness": stiffness}
+    driven, free = TetherDynamic(**properties), TetherDynamicFree(**properties, kite_mass=mass)
+    for distance in (30.0, 95.0, 100.1):
+        for direction in ((0.6, 0.0, 0.8), (0.8, 0.6, 0.0), (0.0, 0.6, -0.8)):
+            kite = distance * np.array(direction)
+            expected = driven.initialize(kite, wind_velocity=(wind, 0.0, 0.0))
+            outputs = free.initialize(kite, wind_velocity=(wind, 0.0, 0.0))
+            size = max(1.0, expected.sag / 100.0)
+            np.testing.assert_allclose(free.positions, driven.positions, rtol=0.0, atol=1e-6 * size)
+            assert outputs.solver_iterations <= expected.solver_iterations + 3

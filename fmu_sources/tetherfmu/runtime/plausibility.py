@@ -18,7 +18,7 @@ STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUN
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; look for jumps of {end}_position and "
-    "{end}_velocity, and at their units"
+    "{end}_velocity, at their units, and for a communication step much shorter than the one before"
 )
 _SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; look at its motion and its units"
 _RESIDUE = (

@@ -112,6 +112,29 @@ def test_acceleration(model, end):
     assert noted(tether) == {}
 
 
+def test_acceleration_after_a_change_of_the_step():
+    """Smooth flight: a step of 20 ms leads the end 5/12 jerk h^3 beside its way, the next one of 0.1 ms back to it.
+
+    y = A sin(w t), jerk = -A w^3 cos(w t). Terms left out: the error of the velocity, 12/5 of the ratio of the steps, 1.2 %,
+    and the change of the jerk over two steps, (w h)^2 = 0.2 %. The warning names the step: nothing is wrong with the inputs.
+    """
+    swing, rate, short = 10.0, 2.0, 1e-4  # m, rad/s, s
+    across = np.array([0.0, 1.0, 0.0])
+    tether = TetherStraight(initial_length=510.0)
+    tether.initialize(KITE, swing * rate * across)
+    for k in range(11):
+        time = k * STEP
+        assert noted(tether) == {}
+        way, speed = swing * np.sin(rate * time), swing * rate * np.cos(rate * time)
+        tether.step(STEP if k < 10 else short, KITE + way * across, speed * across)
+    jerk = swing * rate**3 * np.cos(rate * 9 * STEP)
+    found = noted(tether)
+    assert set(found) == {plausibility.KITE_ACCELERATION}
+    assert found[plausibility.KITE_ACCELERATION] == pytest.approx(2.0 * 5.0 / 12.0 * jerk * STEP**3 / short**2, rel=0.03)
+    (sentence,) = plausibility.sentences(tether.get_state())
+    assert "a communication step much shorter than the one before" in sentence
+
+
 @every_model
 @pytest.mark.parametrize(
     ("given", "way"),

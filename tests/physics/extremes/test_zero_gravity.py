@@ -70,6 +70,22 @@ def test_slack_between_held_ends(variant):
     np.testing.assert_allclose((out.ground_force, out.kite_force), 0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("variant", [TetherDynamic, TetherQuasiSteady])
+@pytest.mark.parametrize("segments", [2, 3, 10, 20, 60])
+def test_every_slack_tether_without_load_starts(variant, segments):
+    """Any direction and slack, also those where the search finds no equilibrium on the straight line, not even a strut.
+
+    Forces: rounding of 5 m times EA/l0, 2e-16 * 5 m * 614600 N/(5 m/60) = 1e-8 N in a segment, ten times for all of them.
+    """
+    random = np.random.default_rng(1)
+    directions = random.normal(size=(20, 3))
+    kites = random.uniform(0.0, 5.0, size=(20, 1)) * directions / np.linalg.norm(directions, axis=1)[:, None]
+    model = variant(Tether(segments=segments, initial_length=5.0), VOID)
+    for kite in [(3.0, 1.0, 2.0), *kites]:
+        out = model.initialize(kite)
+        np.testing.assert_allclose((out.ground_force, out.kite_force), 0.0, atol=1e-6)
+
+
 def test_refused_start_names_its_length():
     """A kite that flies at 1 km/s towards the station stretches a quasi-steady tether at a rate no equilibrium stands."""
     model = TetherQuasiSteady(Tether(segments=6, initial_length=60.0))

@@ -17,7 +17,8 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
    in a stiff and slack chain what holds a segment across drowns in the rounding errors of what holds it along.
 4. If that fails: both again with a resistance c against motion, (c - dF/dx) dx = F: implicit steps in the time 1/c of a
    chain that creeps. c falls while the nodes move little, down to Newton's method.
-5. If what is found is a strut (`strut.py`): all of it again, with a breath of air from the side in step 1.
+5. If what is found is a strut (`strut.py`), or nothing is found and the chain has no load: all of it again, with a breath
+   of air from the side in step 1.
 
 What this leaves, `slower_motion.py` finds.
 """
@@ -35,7 +36,7 @@ from ..algebra.pairs import pair
 from ..algebra.vectors import add, along, cross, dot, get, norm, put, scale, sub
 from ..arrays import node_arrays, shared_arrays
 from ..chain import nodes, segment
-from ..chain.properties import property_of, rest_length
+from ..chain.properties import point_mass, property_of, rest_length
 from ..compilation import kernel, view
 from . import compliance, elastic_catenary, hanging_chain, strut
 
@@ -337,11 +338,17 @@ def softness_of(chain):
 
 
 @kernel
+def is_loaded(chain, load):
+    """Whether a mean load per unstretched length [N/m] is enough to give the chain a shape."""
+    return load * chain.length * softness_of(chain) > LIGHTEST
+
+
+@kernel
 def first_tension_guess(chain, chord, load):
     """First tension vector [N] of the catenary with the chord [m] under the mean load per unstretched length [N/m]."""
     size = norm(load)
     softness = softness_of(chain)
-    if not size * chain.length * softness > LIGHTEST:
+    if not is_loaded(chain, size):
         distance, e = segment.geometry(chord)
         return scale(max(distance / chain.length - 1.0, 1e-9) / softness, e)
     tension, iterations = elastic_catenary.hang(chord, load, chain.length, 1.0 / softness)
@@ -362,12 +369,14 @@ def breath(chain, chord, load):
 def hang_under_mean_load(body, aside, w):
     """Hang the chain under the mean of the loads w.load [N] of its nodes (positions, w.tension, w.load modified).
 
+    A point mass at the kite end is held by that end and does not pull at the chain.
     aside : whether under a `breath` from the side, too.
     """
     chain, x = body.chain, body.x
     mean = (0.0, 0.0, 0.0)
     for i in range(chain.n + 1):
         mean = add(mean, get(w.load, i))
+    mean = sub(mean, body_force(body, point_mass(chain, chain.n), get(x, chain.n)))
     mean = scale(1.0 / chain.length, mean)
     chord = sub(get(x, chain.n), get(x, 0))
     if aside:
@@ -428,6 +437,7 @@ def find(body, w):
         stands = found and strut.is_strut(body.chain, body.x, strut.PARALLEL)
         if found and not stands:
             return OK, iterations
-        attempt = 0 if stands and not aside else attempt + 1
-        aside = aside or stands
+        turns_aside = not aside and (stands or (attempt == 3 and not is_loaded(body.chain, firmness)))
+        attempt = 0 if turns_aside else attempt + 1
+        aside = aside or turns_aside
     return NO_EQUILIBRIUM, iterations
