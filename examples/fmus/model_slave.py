@@ -87,7 +87,7 @@ class ModelSlave(BaseSlave):
         kept = self._given + 1 + self.memory  # inputs and length of the last step; what the model keeps
         self._limited = [(k, each) for k, each in enumerate(given) if each.quantity.range() != "a finite number"]
         self.declare(table, array("d", bytes(8 * (self._declared + kept))), range(self._declared), 0.02)
-        self._told = set()
+        self._warned = set()
         self._sentences = []
 
     # --- what a model has
@@ -103,10 +103,10 @@ class ModelSlave(BaseSlave):
         """
         raise NotImplementedError
 
-    def tell(self, sentence):
+    def warn(self, sentence):
         """Warn after this step, once since the start."""
-        if sentence not in self._told:
-            self._told.add(sentence)
+        if sentence not in self._warned:
+            self._warned.add(sentence)
             self._sentences.append(sentence)
 
     # --- what `BaseSlave` asks for

@@ -8,7 +8,7 @@ from math import pi
 
 from tetherfmu.runtime import layout, parameters, plausibility, quantities, refusals, saved_state, status
 from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER
-from tetherfmu.runtime.variants import FREE, WITHOUT_DAMPING, WITHOUT_NODES, library_of
+from tetherfmu.runtime.variants import FREE, WITHOUT_NODES, WITHOUT_WAVES, library_of
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
@@ -74,7 +74,7 @@ def _constants(variant, token):
         "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
         "FREE_KITE": int(variant in FREE),
         "WITHOUT_NODES": int(variant in WITHOUT_NODES),
-        "WITHOUT_DAMPING": int(variant in WITHOUT_DAMPING),
+        "WITHOUT_WAVES": int(variant in WITHOUT_WAVES),
         "VARIANT": c_text(variant),
         "MAGIC": c_text(saved_state.MAGIC.decode()),
         "TOKEN": c_text(token),

@@ -53,7 +53,7 @@ class Instance:
         self.points = points
         self.segments = 0
         self.status = status.OK
-        self._told = 0
+        self._warned = 0
         self.parameters_at = OUTPUTS_AT + at.outputs_size(points)
         self.values = zeros(self.parameters_at + room)
         self.state = zeros(0)
@@ -91,7 +91,7 @@ class Instance:
         if problem:
             self.values[OUTPUTS_AT : self.parameters_at] = outputs
         else:
-            self._told = 0
+            self._warned = 0
         return problem
 
     def advance(self, step):
@@ -130,17 +130,17 @@ class Instance:
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """
-        told = plausibility.kinds(state)
+        noted = plausibility.kinds(state)
         plausibility.bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)
-        self._told |= told
+        self._warned |= noted
         self.state[:] = state
 
     def warnings(self):
         """Sentences on what has been implausible since the start, each once."""
-        if self.state[at.WARNINGS] == self._told:  # as nearly always
+        if self.state[at.WARNINGS] == self._warned:  # as nearly always
             return ()
-        new = plausibility.sentences(self.state, self._told)
-        self._told |= plausibility.kinds(self.state)
+        new = plausibility.sentences(self.state, self._warned)
+        self._warned |= plausibility.kinds(self.state)
         return new
 
     def sentence(self, result, step):

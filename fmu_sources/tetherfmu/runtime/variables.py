@@ -166,13 +166,13 @@ def _parameter_variables(variant, starts):
     return variables
 
 
-_NO_DAMPING = {
+_NO_WAVES = {
     "kite_damping": "damping along the tether that the kite feels: 0, this tether has none",
     "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
     "solver_rejections": "internal steps that it took back since the start: 0, there is no motion to integrate",
 }
 _ONE_LINE = {
-    **_NO_DAMPING,
+    **_NO_WAVES,
     "ground_tension": "tension at the ground end",
     "kite_tension": "tension at the kite end",
     "max_tension": "larger one of the tensions at the ends",
@@ -185,7 +185,7 @@ _AND_WEIGHT = (
 NOTES = {  # meanings of outputs where they differ from the dynamic tether's
     "dynamic": {},
     "dynamic_free": {},
-    "quasi_steady": _NO_DAMPING,
+    "quasi_steady": _NO_WAVES,
     "catenary": _ONE_LINE,
     "straight": {
         **_ONE_LINE,

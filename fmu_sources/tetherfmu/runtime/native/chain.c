@@ -78,7 +78,7 @@ static void pack(double *flat, int64_t n, const double *values, double tolerance
     flat[AT_KITE_IS_FREE] = FREE_KITE;
     fill(flat, n, AT_SHARE, length / (double)n / length);
     fill(flat, n, AT_STIFFNESS, parameter(values, AXIAL_STIFFNESS));
-    fill(flat, n, AT_DAMPING, WITHOUT_DAMPING ? 0.0 : parameter(values, AXIAL_DAMPING));
+    fill(flat, n, AT_DAMPING, WITHOUT_WAVES ? 0.0 : parameter(values, AXIAL_DAMPING));
     fill(flat, n, AT_LINE_DENSITY, parameter(values, DENSITY) * PI * pow(diameter, 2.0) / 4.0);
     fill(flat, n, AT_DRAG_WIDTH, parameter(values, DRAG_COEFFICIENT) * diameter);
 #if FREE_KITE
