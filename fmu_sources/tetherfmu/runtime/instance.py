@@ -8,7 +8,7 @@ from array import array
 from . import layout as at
 from . import plausibility, status
 from .parameters import DEFAULT_TOLERANCE, pack
-from .variables import INPUT_NAMES
+from .variables import INPUT_NAMES, parameters_at
 
 OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
 
@@ -54,7 +54,7 @@ class Instance:
         self.segments = 0
         self.status = status.OK
         self._warned = 0
-        self.parameters_at = OUTPUTS_AT + at.outputs_size(points)
+        self.parameters_at = parameters_at(points)
         self.values = zeros(self.parameters_at + room)
         self.state = zeros(0)
         self._inputs_address = address(self.values)

@@ -226,6 +226,17 @@ def table_of(variant, options):
     return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
 
 
+def parameters_at(shape_points):
+    """Place of the first parameter in the array of all values: inputs, outputs, parameters."""
+    return at.INPUTS + at.outputs_size(shape_points)
+
+
+def references(table, shape_points):
+    """Value references of a table of `variables`: their places in the array of all values."""
+    first = parameters_at(shape_points)
+    return [variable.place + (first if variable.causality == PARAMETER else 0) for variable in table]
+
+
 def records(record_classes, table, numbers):
     """Records from the values of all parameters; ValueError names what is out of range.
 
