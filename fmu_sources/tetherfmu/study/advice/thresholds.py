@@ -91,11 +91,11 @@ def weight_scene(load, stretch):
 
 def drag_scene(load, stretch):
     """A kite circling 45 deg about the vertical with the drag `load` times T = s EA: 1/6 rho cd d L v^2 = q s EA."""
-    tether = Tether(initial_length=taut(LENGTH, load, stretch), density=50.0)
+    tether, air = Tether(initial_length=taut(LENGTH, load, stretch), density=50.0), Environment(gravity=0.0)
     width = tether.drag_coefficient * tether.diameter
-    speed = np.sqrt(6.0 * load * stretch * tether.axial_stiffness / (1.225 * width * LENGTH))
+    speed = np.sqrt(6.0 * load * stretch * tether.axial_stiffness / (air.air_density * width * LENGTH))
     flight = Circle(distance=LENGTH, half_angle=np.pi / 4, axis_elevation=np.pi / 2, rate=speed / (LENGTH * np.sqrt(0.5)))
-    return Scene("sweep", 4.0, flight, tether, Environment(gravity=0.0))
+    return Scene("sweep", 4.0, flight, tether, air)
 
 
 def slack_scene(slack):
