@@ -20,25 +20,25 @@ EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
-def documents(name, variant, description, options, platforms, scene_page=None, native=None):
+def documents(name, variant, description, options, platforms, own_page=None, native=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
     options : dict of the build options.  platforms : names of those that the FMU has kernels for.
-    scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
+    own_page : documentation (HTML) of an FMU for one purpose; such an FMU has no evidence set.
     native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. The groups of variables are for FMI 2.
     """
     table = table_of(variant, options)
     texts = of_every_fmu(platforms, native)
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
-    if not scene_page:
+    if not own_page:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         tether = Tether(segments=options["segments"], **dict(options.get("starts", ())))
         for file, text in evidence.files(name, tether, arrays=native == 3).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
-    texts["documentation/index.html"] = scene_page or page(name, variant, description, table, texts, native)
+    texts["documentation/index.html"] = own_page or page(name, variant, description, table, texts, native)
     return {
         "terminalsAndIcons/icon.png" if native == 3 else "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),

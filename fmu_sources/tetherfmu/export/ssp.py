@@ -90,8 +90,8 @@ def _built(fmu, start, system, folder, platforms):
         return example_fmus.build(fmu, folder, [(name, value) for name, value in start.items() if name in known])
     starts = [[name, value] for name, value in start.items()]
     about = f"With the start values of the system {system}."
-    trim = archive.Trim(system, starts, [], about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
-    return archive.build(fmu, folder, platforms=platforms, scene=trim)
+    purpose = archive.Purpose(system, starts, [], about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
+    return archive.build(fmu, folder, platforms=platforms, purpose=purpose)
 
 
 def _connectors(component, inputs, outputs):
