@@ -22,7 +22,7 @@ static bool allows(const Parameter *declared, double value)
     return is_finite(value) && declared->minimum <= value && value <= declared->maximum;
 }
 
-static bool check_one(const Parameter *declared, double value, char *problem)
+static bool check_parameter(const Parameter *declared, double value, char *problem)
 {
     bool is_whole = declared->kind != REAL && is_finite(value) && value == floor(value);
     Fact name = word("name", declared->name), fact = is_whole ? whole("value", value) : real("value", value);
@@ -41,7 +41,7 @@ static bool check_one(const Parameter *declared, double value, char *problem)
 bool check_parameters(const double *values, char *problem)
 {
     for (int i = 0; i < PARAMETERS; i++)
-        if (!check_one(&PARAMETER[i], parameter(values, i), problem)) return false;
+        if (!check_parameter(&PARAMETER[i], parameter(values, i), problem)) return false;
     double profile = parameter(values, WIND_PROFILE), roughness = parameter(values, SURFACE_ROUGHNESS);
     double height = parameter(values, WIND_REFERENCE_HEIGHT), length = parameter(values, INITIAL_LENGTH);
     if ((profile == AT_LOGARITHMIC || profile == AT_EXPLOG) && roughness >= height) {
