@@ -8,7 +8,7 @@ from string import Template
 
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
 
@@ -49,11 +49,10 @@ def documents(name, variant, description, options, platforms, own_page=None, nat
 def of_every_fmu(platforms, native=None):
     """Texts on what the host must have, and licences: dict of path in the archive to text. Arguments as in `documents`."""
     host = "native_dependencies.txt" if native else "externalDependencies.txt"
+    own_licence = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
     texts = {
         "documentation/externalDependencies.txt": filled(host, platforms=", ".join(platforms)),
-        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8")
-        if LICENCE.exists()
-        else licence_of("tetherfmu"),
+        "documentation/licenses/license.txt": own_licence,
     }
     if native:
         texts["documentation/licenses/FMI.txt"] = (ASSETS / "FMI.txt").read_text(encoding="utf-8")
@@ -129,7 +128,7 @@ def unit(each):
 
 def start(each):
     """Start value of a variable or of a vector of them."""
-    return ", ".join(number(variable.start) for variable in each)
+    return ", ".join(number_text(variable.start) for variable in each)
 
 
 def allowed(each):

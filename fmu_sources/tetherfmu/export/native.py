@@ -19,8 +19,8 @@ from tetherfmu.runtime.variants import library_of
 
 from . import native_description, native_description_fmi3
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, build_options, guid_of, write
-from .arrays import arrays
 from .documents import documents
+from .native_arrays import arrays
 from .native_tables import header
 from .universal import universal
 

@@ -87,7 +87,7 @@ class Instance:
         result = self.kernels.initialize(
             self.segments, self._parameters_address, self._inputs_address, self._state_address, self._work_address
         )
-        problem = self._observed(result, 0.0)
+        problem = self._finish(result, 0.0)
         if problem:
             self.values[OUTPUTS_AT : self.parameters_at] = outputs
         else:
@@ -100,13 +100,13 @@ class Instance:
         result = self.kernels.advance(
             self.segments, self._parameters_address, self._inputs_address, step, self._state_address, self._work_address
         )
-        problem = self._observed(result, step)
+        problem = self._finish(result, step)
         if problem:
             self.observe()
         return problem
 
-    def _observed(self, result, step):
-        """Compute the outputs if a start or a step was done; else the state of before. Returns what is wrong, or None."""
+    def _finish(self, result, step):
+        """Compute the outputs of a start or a step that was done, else restore the state. Returns what is wrong, or None."""
         self.status = result = self.observe() if result == status.OK else result
         if result == status.OK:
             return None
