@@ -100,7 +100,10 @@ def length_with(slack, chord, segments):
 
 
 def numbers_at(given):
-    """Numbers of those of `INPUTS` that are not None, as triples (first place, place behind them, array); ValueError."""
+    """Numbers of those of `INPUTS` that are given: triples (first place, place behind, array); ValueError names a wrong one.
+
+    given : a value for each of `INPUTS`, or None.
+    """
     found = []
     for (name, place, size), value in zip(INPUTS, given, strict=True):
         if value is not None:

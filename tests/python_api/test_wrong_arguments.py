@@ -22,6 +22,7 @@ WRONG = {
     ),
     "no tether": (lambda: TetherDynamic(()), TypeError, "must be a Tether or a sequence of them"),
     "wrong record": (lambda: TetherDynamic(Tether(), Tether()), TypeError, "it must be an Environment, as in"),
+    "number for a solver": (lambda: TetherDynamic(solver=1e-5), TypeError, "solver is 1e-05; it must be a Solver, as in"),
     "unknown quantity": (
         lambda: TetherDynamic(length=5.0),
         TypeError,
