@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.variables import KITE_AT_START
 
 
 def polar(distance, elevation, azimuth):
@@ -93,7 +92,7 @@ def inputs_along(
     """
     rows = np.zeros((steps, at.INPUTS))
     still = MovingEnd(lambda time: (0.0, 0.0, 0.0), lambda time: (0.0, 0.0, 0.0))
-    parked = MovingEnd(lambda time: KITE_AT_START, still.velocity)
+    parked = MovingEnd(lambda time: (300.0, 0.0, 400.0), still.velocity)
     for k, row in enumerate(rows):
         time = start + k * step
         for place, end in ((at.KITE_POSITION, kite or parked), (at.GROUND_POSITION, ground or still)):
