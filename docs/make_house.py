@@ -14,7 +14,7 @@ FIGURE = Path(__file__).with_name("figures") / "house.png"
 APART = ("check", "console")  # rooms at the right
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
-    "Python API": ("models", "tether_model", "arguments", "energy", "materials", "paths", "results"),
+    "Python API": ("models", "tether_model", "compiled_flight", "arguments", "energy", "materials", "paths", "results"),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.documents import folded, meaning, start
-from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import class_name
@@ -128,7 +128,7 @@ def signals(causality):
 def parameters():
     """Table of the parameters."""
     rows = [
-        (f"`{v.name}`", v.quantity.unit or "-", number(v.start), v.quantity.range(), v.quantity.meaning)
+        (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.range(), v.quantity.meaning)
         for v in variables("dynamic", 0)
         if v.causality == PARAMETER
     ]

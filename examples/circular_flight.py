@@ -168,7 +168,7 @@ def parse(arguments, prog):
     return parser.parse_args(arguments)
 
 
-def tell_missing(fmu_file, flight, html):
+def report_missing(fmu_file, flight, html):
     """Say on stderr which outputs an FMU does not have; WrongUse if the page needs them."""
     missing = [name for name in SHOWN if getattr(flight, name) is None]
     if html and "shape" in missing:
@@ -206,7 +206,7 @@ def main(arguments=None, prog=None):
     for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
         now(f"flying {fmu_file}")
         flight = fly(fmu_file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
-        tell_missing(fmu_file, flight, given.html)
+        report_missing(fmu_file, flight, given.html)
         flights[fmu_file.stem] = flight
         print(summary(fmu_file.stem, flight))
     given.out.mkdir(parents=True, exist_ok=True)

@@ -51,7 +51,7 @@ def error_of(way, scene, step, forces, times):
 
 
 def errors(steps=STEPS, duration=DURATION):
-    """Table: kite, way, step [s], error of the tether force [-] (see `error_of`."""
+    """Table: kite, way, step [s], error of the tether force [-], see `error_of`."""
     times, rows = np.arange(0.0, duration + 0.5 * steps[-1], steps[-1]), []
     for kite, scene in scenes(duration).items():
         now(f"solving kite and tether together: {kite}")

@@ -56,9 +56,14 @@ def cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
+def norm(a):
+    """Length of a vector."""
+    return sqrt(dot(a, a))
+
+
 def unit(a):
     """A vector over its length; Refused if it has none."""
-    length = sqrt(dot(a, a))
+    length = norm(a)
     if length == 0.0:
         raise Refused("the kite is at the ground station, or its heading points away from there: no direction is left")
     return a[0] / length, a[1] / length, a[2] / length
@@ -98,14 +103,9 @@ def apparent_wind(position, velocity, wind, air):
     return factor * wind[0] - velocity[0], factor * wind[1] - velocity[1], factor * wind[2] - velocity[2]
 
 
-def speed_of(velocity):
-    """Length of a vector."""
-    return sqrt(dot(velocity, velocity))
-
-
 def turn_rate(r, heading, felt, steering, wing):
     """Turn rate of the heading about the direction r to the kite [rad/s]; felt : apparent wind [m/s]."""
-    speed = max(speed_of(felt), SLOWEST)
+    speed = max(norm(felt), SLOWEST)
     return wing.turning * speed * steering + wing.turning_by_weight / speed * rightward(heading, r)
 
 
@@ -114,7 +114,7 @@ def load(position, heading, felt, steering, depower, known):
     squared = dot(felt, felt)
     span = cross(unit(position), heading)
     across = cross(span, felt)
-    length = sqrt(dot(across, across))
+    length = norm(across)
     area = 0.5 * density(position[2], known) * known.wing_area
     lift = known.powered_lift + depower * (known.depowered_lift - known.powered_lift)
     drag = known.powered_drag + depower * (known.depowered_drag - known.powered_drag)

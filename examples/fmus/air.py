@@ -2,7 +2,7 @@
 
 from math import exp, log
 
-UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
+from tetherfmu.runtime.layout import LOGARITHMIC, POWER_LAW, UNIFORM
 
 
 def power_law(height, air):

@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import INPUT, OUTPUT
+from tetherfmu.runtime.variables import DEGREES, INPUT, OUTPUT
 
-from .aerodynamics import angle_of, cross, dot, speed_of, unit
-from .kite_on_path import DEGREES, frame
+from .aerodynamics import angle_of, cross, dot, norm, unit
+from .kite_on_path import frame
 from .model_slave import ModelSlave, names, scalar, vector
 
 TRACTION, REEL_IN = 1, 2
@@ -83,7 +83,7 @@ def point_of_eight(flight, phi):
 
 def angle_between(a, b):
     """Angle between two unit vectors [rad]."""
-    return atan2(speed_of(cross(a, b)), dot(a, b))
+    return atan2(norm(cross(a, b)), dot(a, b))
 
 
 def steering_to(target, direction, heading, speed, flight):

@@ -7,7 +7,7 @@ from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
 
-from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, speed_of, turn_rate, turned, unit
+from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, norm, turn_rate, turned, unit
 from .model_slave import ModelSlave, Refused, names, vector
 from .point_mass_kite import CONTROL, flight_outputs
 
@@ -86,5 +86,5 @@ class FlyingKite(ModelSlave):
         return (x, y, z - known.gravity), turn_rate(unit(position), heading, felt, steering, known)
 
     def _outputs(self, position, velocity, heading, inputs):
-        speed = speed_of(apparent_wind(position, velocity, inputs[3:6], self.parameters))
+        speed = norm(apparent_wind(position, velocity, inputs[3:6], self.parameters))
         return (*position, *velocity, angle_of(heading, unit(position)), speed), heading

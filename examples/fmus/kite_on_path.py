@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import OUTPUT
+from tetherfmu.runtime.variables import DEGREES, OUTPUT
 
 from .model_slave import ModelSlave, vector
 
 CIRCLE, FIGURE_OF_EIGHT = 1, 2
-DEGREES = ("deg", 180.0 / pi)
 
 
 @dataclass(frozen=True)

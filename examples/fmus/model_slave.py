@@ -11,6 +11,7 @@ how the inputs go on within the step:
 
 from array import array
 from dataclasses import dataclass, replace
+from itertools import chain
 from math import isfinite, nan
 from types import SimpleNamespace
 
@@ -83,11 +84,14 @@ class ModelSlave(BaseSlave):
         known += [variable for each in self.vectors for variable in each]
         starts = dict(options_in(self.resources).get("starts", ()))
         table = [replace(each, start=starts.get(each.name, each.start)) for each in (*given, *found, *known)]
-        self._given, self._found, self._declared = len(given), len(given) + len(found), len(table)
-        kept = self._given + 1 + self.memory  # inputs and length of the last step; what the model keeps
         self._limited = [(k, each) for k, each in enumerate(given) if each.quantity.range() != "a finite number"]
-        self.declare(table, array("d", bytes(8 * (self._declared + kept))), range(self._declared), 0.02)
-        self._told = set()
+        # places in `values`: inputs, outputs, parameters; then, of the last step, inputs and length; what the model keeps
+        declared, last_step = len(table), len(table) + len(given)
+        self._given, self._computed = slice(0, len(given)), slice(len(given), len(given) + len(found))
+        self._parameters_at, self._last_inputs = slice(self._computed.stop, declared), slice(declared, last_step)
+        self._last_step, self._memory = last_step, slice(last_step + 1, last_step + 1 + self.memory)
+        self.declare(table, array("d", bytes(8 * self._memory.stop)), range(declared), 0.02)
+        self._warned = set()
         self._sentences = []
 
     # --- what a model has
@@ -103,10 +107,10 @@ class ModelSlave(BaseSlave):
         """
         raise NotImplementedError
 
-    def tell(self, sentence):
+    def warn(self, sentence):
         """Warn after this step, once since the start."""
-        if sentence not in self._told:
-            self._told.add(sentence)
+        if sentence not in self._warned:
+            self._warned.add(sentence)
             self._sentences.append(sentence)
 
     # --- what `BaseSlave` asks for
@@ -117,28 +121,31 @@ class ModelSlave(BaseSlave):
             self.parameters = self._parameters(self.values)
         except ValueError as error:
             return str(error)
-        inputs = list(self.values[: self._given])
-        kept = self._declared + self._given + 1
+        inputs = list(self.values[self._given])
         problem = self._problem_of_inputs(inputs) or self._taken(lambda: self.first(inputs))
         if not problem:
-            self.values[self._declared : kept] = array("d", [*inputs, 0.0])
+            self._remember(inputs, 0.0)
         return problem
 
     def advance(self, step):
         """One communication step [s]. Returns what is wrong, with nothing changed, or None."""
         if not (isfinite(step) and 0.0 < step <= layout.LONGEST_STEP):
             return status.sentence(status.STEP_NOT_POSITIVE, step=step)
-        inputs, kept = list(self.values[: self._given]), self._declared + self._given
+        inputs = list(self.values[self._given])
         problem = self._problem_of_inputs(inputs)
         if problem:
             return problem
-        last, last_step = self.values[self._declared : kept], self.values[kept]
-        begin, end = self._along(inputs, last, last_step, step)
-        outputs, memory = self.values[self._given : self._found], self.values[kept + 1 :]
+        begin, end = self._along(inputs, self.values[self._last_inputs], self.values[self._last_step], step)
+        outputs, memory = self.values[self._computed], self.values[self._memory]
         problem = self._taken(lambda: self.next(begin, end, step, outputs, memory))
         if not problem:
-            self.values[self._declared : kept + 1] = array("d", [*inputs, step])
+            self._remember(inputs, step)
         return problem
+
+    def _remember(self, inputs, step):
+        """Keep the inputs and the length [s] of a step for the next one."""
+        self.values[self._last_inputs] = array("d", inputs)
+        self.values[self._last_step] = step
 
     def _along(self, inputs, last, last_step, step):
         """Inputs at the begin and at the end of a step."""
@@ -169,13 +176,13 @@ class ModelSlave(BaseSlave):
             outputs, memory = (nan,), ()
         if not all(map(isfinite, (*outputs, *memory))):
             return f"the motion leaves the range of numbers; check the inputs {', '.join(self._large())}"
-        self.values[self._given : self._found] = array("d", outputs)
-        self.values[self._declared + self._given + 1 :] = array("d", memory)
+        self.values[self._computed] = array("d", outputs)
+        self.values[self._memory] = array("d", memory)
         return None
 
     def _large(self):
         """The three largest inputs, in words."""
-        order = sorted(range(self._given), key=lambda k: -abs(self.values[k]))
+        order = sorted(range(self._given.stop), key=lambda k: -abs(self.values[k]))
         return [f"{self.table[k].name} = {self.values[k]:g}" for k in order[:3]]
 
     def warnings(self):
@@ -187,10 +194,9 @@ class ModelSlave(BaseSlave):
 
     def _parameters(self, values):
         """All parameters by name; ValueError names one that is out of range."""
-        numbers = dict(zip(names(self.table[self._found :]), values[self._found : self._declared], strict=True))
         found = {}
-        for variable in self.table[self._found :]:
-            value = checked(variable.name, numbers[variable.name], variable.quantity)
+        for variable, number in zip(self.table[self._parameters_at], values[self._parameters_at], strict=True):
+            value = checked(variable.name, number, variable.quantity)
             found[variable.name] = int(value) if variable.kind != "Real" else value
         for record in self._classes:
             record(**{name: found[name] for name in record.__dataclass_fields__ if name in found})
@@ -207,8 +213,8 @@ class ModelSlave(BaseSlave):
             if variable.kind != "Real" and not abs(value) <= layout.LARGEST_INTEGER:
                 raise ValueError(f"has a wrong number ({variable.name} is {value}; it must be an integer)")
         if saved.phase >= STEPPING:
-            computed = (*saved.values[self._given : self._found], *saved.values[self._declared + self._given :])
-            if not all(map(isfinite, computed)):
+            computed = saved.values[self._computed], saved.values[self._last_step :]
+            if not all(map(isfinite, chain(*computed))):
                 raise ValueError("has numbers that no model has")
             try:
                 self.parameters = self._parameters(saved.values)

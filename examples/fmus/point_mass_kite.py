@@ -3,7 +3,7 @@
 from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.variables import INPUT, OUTPUT
 
-from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, speed_of, turn_rate, turned, unit
+from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, norm, turn_rate, turned, unit
 from .model_slave import ModelSlave, names, scalar, vector
 
 MOTION = (
@@ -64,4 +64,4 @@ class PointMassKite(ModelSlave):
         felt = apparent_wind(position, inputs[3:6], inputs[6:9], known)
         force = load(position, heading, felt, steering, inputs[10], known)
         rate = turn_rate(direction, heading, felt, steering, known)
-        return (*force, angle_of(heading, direction), speed_of(felt)), (*heading, rate)
+        return (*force, angle_of(heading, direction), norm(felt)), (*heading, rate)

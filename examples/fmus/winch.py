@@ -108,9 +108,9 @@ class Winch(ModelSlave):
         left = max(drum.maximum_length - length, 0.0), max(length - drum.minimum_length, 0.0)
         out, back = (min(sqrt(drum.largest_acceleration * each), each / STOPPING) for each in left)
         if target > out:
-            self.tell(f"the winch brakes: tether_length comes to maximum_length ({drum.maximum_length:g} m)")
+            self.warn(f"the winch brakes: tether_length comes to maximum_length ({drum.maximum_length:g} m)")
         if target < -back:
-            self.tell(f"the winch brakes: tether_length comes to minimum_length ({drum.minimum_length:g} m)")
+            self.warn(f"the winch brakes: tether_length comes to minimum_length ({drum.minimum_length:g} m)")
         return min(max(target, -back), out), drum.control == SPEED or not -back <= target <= out
 
     def _refuse_at_the_ends(self, length, speed):

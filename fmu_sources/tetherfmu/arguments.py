@@ -1,5 +1,6 @@
 """What users give to a tether of the Python API: checked, and refused in words."""
 
+from array import array
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -8,6 +9,15 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.quantities import quantities
+
+INPUTS = (  # name, place, size; not the wind, which may be given at each node
+    ("kite_position", at.KITE_POSITION, 3),
+    ("kite_velocity", at.KITE_VELOCITY, 3),
+    ("ground_position", at.GROUND_POSITION, 3),
+    ("ground_velocity", at.GROUND_VELOCITY, 3),
+    ("reel_out_speed", at.REEL_OUT_SPEED, 1),
+    ("kite_load", at.KITE_LOAD, 3),
+)
 
 
 def tethers_of(model, given):
@@ -25,7 +35,8 @@ def record_of(model, given, kind):
     """A record of this kind; TypeError for anything else."""
     if not isinstance(given, kind):
         name = kind.__name__
-        raise TypeError(f"{name.lower()} is {given!r}; it must be an {name}, as in {model}(Tether(), {name}())")
+        an = "an" if name == "Environment" else "a"
+        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(Tether(), {name}())")
     return given
 
 
@@ -61,6 +72,57 @@ def node_vectors(name, given, segments):
         raise ValueError(f"{name} has the shape {found.shape}; it must be {(segments + 1, 3)}")
     if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
         raise ValueError(f"{name} has a number that is not finite or above {at.LARGEST_INPUT:g} in magnitude")
+    return found
+
+
+def motion_of_nodes(positions, velocities, segments):
+    """Positions [m] and velocities [m/s] of all nodes, array (2, segments + 1, 3), at rest if None; None without positions.
+
+    ValueError as of `node_vectors`.
+    """
+    if positions is None:
+        if velocities is not None:
+            raise ValueError("velocities of nodes are given without their positions")
+        return None
+    positions = node_vectors("positions", positions, segments)
+    moving = np.zeros_like(positions) if velocities is None else node_vectors("velocities", velocities, segments)
+    return np.stack((positions, moving))
+
+
+def length_with(slack, chord, segments):
+    """Unstretched length [m] of a tether with so much slack [-] over its chord [m], (3,); ValueError if out of range."""
+    slack = number("slack", slack, "-")
+    length = (1.0 + slack) * np.linalg.norm(chord)
+    least = at.MIN_SEGMENT_LENGTH * segments
+    if not least <= length < np.inf:
+        raise ValueError(f"slack is {slack!r}: the tether would be {length:g} m long; it must be at least {least:g} m")
+    return length
+
+
+def numbers_at(given):
+    """Numbers of those of `INPUTS` that are given: triples (first place, place behind, array); ValueError names a wrong one.
+
+    given : a value for each of `INPUTS`, or None.
+    """
+    found = []
+    for (name, place, size), value in zip(INPUTS, given, strict=True):
+        if value is not None:
+            try:
+                numbers = array("d", (value,) if size == 1 else value)
+            except (TypeError, ValueError):
+                numbers = ()
+            if len(numbers) != size:
+                wanted = "a number" if size == 1 else "three numbers"
+                raise ValueError(f"{name} is {value!r}; it must be {wanted}")
+            found.append((place, place + size, numbers))
+    return found
+
+
+def input_rows(given):
+    """Inputs of many steps, contiguous array (steps, INPUTS); ValueError for another shape."""
+    found = np.ascontiguousarray(given, dtype=float)
+    if found.ndim != 2 or found.shape[1] != at.INPUTS:
+        raise ValueError(f"inputs has the shape {found.shape}; it must be (steps, {at.INPUTS})")
     return found
 
 

@@ -11,6 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.instance import address
+
 if TYPE_CHECKING:
     from .models import TetherDynamic
     from .results import Outputs
@@ -76,6 +81,22 @@ class Energy:
 
 
 POWERS = tuple(field.name for field in fields(Energy))[3:]
+
+
+def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
+    """Energies [J], powers [W] and tensions of the segments [N] of a started `Instance` with nodes, one array.
+
+    reel_out_speed [m/s], wind_velocity [m/s], kite_load [N] : None for those of the last step.
+    """
+    inputs, state = np.array(instance.values[: at.INPUTS]), np.frombuffer(instance.state)
+    inputs[at.REEL_OUT_SPEED] = state[at.REELING] if reel_out_speed is None else reel_out_speed
+    inputs[at.WIND_VELOCITY : at.KITE_LOAD] = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
+    if kite_load is not None:
+        inputs[at.KITE_LOAD :] = kite_load
+    found = np.zeros(len(fields(Energy)) + instance.segments)
+    arrays = (address(each) for each in (instance.parameters, instance.state))
+    instance.kernels.account(instance.segments, *arrays, inputs.ctypes.data, found.ctypes.data, address(instance.work))
+    return found
 
 
 class EnergyAudit:

@@ -67,6 +67,20 @@ class Outputs(NamedTuple):
     kite_velocity: np.ndarray
 
 
+def outputs_of(values, kite_end):
+    """`Outputs` from an array in the order of `layout.py`, and from position and velocity of the kite end, (2, 3)."""
+    return Outputs(
+        values[at.GROUND_FORCE : at.KITE_FORCE],
+        values[at.KITE_FORCE : at.GROUND_TENSION],
+        *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
+        int(values[at.SLACK_SEGMENTS]),
+        *values[at.SLACK_SEGMENTS + 1 : at.SOLVER_STEPS].tolist(),
+        *map(int, values[at.SOLVER_STEPS : at.SHAPE].tolist()),
+        values[at.SHAPE :].reshape(-1, 3),
+        *kite_end,
+    )
+
+
 class Flown(NamedTuple):
     """What a flight of many communication steps gave: one row for each step that was kept.
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
-from time import perf_counter
 from warnings import warn
 
 import numpy as np
@@ -18,21 +16,12 @@ from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variables import KITE_AT_START
-from tetherfmu.runtime.variants import WITHOUT_DAMPING, WITHOUT_NODES, effective, library_of
+from tetherfmu.runtime.variants import WITHOUT_NODES, WITHOUT_WAVES, effective, library_of
 
-from . import energy
-from .arguments import checked_masses, node_vectors, number, record_of, tethers_of, whole, with_quantities
-from .results import Flown, Outputs, PlausibilityWarning, StepRefused
+from . import arguments, compiled_flight, energy
+from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 
 _ZERO = (0.0, 0.0, 0.0)
-_INPUTS = (  # name, place, size; the wind has `_set_wind`
-    ("kite_position", at.KITE_POSITION, 3),
-    ("kite_velocity", at.KITE_VELOCITY, 3),
-    ("ground_position", at.GROUND_POSITION, 3),
-    ("ground_velocity", at.GROUND_VELOCITY, 3),
-    ("reel_out_speed", at.REEL_OUT_SPEED, 1),
-    ("kite_load", at.KITE_LOAD, 3),
-)
 
 
 class TetherModel:
@@ -80,23 +69,21 @@ class TetherModel:
         **quantities: float | str,
     ):
         name = type(self).__name__
-        tethers = tethers_of(name, tether)
-        environment, solver = record_of(name, environment, Environment), record_of(name, solver, Solver)
-        tethers, environment, solver = with_quantities(name, quantities, tethers, environment, solver)
+        tethers = arguments.tethers_of(name, tether)
+        environment, solver = arguments.record_of(name, environment, Environment), arguments.record_of(name, solver, Solver)
+        tethers, environment, solver = arguments.with_quantities(name, quantities, tethers, environment, solver)
         if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
-        masses = checked_masses(point_masses, segments)
+        masses = arguments.checked_masses(point_masses, segments)
         if _kite_mass:
             masses[segments] = masses.get(segments, 0.0) + _kite_mass
-        self._points = segments + 1 if shape_points is None else whole("shape_points", shape_points)
+        points = segments + 1 if shape_points is None else arguments.whole("shape_points", shape_points)
         tethers = tuple(effective(each, self.variant) for each in tethers)
-        self._kernels = kernels or ready.kernels(library_of(self.variant))
-        self._instance = instance = Instance(self._kernels, self._points)
+        self._instance = instance = Instance(kernels or ready.kernels(library_of(self.variant)), points)
         instance.set_up(tethers, environment, solver, point_masses=masses.items(), free_ends=_free_ends)
         self.segments: int = instance.segments
-        arrays = instance.values, instance.parameters, instance.state, instance.before, instance.work
-        values, self._parameters, self._state, self._before, self._work = map(np.frombuffer, arrays)  # views
+        values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
         self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
         self._runs = False
@@ -153,15 +140,18 @@ class TetherModel:
         ValueError
             If an argument has another shape or is out of range.
         """
-        nodes = self._nodes(positions, velocities)
+        if positions is not None and self.variant in WITHOUT_WAVES:
+            raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
+        nodes = arguments.motion_of_nodes(positions, velocities, self.segments)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            self._set(kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, _ZERO)
-            self._set_wind(wind_velocity)
+            motion = kite_position, kite_velocity, ground_position, ground_velocity
+            self._set((*motion, reel_out_speed, _ZERO), wind_velocity)
             if slack is not None:
-                self._parameters[at.INITIAL_LENGTH] = self._length_with(number("slack", slack, "-"))
+                chord = np.subtract(kite_position, ground_position, dtype=float)
+                self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
             if nodes is not None:
                 self._parameters[at.INITIAL_SHAPE] = at.STRAIGHT
             problem = self._instance.start()
@@ -222,35 +212,33 @@ class TetherModel:
         return self._step(step, inputs, wind_velocity, tether_length)
 
     def _step(self, step, given, wind_velocity, tether_length=None):
-        """What `step` does; given : values of `_INPUTS`."""
-        if not self._runs:
-            raise self._not_initialized()
-        if tether_length is not None and self.variant not in WITHOUT_DAMPING:
-            raise ValueError(
-                "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
-            )
-        step = number("step", step, "s")
-        if tether_length is not None:
-            tether_length = number("tether_length", tether_length, "m")
-        inputs, parameters, length = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
-        self._set(*given)
-        if wind_velocity is not None:
-            try:
-                self._set_wind(wind_velocity)
-            except ValueError:
-                self._inputs[:] = inputs
-                raise
-        continuation = self._parameters[at.INPUT_CONTINUATION]
-        if tether_length is not None:
-            self._state[at.LENGTH] = tether_length - self._inputs[at.REEL_OUT_SPEED] * step
-            self._parameters[at.INPUT_CONTINUATION] = at.HELD
-        problem = self._instance.advance(step)
-        self._parameters[at.INPUT_CONTINUATION] = continuation
-        if problem:
-            self._inputs[:], self._parameters[:], self._state[at.LENGTH] = inputs, parameters, length
-            raise StepRefused(problem, self._instance.status)
+        """What `step` does; given : values of `arguments.INPUTS`."""
+        self._check_started()
+        before = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
+        try:
+            self._set(given, wind_velocity)
+            self._advance(arguments.number("step", step, "s"), tether_length)
+        except ValueError:
+            self._inputs[:], self._parameters[:], self._state[at.LENGTH] = before
+            raise
         self._warn(deeper=1)
         return self._present()
+
+    def _advance(self, step, tether_length):
+        """Do a communication step [s] with the inputs as they are set, to this length [m] at its end unless that is None."""
+        continuation = self._parameters[at.INPUT_CONTINUATION]
+        if tether_length is not None:
+            if self.variant not in WITHOUT_WAVES:
+                raise ValueError(
+                    "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
+                )
+            length = arguments.number("tether_length", tether_length, "m")
+            self._state[at.LENGTH] = length - self._inputs[at.REEL_OUT_SPEED] * step
+            self._parameters[at.INPUT_CONTINUATION] = at.HELD
+        problem = self._instance.advance(step)
+        if problem:
+            raise StepRefused(problem, self._instance.status)
+        self._parameters[at.INPUT_CONTINUATION] = continuation
 
     def fly(self, inputs: ArrayLike, step: float, every: int = 1, peaks: bool = True, *, outputs: bool = True) -> Flown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
@@ -278,39 +266,21 @@ class TetherModel:
         Raises
         ------
         ValueError
-            If `inputs` has another shape or `every` is negative.
+            If `inputs` has another shape or `every` is not a whole number of at least 0.
         StepRefused
             If a step cannot be done; the message says which, and the tether keeps its state before that step.
         """
-        if not self._runs:
-            raise self._not_initialized()
-        inputs = np.ascontiguousarray(inputs, dtype=float)
-        if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
-            raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
-        if every < 0:
-            raise ValueError(f"every is {every!r}; it must be at least 0")
-        size, nodes = len(self._outputs) + 1 if outputs else 0, self.segments + 1  # the peak is one more
-        rows = np.zeros((len(inputs) // every + 1 if every else 1, size + 3 * nodes))  # the last one is for scratch
-        arrays = self._parameters, inputs, self._state, self._before, rows, self._work
-        parameters, flown, state, before, kept, work = (each.ctypes.data for each in arrays)
-        step = number("step", step, "s")
-        how = step, int(every), (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
-        began = perf_counter()
-        done = self._kernels.fly(
-            self.segments, parameters, flown, len(inputs), *how, state, before, self._points, kept, work
-        )
-        seconds = perf_counter() - began
+        self._check_started()
+        inputs, step = arguments.input_rows(inputs), arguments.number("step", step, "s")
+        when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
+        done, flown = compiled_flight.fly(self._instance, inputs, step, arguments.whole("every", every), when)
         self._warn()
         if len(inputs):
             self._inputs[:] = inputs[min(done, len(inputs) - 1)]
         if done < len(inputs):
             problem = self._instance.advance(step)  # which is refused again, now with its sentence
             raise StepRefused(f"step {done + 1} of {len(inputs)}: {problem}", self._instance.status)
-        rows = rows[:-1]
-        positions = rows[:, size:].reshape(len(rows), nodes, 3)
-        if not outputs:
-            return Flown(None, None, positions, seconds)
-        return Flown(np.ascontiguousarray(rows[:, : size - 1]), rows[:, size - 1].copy(), positions, seconds)
+        return flown
 
     def get_state(self) -> NDArray[np.float64]:
         """Copy of the whole state, one flat array; see `layout.py`."""
@@ -329,8 +299,7 @@ class TetherModel:
 
     def outputs(self) -> Outputs:
         """`Outputs` that belong to the present state; StepRefused before `initialize`."""
-        if not self._runs:
-            raise self._not_initialized()
+        self._check_started()
         self._instance.observe()
         return self._present()
 
@@ -345,10 +314,7 @@ class TetherModel:
         `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
         powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        state = self._state
-        reeling = state[at.REELING] if reel_out_speed is None else reel_out_speed
-        wind = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
-        numbers = self._account(reeling, wind, kite_load)
+        numbers = self._account(reel_out_speed, wind_velocity, kite_load)
         return energy.Energy(*numbers[: -self.segments].tolist())
 
     @property
@@ -374,7 +340,7 @@ class TetherModel:
     @property
     def segment_tensions(self) -> NDArray[np.float64]:
         """Tensions of the segments [N], array (segments,), negative where one is slack; tethers with nodes only."""
-        return self._account(self._state[at.REELING], self._state[at.WIND : at.WIND + 3], None)[-self.segments :]
+        return self._account()[-self.segments :]
 
     @property
     def counters(self) -> dict[str, int]:
@@ -382,66 +348,25 @@ class TetherModel:
         places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
         return {name: int(self._state[place]) for name, place in places.items()}
 
-    def _set(self, *inputs):
-        """Set the inputs of `_INPUTS` that are given; none, and ValueError, if a shape is wrong."""
-        changes = []
-        for (name, place, size), value in zip(_INPUTS, inputs, strict=True):
-            if value is not None:
-                try:
-                    numbers = array("d", (value,) if size == 1 else value)
-                except (TypeError, ValueError):
-                    numbers = ()
-                if len(numbers) != size:
-                    wanted = "a number" if size == 1 else "three numbers"
-                    raise ValueError(f"{name} is {value!r}; it must be {wanted}")
-                changes.append((place, place + size, numbers))
-        for start, end, numbers in changes:
+    def _set(self, inputs, wind):
+        """Set those inputs of `arguments.INPUTS`, and the wind, that are not None; ValueError if a shape is wrong."""
+        for start, end, numbers in arguments.numbers_at(inputs):
             self._places[start:end] = numbers
+        if wind is not None:
+            self._set_wind(wind)
 
-    def _nodes(self, positions, velocities):
-        """Positions and velocities of all nodes, array (2, segments + 1, 3), or None; ValueError for another shape."""
-        if positions is None:
-            if velocities is not None:
-                raise ValueError("velocities of nodes are given without their positions")
-            return None
-        if self.variant in WITHOUT_DAMPING:
-            raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
-        positions = node_vectors("positions", positions, self.segments)
-        moving = np.zeros_like(positions) if velocities is None else node_vectors("velocities", velocities, self.segments)
-        return np.stack((positions, moving))
-
-    def _length_with(self, slack):
-        """Unstretched length [m] of a tether with so much slack [-] between the ends of now; ValueError out of range."""
-        ends = (
-            self._inputs[at.KITE_POSITION : at.KITE_POSITION + 3],
-            self._inputs[at.GROUND_POSITION : at.GROUND_POSITION + 3],
-        )
-        length = (1.0 + slack) * np.linalg.norm(ends[0] - ends[1])
-        least = at.MIN_SEGMENT_LENGTH * self.segments
-        if not least <= length < np.inf:
-            raise ValueError(f"slack is {slack!r}: the tether would be {length:g} m long; it must be at least {least:g} m")
-        return length
-
-    def _account(self, reel_out_speed, wind_velocity, kite_load):
-        """Energies, powers and tensions of the present state, see `kernels.chain.power_balance`."""
+    def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
+        """Energies, powers and tensions of the present state, see `energy` and `kernels.chain.power_balance`."""
         if self.variant in WITHOUT_NODES:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
-        if not self._runs:
-            raise self._not_initialized()
-        inputs, numbers = self._inputs.copy(), np.zeros(len(fields(energy.Energy)) + self.segments)
-        inputs[at.REEL_OUT_SPEED] = reel_out_speed
-        inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind_velocity
-        if kite_load is not None:
-            inputs[at.KITE_LOAD : at.KITE_LOAD + 3] = kite_load
-        arrays = self._parameters, self._state, inputs, numbers, self._work
-        self._kernels.account(self.segments, *(each.ctypes.data for each in arrays))
-        return numbers
+        self._check_started()
+        return energy.account(self._instance, reel_out_speed, wind_velocity, kite_load)
 
     def _set_wind(self, wind):
         """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
         shape = np.shape(wind)
         if shape == (self.segments + 1, 3) and self.variant not in WITHOUT_NODES:
-            wind = node_vectors("wind_velocity", wind, self.segments)
+            wind = arguments.node_vectors("wind_velocity", wind, self.segments)
             self._parameters[-wind.size :] = wind.T.ravel()
             self._parameters[at.WIND_PROFILE] = at.AT_NODES
         elif shape == (3,):
@@ -453,13 +378,13 @@ class TetherModel:
 
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
-        if not self._runs:
-            raise self._not_initialized()
+        self._check_started()
         return self._state[at.STATE_HEADER :].reshape(2, -1, 3)
 
-    def _not_initialized(self):
-        """What is said before the start."""
-        return StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
+    def _check_started(self):
+        """StepRefused before `initialize`."""
+        if not self._runs:
+            raise StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
 
     def _warn(self, deeper=0):
         """Warn the caller of a public method of what is implausible, each once since the start.
@@ -471,14 +396,4 @@ class TetherModel:
 
     def _present(self):
         """`Outputs` as they were computed last."""
-        values = self._outputs.copy()
-        return Outputs(
-            values[at.GROUND_FORCE : at.KITE_FORCE],
-            values[at.KITE_FORCE : at.GROUND_TENSION],
-            *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
-            int(values[at.SLACK_SEGMENTS]),
-            *values[at.SLACK_SEGMENTS + 1 : at.SOLVER_STEPS].tolist(),
-            *map(int, values[at.SOLVER_STEPS : at.SHAPE].tolist()),
-            values[at.SHAPE :].reshape(-1, 3),
-            *self._motion()[:, -1].copy(),
-        )
+        return outputs_of(self._outputs.copy(), self._motion()[:, -1].copy())

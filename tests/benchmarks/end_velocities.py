@@ -17,7 +17,7 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.scenes.flights import Circle
-from tetherfmu.study.scenes.standard import MODELS, QUASI_STEADY_START, circle_scene, figure_of_eight_scene
+from tetherfmu.study.scenes.standard import MODELS, circle_scene, figure_of_eight_scene
 
 FINER, DURATION, SETTLED, SEGMENTS = 20, 60.0, 30.0, 20
 MODES = {"given": "given", "left at 0": "given", "derived": "derived"}
@@ -38,7 +38,7 @@ def force(scene, step, variant, mode="given", noise=0.0, every=1):
     inputs[:, kite] += noise * np.random.default_rng(1).normal(size=(len(inputs), 3))
     if mode != "given":
         inputs[:, velocity] = 0.0
-    options = {"end_velocities": MODES.get(mode, mode), "initial_shape": QUASI_STEADY_START}
+    options = {"end_velocities": MODES.get(mode, mode), "initial_shape": "quasi_steady"}
     model = MODELS[variant](scene.tether, scene.environment, **options)
     model.initialize(first[kite], first[velocity], wind_velocity=first[at.WIND_VELOCITY : at.WIND_VELOCITY + 3])
     with warnings.catch_warnings():

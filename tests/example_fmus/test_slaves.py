@@ -8,8 +8,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from isolation import in_own_process
-from runtime.host import Host
-from runtime.test_rollback import blob_of, restore
+from runtime.host import Host, blob_of, restore
 from tetherfmu.export import example_fmus
 
 every_example = pytest.mark.parametrize("name", list(example_fmus.SLAVES))

@@ -4,8 +4,7 @@ import re
 import sys
 
 import pytest
-from test_at_rest import EXAMPLES, run
-from test_circular_flight import run as run_file
+from running import EXAMPLES, run, run_python
 
 from study.scenes_of_tests import written
 from tetherfmu.commands.build import main as build
@@ -30,7 +29,7 @@ def of_scene(place):
 def test_an_fmu_of_a_scene_flies_the_circle(place, tmp_path):
     fmu = of_scene(place)
     options = ("--fmu", fmu, "--duration", 1, "--wind", 8, 0, 0, "--out", tmp_path)
-    done = run_file(EXAMPLES / "circular_flight.py", *options)
+    done = run_python(EXAMPLES / "circular_flight.py", *options)
     assert done.returncode == 0, done.stderr
     assert done.stderr == f"{fmu} has no output ground_force and no shape: not shown\n"
     assert re.search(r"_short: \|kite\| \d+\.\d N at most; 50 steps", done.stdout)

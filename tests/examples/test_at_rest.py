@@ -1,45 +1,15 @@
 """The examples on tethers at rest: each runs in a process of its own, prints its forces, draws, and ends cleanly."""
 
-import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+from running import assert_is_drawn, run
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 HALF_NODE = 0.08925189330624916 * 853.0240324867758 / 44.0  # weight of an end node of 22 segments [N]
 PUBLISHED = {  # forces on the ground station and on the kite [N]: exact catenary; chain, without its end nodes
     "catenary": [1.97642, 1.97642, -1.57910, -1.97642, -1.97642, -74.55491],
     "22 segments": [1.92751, 1.92751, 0.04248 - HALF_NODE, -1.92751, -1.92751, -72.71586 - HALF_NODE],
 }
-
-
-def run(fmu_folder, code, room="."):
-    """Run Python code in the folder of the examples' imports, with `find_fmu` looking into the FMUs of this test run.
-
-    room : of those examples, whose modules can be imported, too.
-    """
-    find = f"fmu_tools.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'"
-    code = f"import fmu_tools\n{find}\nimport circular_flight\n{code}"
-    path = os.pathsep.join([str(EXAMPLES), str(EXAMPLES / room), *sys.path])
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def assert_is_drawn(file):
-    colors = plt.imread(file)[:, :, :3]
-    assert np.count_nonzero(np.ptp(colors, axis=-1) > 0.2) > 1000  # coloured pixels; empty axes have none
 
 
 def test_catenary(fmu_folder, tmp_path):

@@ -1,38 +1,22 @@
 """The example runs, writes what it promises, and its process ends cleanly; so each test starts a process of its own."""
 
 import importlib.util
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from running import EXAMPLES, run_python
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n(.+\n){3}"
 FIGURES = ("first_shape.png", "forces.png", "shapes.png")
-
-
-def run(*arguments):
-    """Run Python in the folder of the examples' imports; the finished process."""
-    path = os.pathsep.join([str(EXAMPLES), *sys.path])
-    return subprocess.run(
-        [sys.executable, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
 
 
 def run_example(fmu_folder, folder, *arguments):
     """Two seconds of flight; the finished process."""
     fmu = fmu_folder / "TetherDynamic.fmu"
-    return run(EXAMPLES / "circular_flight.py", "--fmu", fmu, "--duration", 2, "--out", folder, *arguments)
+    return run_python(EXAMPLES / "circular_flight.py", "--fmu", fmu, "--duration", 2, "--out", folder, *arguments)
 
 
 def test_prints_one_line_and_writes_three_figures(fmu_folder, tmp_path):
@@ -63,7 +47,7 @@ def test_writes_a_self_contained_page(fmu_folder, tmp_path):
 
 def test_says_that_plotly_is_missing(tmp_path):
     code = "import sys; sys.modules['plotly'] = None; import circular_flight; circular_flight.main(['--html'])"
-    done = run("-c", code)
+    done = run_python("-c", code)
     assert done.stderr == 'plotly is not installed: pip install "tetherfmu[html]"\n'
 
 
@@ -88,7 +72,7 @@ assert np.abs(total - [0, 0, -weight]).max() < 0.01  # the equilibrium and a cra
 for number, plot in enumerate((plot_first_shape, plot_forces, plot_shapes)):
     plot(flights).savefig({str(tmp_path)!r} + f"/{{number}}.png")
 """
-    done = run("-c", code)
+    done = run_python("-c", code)
     assert done.returncode == 0, done.stderr
     assert len(list(tmp_path.glob("*.png"))) == 3
 

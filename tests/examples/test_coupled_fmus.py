@@ -1,13 +1,10 @@
 """Examples that couple FMUs: the bridle of three legs, the iterated master; and the study of coupling from end to end."""
 
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
-from test_at_rest import EXAMPLES, assert_is_drawn, run
-from test_pumping_cycle import folder  # noqa: F401 (FMUs of both kinds)
+from running import EXAMPLES, assert_is_drawn, run, run_python
 
 
 def numbers(said):
@@ -43,7 +40,7 @@ free = [circular_flight.find_fmu(name) for name in ("PointMassKite", "TetherDyna
 """
 
 
-def test_an_iterated_master_agrees_with_the_free_end(folder):  # noqa: F811
+def test_an_iterated_master_agrees_with_the_free_end(folder):
     """Two ways, two pairs of FMUs, one motion: at 10 ms within 0.1 %; Aitken's method needs fewer tether steps."""
     code = """
 fine = master.fly_free(*free, 0.002, 0.4)
@@ -57,7 +54,7 @@ print(master.error(master.fly_free(*free, 0.01, 0.4), fine), 1)
     assert aitken[1] < newton[1] <= fixed_point[1]
 
 
-def test_an_iterated_master_gives_up_in_words(folder):  # noqa: F811
+def test_an_iterated_master_gives_up_in_words(folder):
     code = """
 try:
     master.fly_iterated(*iterated, 0.02, 0.1, 1e-15)
@@ -69,13 +66,7 @@ except RuntimeError as error:
 
 
 def test_the_study_of_coupling_runs_from_end_to_end(tmp_path):
-    done = subprocess.run(
-        [sys.executable, EXAMPLES / "coupling_limits.py", "--quick", "--out", tmp_path],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    done = run_python(EXAMPLES / "coupling_limits.py", "--quick", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert len(re.findall(r"^\| way", done.stdout, re.M)) == 3
     for name in ("errors", "growth", "limits"):
@@ -85,7 +76,7 @@ def test_the_study_of_coupling_runs_from_end_to_end(tmp_path):
 
 @pytest.mark.parametrize("example", ["bridle.py", "iterated_master.py"])
 def test_a_wrong_step_is_refused_in_one_line(example):
-    done = subprocess.run([sys.executable, EXAMPLES / example, "--step", "-1"], capture_output=True, text=True, check=False)
+    done = run_python(EXAMPLES / example, "--step", "-1")
     assert done.returncode == 2
     assert re.fullmatch(r".+--step: '-1' is not possible; it must be .+\n", done.stderr)
 
@@ -96,6 +87,6 @@ MISSING = [("bridle", "scipy", "examples"), ("coupling_limits", "pandas", "study
 @pytest.mark.parametrize(("example", "package", "extra"), MISSING)
 def test_a_missing_package_is_named_in_one_line(example, package, extra):
     code = f"import sys; sys.modules[{package!r}] = None; import {example}; sys.exit({example}.main([]))"
-    done = subprocess.run([sys.executable, "-c", code], cwd=EXAMPLES, capture_output=True, text=True, check=False)
+    done = run_python("-c", code)
     assert done.returncode == 2
     assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_at_rest import run
+from running import run
 
 from tetherfmu.runtime.parameters import Tether
 

@@ -4,19 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from test_at_rest import assert_is_drawn, run
+from running import assert_is_drawn, run
 
 SHORT = "{**kite_power_system.START, 'longest_length': 225.0}"  # a cycle of half a minute
 REPORT = r"(cycle 1|all): (\d+\.\d\d) s, mean power (\d+) W, mean force (\d+) N, peak force (\d+) N\n"
-
-
-@pytest.fixture(scope="module")
-def folder(fmu_folder, example_folder, tmp_path_factory):
-    """Folder with the FMUs of both kinds."""
-    both = tmp_path_factory.mktemp("both")
-    for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
-        (both / each.name).symlink_to(each)
-    return both
 
 
 def flown(folder, code):

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_at_rest import assert_is_drawn, run
+from running import assert_is_drawn, run
 
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.commands.tutorial import lessons

@@ -5,8 +5,7 @@ from contextlib import suppress
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
-from runtime.host import Host
-from runtime.test_rollback import blob_of, fly, restore, started
+from runtime.host import Host, blob_of, fly, restore, started
 from scenes import kite_at_start
 
 STEP, GAIN, HOME = 0.02, 40.0, (300.0, 0.0, 420.0)  # [s], [N/m], [m]

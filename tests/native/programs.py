@@ -3,8 +3,8 @@
 import shutil
 import subprocess
 
-from tetherfmu.export.arrays import arrays
 from tetherfmu.export.native import HEADERS
+from tetherfmu.export.native_arrays import arrays
 from tetherfmu.export.native_tables import header
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name

@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 from isolation import in_own_process
 from mechanics import drags, line_density, node_masses
 from native.host3 import Host3
-from runtime.host import Host
-from runtime.test_rollback import blob_of, fly, restore, started
+from runtime.host import Host, blob_of, fly, restore, started
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether

@@ -8,8 +8,7 @@ from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
 from native.flights import flown, give
-from runtime.host import Host
-from runtime.test_rollback import blob_of, restore
+from runtime.host import Host, blob_of, restore
 from tetherfmu.export.archive import SLAVES
 
 STEP = 0.1

@@ -22,6 +22,7 @@ WRONG = {
     ),
     "no tether": (lambda: TetherDynamic(()), TypeError, "must be a Tether or a sequence of them"),
     "wrong record": (lambda: TetherDynamic(Tether(), Tether()), TypeError, "it must be an Environment, as in"),
+    "number for a solver": (lambda: TetherDynamic(solver=1e-5), TypeError, "solver is 1e-05; it must be a Solver, as in"),
     "unknown quantity": (
         lambda: TetherDynamic(length=5.0),
         TypeError,
@@ -100,7 +101,11 @@ WRONG = {
     ),
     "far nodes": (lambda: TetherDynamic().initialize(positions=np.full((21, 3), np.inf)), ValueError, "not finite"),
     "flight": (lambda: running().fly(np.zeros((3, 4)), 0.02), ValueError, r"shape \(3, 4\); it must be \(steps, 19\)"),
-    "rows": (lambda: running().fly(np.zeros((3, 19)), 0.02, every=-1), ValueError, "every is -1; it must be at least 0"),
+    "rows": (
+        lambda: running().fly(np.zeros((3, 19)), 0.02, every=-1),
+        ValueError,
+        "every is -1; it must be a whole number of at least 0",
+    ),
     "state": (lambda: running().set_state(np.zeros(3)), ValueError, r"state has the shape \(3,\)"),
     "material": (lambda: tether_of("rope", 0.01), ValueError, "material is 'rope'; it must be one of dyneema_sk75"),
     "path": (

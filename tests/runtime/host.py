@@ -1,7 +1,8 @@
-"""A small FMPy host for tests: variables by name, messages kept."""
+"""A small FMPy host for tests: variables by name, messages kept, states as bytes; and its flight on the circle."""
 
 import atexit
 import functools
+import math
 import shutil
 from functools import lru_cache
 from zipfile import is_zipfile
@@ -11,8 +12,10 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
+from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
+STEP = 0.02  # [s]
 every_flavour = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native"], indirect=True)
 SHELLS = ("TetherCatenary", "TetherDynamicFree")  # native FMUs share their shell, but for nodes and a free kite
 
@@ -129,3 +132,40 @@ class Host:
         self.fmu.terminate()
         self.fmu.freeInstance()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def blob_of(host):
+    """The state of now as bytes."""
+    state = host.fmu.getFMUState()
+    blob = host.fmu.serializeFMUstate(state)
+    host.fmu.freeFMUState(state)
+    return blob
+
+
+def restore(host, blob):
+    """Go back to a state of `blob_of`."""
+    state = host.fmu.deSerializeFMUstate(blob)
+    host.fmu.setFMUState(state)
+    host.fmu.freeFMUState(state)
+
+
+def count_of(host):
+    """Number of FMI values in a state."""
+    return 1 + max(host.reference.values())
+
+
+def started(path):
+    """An instance that is about to fly the circle."""
+    host = Host(path)
+    kite = kite_at_start(host.name, *circle(0.0))
+    return host.start(initial_length=525.0, **kite, wind_velocity=(5.0, 1.0, 0.0), tolerance=1e-5)
+
+
+def fly(host, begin, end):
+    """Outputs after each step on the circle."""
+    rows = []
+    for k in range(begin, end):
+        host.time = k * STEP
+        host.step(STEP, **kite_inputs(host.name, *circle(k * STEP)), reel_out_speed=0.5 * math.sin(k))
+        rows.append(host.all_outputs())
+    return rows

@@ -7,8 +7,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host
-from runtime.test_rollback import blob_of, count_of, restore
+from runtime.host import Host, blob_of, count_of, restore
 from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
 from tetherfmu.runtime.saved_state import from_bytes, to_bytes
 

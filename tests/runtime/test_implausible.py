@@ -3,8 +3,7 @@
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour, of_every_flavour
-from runtime.test_rollback import STEP, blob_of, restore
+from runtime.host import STEP, Host, blob_of, count_of, every_flavour, of_every_flavour, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
@@ -90,7 +89,6 @@ def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 128.0])
 @in_own_process
 def test_a_forged_note_is_refused(fmu_folder, value):
-    from runtime.test_rollback import count_of
     from tetherfmu.runtime import layout as at
     from tetherfmu.runtime.saved_state import from_bytes, to_bytes
 

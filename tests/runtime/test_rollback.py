@@ -8,41 +8,9 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import Host, every_flavour, of_every_flavour
-from scenes import circle, kite_at_start, kite_inputs
+from runtime.host import STEP, Host, blob_of, count_of, every_flavour, fly, of_every_flavour, restore, started
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.saved_state import from_bytes, to_bytes
-
-STEP = 0.02
-
-
-def started(path):
-    host = Host(path)
-    kite = kite_at_start(host.name, *circle(0.0))
-    return host.start(initial_length=525.0, **kite, wind_velocity=(5.0, 1.0, 0.0), tolerance=1e-5)
-
-
-def fly(host, begin, end):
-    """Outputs after each step on the circle."""
-    rows = []
-    for k in range(begin, end):
-        host.time = k * STEP
-        host.step(STEP, **kite_inputs(host.name, *circle(k * STEP)), reel_out_speed=0.5 * math.sin(k))
-        rows.append(host.all_outputs())
-    return rows
-
-
-def blob_of(host):
-    state = host.fmu.getFMUState()
-    blob = host.fmu.serializeFMUstate(state)
-    host.fmu.freeFMUState(state)
-    return blob
-
-
-def restore(host, blob):
-    state = host.fmu.deSerializeFMUstate(blob)
-    host.fmu.setFMUState(state)
-    host.fmu.freeFMUState(state)
 
 
 def continue_from(path, blob, begin, end):
@@ -166,11 +134,6 @@ def test_forged_state(fmu_folder):
         blob[12:16] = struct.pack("<I", zlib.crc32(blob[16:]))
         host.refuses(lambda: restore(host, bytes(blob)), words)
     host.step(STEP)
-
-
-def count_of(host):
-    """Number of FMI values in a state."""
-    return 1 + max(host.reference.values())
 
 
 def forged(host, place, value):

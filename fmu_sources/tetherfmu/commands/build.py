@@ -104,11 +104,11 @@ def build_for_scene(options):
     from .scene_build import advised
 
     now(f"flying {options.scene} with what may do, and with a finer model")
-    text, met, (name, segments, shape_points, trim) = advised(options.scene, options.shape_points)
+    text, met, (name, segments, shape_points, purpose) = advised(options.scene, options.shape_points)
     print(text)
     if not met:
         return FAILED
-    build(options, name, segments, shape_points, scene=trim)
+    build(options, name, segments, shape_points, purpose=purpose)
     return 0
 
 

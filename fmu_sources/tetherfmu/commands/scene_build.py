@@ -1,6 +1,6 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
-from tetherfmu.export.archive import Trim
+from tetherfmu.export.archive import Purpose
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.runtime.variants import class_name
@@ -43,9 +43,10 @@ def vectors_in_words(names):
 
 
 def advised(path, shape_points):
-    """The advice for a scene file as text, whether it meets what is asked, and what to build: FMU, segments, points, `Trim`.
+    """The advice for a scene file as text, whether it meets what is asked, and what to build.
 
-    SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
+    That is: FMU, segments, points of the shape, `Purpose`. SceneError says in one line what is wrong with the file, or why
+    its scene cannot be flown.
     """
     scene = load(path)
     try:
@@ -63,5 +64,5 @@ def advised(path, shape_points):
     )
     page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     starts = [[name, value] for name, value in (inputs.iloc[0].to_dict() | parameters_of(scene, config)).items()]
-    trim = Trim(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
-    return text, advice.met, (class_name(config.variant), config.segments or 1, points, trim)
+    purpose = Purpose(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
+    return text, advice.met, (class_name(config.variant), config.segments or 1, points, purpose)

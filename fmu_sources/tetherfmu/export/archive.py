@@ -37,8 +37,8 @@ DATE, GENERATED = (2026, 1, 1, 0, 0, 0), "2026-01-01T00:00:00Z"
 DESCRIPTION = "modelDescription.xml"
 
 
-class Trim(NamedTuple):
-    """What an FMU of one scene has of its own."""
+class Purpose(NamedTuple):
+    """What an FMU for one purpose, a scene or a system, has of its own."""
 
     name: str
     starts: list  # pairs (input or parameter, start value)
@@ -48,15 +48,15 @@ class Trim(NamedTuple):
     page: str  # documentation, HTML
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None, starts=()):
+def build(name, folder, segments=20, shape_points=21, platforms=None, purpose=None, starts=()):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
     Platform are written beside it (`osp.py`).  segments : start value of the parameter `segments`.  shape_points : points of
     the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in; None for
     that of this machine.
-    scene : `Trim` for an FMU of one scene: what it starts with, what it goes without, and its documentation.
-    starts : pairs (parameter of the tether, start value) of an FMU that is for no scene, where it is not the default.
+    purpose : `Purpose` of an FMU that is for one scene or one system; None for all others.
+    starts : pairs (parameter of the tether, start value) of an FMU without a `Purpose`, where it is not the default.
     """
     folder, platforms = Path(folder), platforms or [this_platform()]
     folder.mkdir(parents=True, exist_ok=True)
@@ -70,22 +70,22 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
-        options = build_options(segments, shape_points, scene, starts)
+        options = build_options(segments, shape_points, purpose, starts)
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
         files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    files.update(documents(name, variant, description, options, platforms, scene.page if scene else None))
+    files.update(documents(name, variant, description, options, platforms, purpose.page if purpose else None))
     seal(files)
-    return write(files, folder, name, scene)
+    return write(files, folder, name, purpose)
 
 
-def build_options(segments, shape_points, scene, starts):
+def build_options(segments, shape_points, purpose, starts):
     """The options of `build` as `runtime.resources.options_in` gives them."""
     options = {"segments": segments, "shape_points": shape_points}
     if starts:
         options["starts"] = [list(each) for each in starts]
-    if scene:
-        options |= {"starts": scene.starts, "left_out": scene.left_out, "about": scene.about, "step": scene.step}
+    if purpose:
+        options |= {"starts": purpose.starts, "left_out": purpose.left_out, "about": purpose.about, "step": purpose.step}
     return options
 
 
@@ -104,15 +104,15 @@ def seal(files):
     files[DESCRIPTION] = _replace_attribute(text, "guid", guid_of(text, files)).encode("utf-8")
 
 
-def write(files, folder, name, scene):
+def write(files, folder, name, purpose):
     """Write a tether FMU, and beside it what libcosim looks for; returns its path.
 
     files : dict of path in the archive to bytes.
     """
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
-    if osp_file in files and not scene:
+    if osp_file in files and not purpose:
         (folder / osp.file_name(name)).write_bytes(files[osp_file])
-    return write_archive(files, folder / (f"{name}_{scene.name}.fmu" if scene else f"{name}.fmu"))
+    return write_archive(files, folder / (f"{name}_{purpose.name}.fmu" if purpose else f"{name}.fmu"))
 
 
 def write_archive(files, target):

@@ -8,7 +8,7 @@ from string import Template
 
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
 
@@ -20,25 +20,25 @@ EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
-def documents(name, variant, description, options, platforms, scene_page=None, native=None):
+def documents(name, variant, description, options, platforms, own_page=None, native=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
     options : dict of the build options.  platforms : names of those that the FMU has kernels for.
-    scene_page : documentation (HTML) of an FMU for one scene; its evidence stands there, it has no evidence set.
+    own_page : documentation (HTML) of an FMU for one purpose; such an FMU has no evidence set.
     native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. The groups of variables are for FMI 2.
     """
     table = table_of(variant, options)
     texts = of_every_fmu(platforms, native)
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
-    if not scene_page:
+    if not own_page:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         tether = Tether(segments=options["segments"], **dict(options.get("starts", ())))
         for file, text in evidence.files(name, tether, arrays=native == 3).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
-    texts["documentation/index.html"] = scene_page or page(name, variant, description, table, texts, native)
+    texts["documentation/index.html"] = own_page or page(name, variant, description, table, texts, native)
     return {
         "terminalsAndIcons/icon.png" if native == 3 else "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
@@ -49,11 +49,10 @@ def documents(name, variant, description, options, platforms, scene_page=None, n
 def of_every_fmu(platforms, native=None):
     """Texts on what the host must have, and licences: dict of path in the archive to text. Arguments as in `documents`."""
     host = "native_dependencies.txt" if native else "externalDependencies.txt"
+    own_licence = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
     texts = {
         "documentation/externalDependencies.txt": filled(host, platforms=", ".join(platforms)),
-        "documentation/licenses/license.txt": LICENCE.read_text(encoding="utf-8")
-        if LICENCE.exists()
-        else licence_of("tetherfmu"),
+        "documentation/licenses/license.txt": own_licence,
     }
     if native:
         texts["documentation/licenses/FMI.txt"] = (ASSETS / "FMI.txt").read_text(encoding="utf-8")
@@ -129,7 +128,7 @@ def unit(each):
 
 def start(each):
     """Start value of a variable or of a vector of them."""
-    return ", ".join(number(variable.start) for variable in each)
+    return ", ".join(number_text(variable.start) for variable in each)
 
 
 def allowed(each):

@@ -19,8 +19,8 @@ from tetherfmu.runtime.variants import library_of
 
 from . import native_description, native_description_fmi3
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, build_options, guid_of, write
-from .arrays import arrays
 from .documents import documents
+from .native_arrays import arrays
 from .native_tables import header
 from .universal import universal
 
@@ -29,7 +29,7 @@ TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 SYSTEMS_OF_FMI2 = {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None, starts=(), fmi=2):
+def build(name, folder, segments=20, shape_points=21, platforms=None, purpose=None, starts=(), fmi=2):
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
     The arguments are those of `archive.build`; fmi : version, 2 or 3.
@@ -37,18 +37,18 @@ def build(name, folder, segments=20, shape_points=21, platforms=None, scene=None
     folder, platforms = Path(folder), platforms or [this_platform()]
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
-    options = build_options(segments, shape_points, scene, starts)
+    options = build_options(segments, shape_points, purpose, starts)
     about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, options.get("about")]))
     kernels, files = kernels_of(variant, platforms), {}
     if fmi == 3:
         files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, options)).encode("utf-8")
-    files |= documents(name, variant, about, options, platforms, scene.page if scene else None, native=fmi)
+    files |= documents(name, variant, about, options, platforms, purpose.page if purpose else None, native=fmi)
     describe, tabulate = writers(name, variant, about, options, fmi)
     shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
     token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
     files[DESCRIPTION] = describe(token).encode("utf-8")
     files |= binaries(name, kernels, tabulate(token), fmi)
-    return write(files, folder, name, scene)
+    return write(files, folder, name, purpose)
 
 
 def kernels_of(variant, platforms):

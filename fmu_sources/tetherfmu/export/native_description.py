@@ -4,9 +4,9 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import structure, types, units, variables
+from tetherfmu.runtime.variables import references
 
 from .archive import GENERATED
-from .native_tables import references
 
 CAPABILITIES = {
     "needsExecutionTool": "false",

@@ -3,12 +3,12 @@
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.model_description import INITIAL, UNITS, number, units, variability
+from tetherfmu.runtime.model_description import INITIAL, UNITS, number_text, units, variability
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import Variable
 
-from .arrays import Array, arrays
 from .documents import meaning
+from .native_arrays import Array, arrays
 from .native_description import as_text, categories, experiment, facts
 from .native_tables import count_of_values
 
@@ -95,9 +95,9 @@ def _variable(array):
             attributes["nominal"] = repr(UNITS[declared.unit][2])
     for name, value in (("min", declared.minimum), ("max", declared.maximum)):
         if abs(value) < inf:
-            attributes[name] = number(value)
+            attributes[name] = number_text(value)
     if first.start is not None:
-        attributes["start"] = " ".join(number(variable.start) for variable in array.variables)
+        attributes["start"] = " ".join(number_text(variable.start) for variable in array.variables)
     element = Element(TYPES[first.kind], attributes)
     for size in array.dimensions:
         SubElement(element, "Dimension", start=str(size))

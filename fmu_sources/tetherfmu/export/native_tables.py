@@ -7,8 +7,8 @@ import re
 from math import pi
 
 from tetherfmu.runtime import layout, parameters, plausibility, quantities, refusals, saved_state, status
-from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER
-from tetherfmu.runtime.variants import FREE, WITHOUT_DAMPING, WITHOUT_NODES, library_of
+from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER, parameters_at, references
+from tetherfmu.runtime.variants import FREE, WITHOUT_NODES, WITHOUT_WAVES, library_of
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
@@ -21,16 +21,13 @@ def c_text(text):
     return f'"{escaped}"'
 
 
-def references(table, shape_points):
-    """Value references of the variables of a table: their places in the array of all values."""
-    first = {"input": 0, "output": 0, "parameter": layout.INPUTS + layout.outputs_size(shape_points)}
-    return [first[variable.causality] + variable.place for variable in table]
-
-
 def count_of_values(table, shape_points):
     """Number of all values: inputs, outputs, parameters."""
-    parameters = sum(variable.causality == PARAMETER for variable in table)
-    return layout.INPUTS + layout.outputs_size(shape_points) + parameters
+    return parameters_at(shape_points) + _count_of_parameters(table)
+
+
+def _count_of_parameters(table):
+    return sum(variable.causality == PARAMETER for variable in table)
 
 
 def header(variant, table, shape_points, widths, token):
@@ -74,7 +71,7 @@ def _constants(variant, token):
         "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
         "FREE_KITE": int(variant in FREE),
         "WITHOUT_NODES": int(variant in WITHOUT_NODES),
-        "WITHOUT_DAMPING": int(variant in WITHOUT_DAMPING),
+        "WITHOUT_WAVES": int(variant in WITHOUT_WAVES),
         "VARIANT": c_text(variant),
         "MAGIC": c_text(saved_state.MAGIC.decode()),
         "TOKEN": c_text(token),
@@ -92,11 +89,10 @@ def _constants(variant, token):
 
 def _sizes(table, shape_points):
     """Sizes of the arrays; the linear ones are macros of the number of segments."""
-    parameters_at = layout.INPUTS + layout.outputs_size(shape_points)
-    count = sum(variable.causality == PARAMETER for variable in table)
     values = count_of_values(table, shape_points)
-    sizes = {"OUTPUTS_AT": layout.INPUTS, "PARAMETERS_AT": parameters_at, "PARAMETERS": count, "SHAPE_POINTS": shape_points}
-    lines = [_enumerated({**sizes, "VALUES": values, "TIME": values})]
+    sizes = {"OUTPUTS_AT": layout.INPUTS, "PARAMETERS_AT": parameters_at(shape_points)}
+    sizes |= {"PARAMETERS": _count_of_parameters(table), "SHAPE_POINTS": shape_points, "VALUES": values, "TIME": values}
+    lines = [_enumerated(sizes)]
     for name in _SIZES:
         base = getattr(layout, name)(0)
         slope = getattr(layout, name)(1) - base

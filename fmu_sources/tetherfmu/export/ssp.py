@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from fmpy import read_model_description
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number
+from tetherfmu.runtime.model_description import number_text
 
 from . import archive, example_fmus
 
@@ -69,7 +69,7 @@ def _structure(name, fidelity, fmus, variables, values):
         for each in inputs:
             ends = {"startElement": givers[each], "endElement": instance}
             SubElement(connections, "ssd:Connection", ends, startConnector=each, endConnector=each)
-    SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number(STOP))
+    SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number_text(STOP))
     return root
 
 
@@ -90,8 +90,8 @@ def _built(fmu, start, system, folder, platforms):
         return example_fmus.build(fmu, folder, [(name, value) for name, value in start.items() if name in known])
     starts = [[name, value] for name, value in start.items()]
     about = f"With the start values of the system {system}."
-    trim = archive.Trim(system, starts, [], about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
-    return archive.build(fmu, folder, platforms=platforms, scene=trim)
+    purpose = archive.Purpose(system, starts, [], about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
+    return archive.build(fmu, folder, platforms=platforms, purpose=purpose)
 
 
 def _connectors(component, inputs, outputs):
@@ -107,7 +107,7 @@ def _parameters(name, values):
     parameters = SubElement(root, "ssv:Parameters")
     for each, value in values.items():
         parameter = SubElement(parameters, "ssv:Parameter", name=each)
-        SubElement(parameter, "ssv:Integer" if isinstance(value, int) else "ssv:Real", value=number(value))
+        SubElement(parameter, "ssv:Integer" if isinstance(value, int) else "ssv:Real", value=number_text(value))
     return root
 
 

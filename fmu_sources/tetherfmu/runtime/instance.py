@@ -8,7 +8,7 @@ from array import array
 from . import layout as at
 from . import plausibility, status
 from .parameters import DEFAULT_TOLERANCE, pack
-from .variables import INPUT_NAMES
+from .variables import INPUT_NAMES, parameters_at
 
 OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
 
@@ -53,8 +53,8 @@ class Instance:
         self.points = points
         self.segments = 0
         self.status = status.OK
-        self._told = 0
-        self.parameters_at = OUTPUTS_AT + at.outputs_size(points)
+        self._warned = 0
+        self.parameters_at = parameters_at(points)
         self.values = zeros(self.parameters_at + room)
         self.state = zeros(0)
         self._inputs_address = address(self.values)
@@ -87,11 +87,11 @@ class Instance:
         result = self.kernels.initialize(
             self.segments, self._parameters_address, self._inputs_address, self._state_address, self._work_address
         )
-        problem = self._observed(result, 0.0)
+        problem = self._finish(result, 0.0)
         if problem:
             self.values[OUTPUTS_AT : self.parameters_at] = outputs
         else:
-            self._told = 0
+            self._warned = 0
         return problem
 
     def advance(self, step):
@@ -100,13 +100,13 @@ class Instance:
         result = self.kernels.advance(
             self.segments, self._parameters_address, self._inputs_address, step, self._state_address, self._work_address
         )
-        problem = self._observed(result, step)
+        problem = self._finish(result, step)
         if problem:
             self.observe()
         return problem
 
-    def _observed(self, result, step):
-        """Compute the outputs if a start or a step was done; else the state of before. Returns what is wrong, or None."""
+    def _finish(self, result, step):
+        """Compute the outputs of a start or a step that was done, else restore the state. Returns what is wrong, or None."""
         self.status = result = self.observe() if result == status.OK else result
         if result == status.OK:
             return None
@@ -130,17 +130,17 @@ class Instance:
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """
-        told = plausibility.kinds(state)
+        noted = plausibility.kinds(state)
         plausibility.bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)
-        self._told |= told
+        self._warned |= noted
         self.state[:] = state
 
     def warnings(self):
         """Sentences on what has been implausible since the start, each once."""
-        if self.state[at.WARNINGS] == self._told:  # as nearly always
+        if self.state[at.WARNINGS] == self._warned:  # as nearly always
             return ()
-        new = plausibility.sentences(self.state, self._told)
-        self._told |= plausibility.kinds(self.state)
+        new = plausibility.sentences(self.state, self._warned)
+        self._warned |= plausibility.kinds(self.state)
         return new
 
     def sentence(self, result, step):

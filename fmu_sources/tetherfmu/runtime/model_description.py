@@ -43,7 +43,7 @@ def complete(root, table, references):
     root.append(structure(table))
 
 
-def number(value):
+def number_text(value):
     """A number as text that reads back to the same bits."""
     return repr(int(value)) if float(value).is_integer() and abs(value) < 1e15 else repr(float(value))
 
@@ -112,7 +112,7 @@ def _variable(variable, reference):
             typed.set("nominal", repr(nominal))
     for name, value in (("min", declared.minimum), ("max", declared.maximum), ("start", variable.start)):
         if value is not None and abs(value) < inf:
-            typed.set(name, number(value))
+            typed.set(name, number_text(value))
     return scalar
 
 

@@ -57,9 +57,9 @@ def kinds(state):
     return bits(state[at.WARNINGS], at.WARNING_KINDS)
 
 
-def sentences(state, told=0):
-    """Sentences on what was implausible since the start of a state, but for those with a bit in `told`."""
-    new = kinds(state) & ~told
+def sentences(state, warned=0):
+    """Sentences on what was implausible since the start of a state, but for those with a bit in `warned`."""
+    new = kinds(state) & ~warned
     return [
         sentence.format(
             **facts(kind),

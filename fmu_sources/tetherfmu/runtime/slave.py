@@ -27,8 +27,7 @@ class TetherSlave(BaseSlave):
         table = variables.table_of(self.variant, options)
         self._parameter_names = variables.names_of(table, variables.PARAMETER)
         self._instance = Instance(self._kernels(), options["shape_points"], room=len(self._parameter_names))
-        first = {"input": 0, "output": 0, "parameter": self._instance.parameters_at}
-        references = [first[variable.causality] + variable.place for variable in table]
+        references = variables.references(table, options["shape_points"])
         self.declare(table, self._instance.values, references, options["step"])
         self._importer_tolerance = 0.0
 

@@ -166,13 +166,13 @@ def _parameter_variables(variant, starts):
     return variables
 
 
-_NO_DAMPING = {
+_NO_WAVES = {
     "kite_damping": "damping along the tether that the kite feels: 0, this tether has none",
     "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
     "solver_rejections": "internal steps that it took back since the start: 0, there is no motion to integrate",
 }
 _ONE_LINE = {
-    **_NO_DAMPING,
+    **_NO_WAVES,
     "ground_tension": "tension at the ground end",
     "kite_tension": "tension at the kite end",
     "max_tension": "larger one of the tensions at the ends",
@@ -185,7 +185,7 @@ _AND_WEIGHT = (
 NOTES = {  # meanings of outputs where they differ from the dynamic tether's
     "dynamic": {},
     "dynamic_free": {},
-    "quasi_steady": _NO_DAMPING,
+    "quasi_steady": _NO_WAVES,
     "catenary": _ONE_LINE,
     "straight": {
         **_ONE_LINE,
@@ -224,6 +224,17 @@ def table_of(variant, options):
     """The table of an FMU with these build options: `segments`, `shape_points`, and of a scene `starts` and `left_out`."""
     starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
     return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
+
+
+def parameters_at(shape_points):
+    """Place of the first parameter in the array of all values: inputs, outputs, parameters."""
+    return at.INPUTS + at.outputs_size(shape_points)
+
+
+def references(table, shape_points):
+    """Value references of a table of `variables`: their places in the array of all values."""
+    first = parameters_at(shape_points)
+    return [variable.place + (first if variable.causality == PARAMETER else 0) for variable in table]
 
 
 def records(record_classes, table, numbers):

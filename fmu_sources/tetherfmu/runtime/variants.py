@@ -6,7 +6,7 @@ VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")  # with driven en
 FREE = ("dynamic_free",)  # with a free kite end; the library is that of the driven variant
 EVERY_VARIANT = (*VARIANTS, *FREE)
 WITHOUT_NODES = ("straight", "catenary")
-WITHOUT_DAMPING = ("straight", "catenary", "quasi_steady")
+WITHOUT_WAVES = ("straight", "catenary", "quasi_steady")
 
 
 def class_name(variant):
@@ -31,7 +31,7 @@ def variant_of(text, variants=EVERY_VARIANT):
 
 def effective(tether, variant):
     """The tether as a variant knows it: without damping where there are no waves, one segment where there are no nodes."""
-    if variant in WITHOUT_DAMPING:
+    if variant in WITHOUT_WAVES:
         tether = replace(tether, axial_damping=0.0)
     if variant in WITHOUT_NODES:
         tether = replace(tether, segments=1)

@@ -8,7 +8,7 @@ from kernels.folded import folded
 from tetherfmu.kernels.algebra.both_ends import next_folded, unfold
 from tetherfmu.kernels.algebra.pairs import first, larger, pair, second
 from tetherfmu.kernels.arrays import copy
-from tetherfmu.kernels.communication.inputs import check_state
+from tetherfmu.kernels.communication.acceptance import check_state
 from tetherfmu.kernels.compilation import part
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STATE_NOT_FINITE

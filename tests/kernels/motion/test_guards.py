@@ -104,7 +104,8 @@ def test_one_segment_between_driven_ends(solver):
 
 def tried(model):
     """Internal steps that the last call took or rejected, also one that was refused: the kernel counts in its copy."""
-    return model._work[at.STEPS] + model._work[at.REJECTIONS] - model._state[at.STEPS] - model._state[at.REJECTIONS]
+    trial, state = model._instance.work, model._instance.state
+    return trial[at.STEPS] + trial[at.REJECTIONS] - state[at.STEPS] - state[at.REJECTIONS]
 
 
 def test_the_adaptive_solver_stops_at_its_budget():

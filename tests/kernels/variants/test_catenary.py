@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from kernels.variants.balance import line_density
+from mechanics import line_density
 from tetherfmu.models import TetherCatenary, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
 

@@ -165,7 +165,7 @@ def test_step_continues_after_a_flight():
 def test_wrong_inputs(shape):
     with pytest.raises(ValueError, match="inputs has the shape"):
         started().fly(np.zeros(shape), STEP)
-    with pytest.raises(ValueError, match="every is -1; it must be at least 0"):
+    with pytest.raises(ValueError, match="every is -1; it must be a whole number of at least 0"):
         started().fly(circle_inputs(), STEP, every=-1)
 
 

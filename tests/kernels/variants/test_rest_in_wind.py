@@ -11,7 +11,8 @@ where w is the wind across the chord of length c.
 import numpy as np
 import pytest
 
-from kernels.variants.balance import VARIANTS, drag_per_length, residual, segment_drags, weight
+from kernels.variants.balance import VARIANTS, residual, weight
+from mechanics import drag
 from tetherfmu import models
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
@@ -78,9 +79,9 @@ def test_end_forces_add_up_to_weight_and_drag(variant, n, slack):
     model, tether, outputs = at_rest(variant, n, slack)
     if variant in ("TetherCatenary", "TetherStraight"):
         length = tether.initial_length if variant == "TetherCatenary" else 500.0
-        drag = length * drag_per_length(KITE / 500.0, np.array(WIND), tether, ENVIRONMENT)
+        positions = np.outer([0.0, length / 500.0], KITE)
     else:
-        drag = segment_drags(model.positions, np.zeros((n + 1, 3)), WIND, tether, ENVIRONMENT).sum(axis=0)
-    total = outputs.ground_force + outputs.kite_force
+        positions = model.positions
+    loads = weight(tether, ENVIRONMENT) + drag(positions, 0.0 * positions, WIND, tether, ENVIRONMENT)
     # 3 kN at the ends cancel: 1e-10 is rounding; a chain adds the residuals of its nodes
-    assert np.allclose(total, weight(tether, ENVIRONMENT) + drag, rtol=0.0, atol=1e-7)
+    assert np.allclose(outputs.ground_force + outputs.kite_force, loads, rtol=0.0, atol=1e-7)

@@ -13,7 +13,7 @@ D/4 (1 - 1/(2 n^2)) at the kite.
 import numpy as np
 import pytest
 
-from kernels.variants.balance import line_density
+from mechanics import line_density
 from tetherfmu import models
 from tetherfmu.runtime.parameters import Environment, Tether
 

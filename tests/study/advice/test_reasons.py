@@ -6,19 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tetherfmu.study.advice.thresholds import (
-    LEVELS,
-    SWEEPS,
-    TABLE,
-    crossing,
-    drag_scene,
-    numbers,
-    slack_scene,
-    thresholds_at,
-    wave_scene,
-    weight_scene,
-    write,
-)
+from tetherfmu.study.advice.reasons import LEVELS, TABLE, numbers, thresholds_at
+from tetherfmu.study.advice.thresholds import SWEEPS, crossing, drag_scene, slack_scene, wave_scene, weight_scene, write
 from tetherfmu.study.scenes.standard import random_scenes
 
 

@@ -37,24 +37,24 @@ def put_two(array, i, j, a):
 
 
 @kernel
-def get_vector_of_pairs(array, first):
-    """Three-vector of pairs from place `first` of a flat array."""
-    k = np.uint64(first)
+def get_vector_of_pairs(array, place):
+    """Three-vector of pairs from a place of a flat array on."""
+    k = np.uint64(place)
     return load_pair(array, k), load_pair(array, k + TWO), load_pair(array, k + np.uint64(4))
 
 
 @kernel
-def get_matrix_of_pairs(array, first):
-    """3x3 matrix of pairs, row by row, from place `first` of a flat array."""
-    k = np.uint64(first)
+def get_matrix_of_pairs(array, place):
+    """3x3 matrix of pairs, row by row, from a place of a flat array on."""
+    k = np.uint64(place)
     rows = get_vector_of_pairs(array, k) + get_vector_of_pairs(array, k + np.uint64(6))
     return rows + get_vector_of_pairs(array, k + np.uint64(12))
 
 
 @kernel
-def put_pairs(array, first, pairs):
-    """Write a tuple of pairs from place `first` of a flat array on (modified)."""
-    k = np.uint64(first)
+def put_pairs(array, place, pairs):
+    """Write a tuple of pairs from a place of a flat array on (modified)."""
+    k = np.uint64(place)
     for i in range(len(pairs)):
         store_pair(array, k + np.uint64(2 * i), pairs[i])
 

@@ -149,8 +149,8 @@ def end_force(chain, kite_end, x, v, mass):
 def record_of(s, n, records):
     """Derivatives of the forces of segment s: a view of `records`, where those of mirror segments stand as pairs."""
     outer = min(s, n - 1 - s)
-    first = 2 * at.SEGMENT_RECORD * outer + (1 if s > outer else 0)
-    return records[first : 2 * at.SEGMENT_RECORD * (outer + 1) : 2]
+    start = 2 * at.SEGMENT_RECORD * outer + (1 if s > outer else 0)
+    return records[start : 2 * at.SEGMENT_RECORD * (outer + 1) : 2]
 
 
 @kernel

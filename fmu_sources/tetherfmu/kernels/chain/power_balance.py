@@ -10,7 +10,9 @@ from . import segment
 from .nodes import end_force, node_masses
 from .properties import chain_at, point_mass, rest_length
 
-ENERGIES = 10  # the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N]
+# the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N]
+KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
+ENERGIES = 10
 
 
 @kernel
@@ -56,15 +58,15 @@ def account(n, parameters, state, inputs, energies, work):
     ground_force, _ = end_force(chain, False, x, v, mass)
     kite_force, _ = end_force(chain, True, x, v, mass)
     kite_is_free = parameters[at.KITE_IS_FREE]
-    energies[0] = kinetic
-    energies[1] = elastic
-    energies[2] = potential
-    energies[3] = (parameters[at.GROUND_IS_FREE] - 1.0) * dot(ground_force, get(v, 0))
+    energies[KINETIC] = kinetic
+    energies[ELASTIC] = elastic
+    energies[POTENTIAL] = potential
+    energies[GROUND_POWER] = (parameters[at.GROUND_IS_FREE] - 1.0) * dot(ground_force, get(v, 0))
     load = sub(scale(kite_is_free, vector_at(inputs, at.KITE_LOAD)), scale(1.0 - kite_is_free, kite_force))
-    energies[4] = dot(load, get(v, n))
-    energies[5] = winch
-    energies[6] = chain.growth * (elastic + new_material)
-    energies[7] = wind
-    energies[8] = damping
-    energies[9] = friction
+    energies[KITE_POWER] = dot(load, get(v, n))
+    energies[WINCH] = winch
+    energies[MATERIAL] = chain.growth * (elastic + new_material)
+    energies[WIND] = wind
+    energies[DAMPING_LOSS] = damping
+    energies[DRAG_LOSS] = friction
     return OK

@@ -12,13 +12,13 @@ from .driven_end import curve, position_at, turning_accelerations, velocity_at
 from .ends import motions
 from .given_derivatives import given_derivatives
 
-Drive = namedtuple("Drive", "n parameters ground kite first last length reeling acceleration wind load load_rate")
+Drive = namedtuple("Drive", "n parameters ground kite first last length reeling reel_acceleration wind load load_rate")
 Drive.__doc__ = """A chain and what acts on it during one communication step.
 
 n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `driven_end.curve`.
 first, last : first and last node that moves freely.
-length, reeling, acceleration : unstretched length at the start [m], its rate there [m/s], the constant rate of that [m/s2].
+length, reeling, reel_acceleration : unstretched length at the start [m], its rate there [m/s], constant rate of that [m/s2].
 wind : mean over the step, at the reference height [m/s].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
@@ -52,8 +52,8 @@ def drive_of_step(n, parameters, inputs, step, state, x, v):
 @view
 def chain_during(drive, time):
     """The `Chain` at a time [s] of the communication step."""
-    length = reeled(drive.length, drive.reeling, drive.acceleration, time)
-    return chain_at(drive.n, drive.parameters, length, drive.reeling + drive.acceleration * time, drive.wind)
+    length = reeled(drive.length, drive.reeling, drive.reel_acceleration, time)
+    return chain_at(drive.n, drive.parameters, length, drive.reeling + drive.reel_acceleration * time, drive.wind)
 
 
 @kernel

@@ -24,6 +24,8 @@ from ..chain.properties import chain_of, rest_length
 from ..compilation import kernel
 from .ends import are_derived
 
+WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
+
 
 @kernel
 def note(state, kind, square, limit):
@@ -81,14 +83,14 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
     r = unexplained(way, last_velocity, velocity, step)
     explained = sub(way, r)
     total = add(vector_at(state, place), r)
-    longer = state[place + 3] + sqrt(max(dot(way, way), dot(explained, explained)))
+    longer = state[place + WAY] + sqrt(max(dot(way, way), dot(explained, explained)))
     if longer > limits.JUDGED_WAY:
         square = dot(total, total) / (longer * longer)
-        note(state, kind, min(square, state[place + 4]), limits.LARGEST_RESIDUE)
-        state[place + 4] = square  # of the way before
+        note(state, kind, min(square, state[place + SQUARE_BEFORE]), limits.LARGEST_RESIDUE)
+        state[place + SQUARE_BEFORE] = square
         total, longer = (0.0, 0.0, 0.0), 0.0
     put_at(state, place, total)
-    state[place + 3] = longer
+    state[place + WAY] = longer
 
 
 @kernel

@@ -80,7 +80,7 @@ def prepare(drive, time, h, x, v, w):
     fold(n, v, w.start_v)
     nodes.node_masses(chain, w.mass)
     nodes.linearize(chain, w.start_x, w.start_v, w.branches, w.segments, w.records, w.q)
-    nodes.add_rate_from_acceleration(chain, drive.acceleration, x, w.records, w.q)
+    nodes.add_rate_from_acceleration(chain, drive.reel_acceleration, x, w.records, w.q)
     put(w.q, n, add(get(w.q, n), drive.load_rate))
     if drive.first == 1:
         end, rate = velocity_at(drive.ground, time), acceleration_at(drive.ground, time)
@@ -96,7 +96,7 @@ def prepare(drive, time, h, x, v, w):
 @kernel
 def is_reeling(drive):
     """Whether the unstretched length changes in the communication step, and with it the masses of the nodes."""
-    return drive.reeling != 0.0 or drive.acceleration != 0.0
+    return drive.reeling != 0.0 or drive.reel_acceleration != 0.0
 
 
 @kernel

@@ -9,8 +9,8 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 from ..algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
 from ..chain import segment
 from ..chain.properties import property_of
+from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
 from ..communication.ends import move_ends
-from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import distance_to_chord, finish, wave_time, write_direction
 from ..compilation import kernel
 from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
@@ -59,7 +59,7 @@ def initialize(n, parameters, inputs, state, work):
 def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
-    Returns a status: that of `inputs.check_step`, OK, NO_EQUILIBRIUM or STATE_NOT_FINITE. n is 1.
+    Returns a status: that of `acceptance.check_step`, OK, NO_EQUILIBRIUM or STATE_NOT_FINITE. n is 1.
     """
     status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status != OK:

@@ -10,8 +10,8 @@ from tetherfmu.runtime.status import OK
 from ..algebra.vectors import get, put
 from ..arrays import positions_and_velocities, shared_arrays
 from ..chain.properties import chain_of
+from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
 from ..communication.drive import drive_of_step, place_ends
-from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel
 from ..equilibrium import end_tensions, newton, slower_motion, strut
@@ -58,7 +58,7 @@ def initialize(n, parameters, inputs, state, work):
 def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
-    Returns a status: that of `inputs.check_step`, OK, STATE_NOT_FINITE or one of the solver's.
+    Returns a status: that of `acceptance.check_step`, OK, STATE_NOT_FINITE or one of the solver's.
     """
     status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status != OK:

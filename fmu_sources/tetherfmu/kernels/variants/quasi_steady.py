@@ -11,8 +11,8 @@ from tetherfmu.runtime.status import OK
 from ..algebra.vectors import along, get, put, scale, sub
 from ..arrays import copy, positions_and_velocities, trial_state
 from ..chain.properties import chain_of
+from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
 from ..communication.ends import move_ends
-from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import observe_chain
 from ..compilation import kernel, view
 from ..equilibrium import end_tensions, newton, slower_motion
@@ -60,7 +60,7 @@ def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
     The next shape is sought where the nodes come to if they move on as in the last step; this motion is what the state
-    keeps as velocities of the inner nodes. Returns a status: that of `inputs.check_step`, OK, NO_EQUILIBRIUM or
+    keeps as velocities of the inner nodes. Returns a status: that of `acceptance.check_step`, OK, NO_EQUILIBRIUM or
     STATE_NOT_FINITE.
     """
     status, trial = trial_of_step(n, parameters, inputs, step, state, work)

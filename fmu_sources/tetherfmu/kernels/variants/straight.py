@@ -10,8 +10,8 @@ from tetherfmu.runtime.status import OK
 from ..algebra.vectors import add, along, dot, put_at, scale, sub
 from ..chain import segment
 from ..chain.properties import property_of
+from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
 from ..communication.ends import move_ends
-from ..communication.inputs import accept, begin, finish_start, remember, trial_of_step
 from ..communication.outputs import finish, wave_time, write_direction
 from ..compilation import kernel
 from .chord import chord_load, chord_of, write_common
@@ -27,7 +27,7 @@ def initialize(n, parameters, inputs, state, work):
 def advance(n, parameters, inputs, step, state, work):
     """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
 
-    Returns a status: that of `inputs.check_step`, OK or STATE_NOT_FINITE. n is 1.
+    Returns a status: that of `acceptance.check_step`, OK or STATE_NOT_FINITE. n is 1.
     """
     status, trial = trial_of_step(n, parameters, inputs, step, state, work)
     if status == OK:

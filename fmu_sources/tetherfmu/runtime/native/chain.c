@@ -22,7 +22,7 @@ static bool allows(const Parameter *declared, double value)
     return is_finite(value) && declared->minimum <= value && value <= declared->maximum;
 }
 
-static bool check_one(const Parameter *declared, double value, char *problem)
+static bool check_parameter(const Parameter *declared, double value, char *problem)
 {
     bool is_whole = declared->kind != REAL && is_finite(value) && value == floor(value);
     Fact name = word("name", declared->name), fact = is_whole ? whole("value", value) : real("value", value);
@@ -41,7 +41,7 @@ static bool check_one(const Parameter *declared, double value, char *problem)
 bool check_parameters(const double *values, char *problem)
 {
     for (int i = 0; i < PARAMETERS; i++)
-        if (!check_one(&PARAMETER[i], parameter(values, i), problem)) return false;
+        if (!check_parameter(&PARAMETER[i], parameter(values, i), problem)) return false;
     double profile = parameter(values, WIND_PROFILE), roughness = parameter(values, SURFACE_ROUGHNESS);
     double height = parameter(values, WIND_REFERENCE_HEIGHT), length = parameter(values, INITIAL_LENGTH);
     if ((profile == AT_LOGARITHMIC || profile == AT_EXPLOG) && roughness >= height) {
@@ -78,7 +78,7 @@ static void pack(double *flat, int64_t n, const double *values, double tolerance
     flat[AT_KITE_IS_FREE] = FREE_KITE;
     fill(flat, n, AT_SHARE, length / (double)n / length);
     fill(flat, n, AT_STIFFNESS, parameter(values, AXIAL_STIFFNESS));
-    fill(flat, n, AT_DAMPING, WITHOUT_DAMPING ? 0.0 : parameter(values, AXIAL_DAMPING));
+    fill(flat, n, AT_DAMPING, WITHOUT_WAVES ? 0.0 : parameter(values, AXIAL_DAMPING));
     fill(flat, n, AT_LINE_DENSITY, parameter(values, DENSITY) * PI * pow(diameter, 2.0) / 4.0);
     fill(flat, n, AT_DRAG_WIDTH, parameter(values, DRAG_COEFFICIENT) * diameter);
 #if FREE_KITE

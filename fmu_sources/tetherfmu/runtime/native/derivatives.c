@@ -41,7 +41,7 @@ Status set_input_derivatives(
 Changes of the inputs in parts of their scales. Internal steps must stay as they were, and no segment may go over the kink
 between taut and slack, so a tether with internal steps takes small ones; the others are in an equilibrium whose iteration
 ends at 1e-9. If the first part of a pair fails, the second is tried. */
-static const double WITH_STEPS[] = {1e-7, 1e-8}, WITHOUT_STEPS[] = {1e-5, 1e-6};
+static const double PARTS_WITH_STEPS[] = {1e-7, 1e-8}, PARTS_WITHOUT_STEPS[] = {1e-5, 1e-6};
 static const double SAME_STEP = 1e-3; /* relative difference of the internal step that would follow: larger after other ones */
 
 /* Scale of an input, in its unit. step : [s], 0 for the start. */
@@ -110,14 +110,14 @@ static bool differentiate(
 {
     double largest = 0.0;
     for (unsigned i = 0; i < AT_INPUTS; i++) {
-        double part = fabs(direction[i]) / scale_of(chain, i, step);
-        if (part > largest) largest = part;
+        double size = fabs(direction[i]) / scale_of(chain, i, step);
+        if (size > largest) largest = size;
     }
     memset(derivative, 0, VALUES * sizeof(double));
     if (!(largest > 0.0)) return true;
-    const double *part = chain->state[AT_STEPS] > 0.0 ? WITH_STEPS : WITHOUT_STEPS;
-    return find_quotient(chain, step, values, direction, part[0] / largest, derivative, room) ||
-           find_quotient(chain, step, values, direction, part[1] / largest, derivative, room);
+    const double *parts = chain->state[AT_STEPS] > 0.0 ? PARTS_WITH_STEPS : PARTS_WITHOUT_STEPS;
+    return find_quotient(chain, step, values, direction, parts[0] / largest, derivative, room) ||
+           find_quotient(chain, step, values, direction, parts[1] / largest, derivative, room);
 }
 
 /* Check the variables and their numbers, and put the seed into a direction of the inputs. */

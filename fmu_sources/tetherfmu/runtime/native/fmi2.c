@@ -104,22 +104,24 @@ fmi2Status fmi2DoStep(
 
 /* --- values */
 
-#define GET(name, type, number, kinds)                                                                 \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) \
-    {                                                                                                  \
-        ENTER(c);                                                                                      \
-        if (nvr) NEED(vr);                                                                             \
-        if (nvr) NEED(value);                                                                          \
-        DONE(get_values(tether, number, kinds, vr, nvr, value, nvr));                                  \
+#define ARGUMENTS fmi2Component c, const fmi2ValueReference vr[], size_t nvr
+#define NEED_VALUES    \
+    ENTER(c);          \
+    if (nvr) NEED(vr); \
+    if (nvr) NEED(value)
+
+#define GET(name, type, number, kinds)                                \
+    fmi2Status fmi2Get##name(ARGUMENTS, type value[])                 \
+    {                                                                 \
+        NEED_VALUES;                                                  \
+        DONE(get_values(tether, number, kinds, vr, nvr, value, nvr)); \
     }
 
-#define SET(name, type, number, kinds)                                                                       \
-    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) \
-    {                                                                                                        \
-        ENTER(c);                                                                                            \
-        if (nvr) NEED(vr);                                                                                   \
-        if (nvr) NEED(value);                                                                                \
-        DONE(set_values(tether, number, kinds, vr, nvr, value, nvr));                                        \
+#define SET(name, type, number, kinds)                                \
+    fmi2Status fmi2Set##name(ARGUMENTS, const type value[])           \
+    {                                                                 \
+        NEED_VALUES;                                                  \
+        DONE(set_values(tether, number, kinds, vr, nvr, value, nvr)); \
     }
 
 GET(Real, fmi2Real, FLOAT64, REAL)
@@ -130,25 +132,19 @@ SET(Real, fmi2Real, FLOAT64, REAL)
 SET(Integer, fmi2Integer, INT32, INTEGER | ENUMERATION)
 SET(Boolean, fmi2Boolean, INT32, 0)
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+fmi2Status fmi2SetString(ARGUMENTS, const fmi2String value[])
 {
-    ENTER(c);
+    NEED_VALUES;
     if (!nvr) return fmi2OK;
-    NEED(vr);
-    NEED(value);
     DONE(say(tether, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), word("value", value[0] ? value[0] : "NULL"))));
 }
 
 /* --- derivatives */
 
-fmi2Status fmi2SetRealInputDerivatives(
-    fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], const fmi2Real value[])
+fmi2Status fmi2SetRealInputDerivatives(ARGUMENTS, const fmi2Integer order[], const fmi2Real value[])
 {
-    ENTER(c);
-    if (!nvr) return fmi2OK;
-    NEED(vr);
-    NEED(order);
-    NEED(value);
+    NEED_VALUES;
+    if (nvr) NEED(order);
     DONE(set_input_derivatives(tether, vr, nvr, order, value));
 }
 
@@ -228,34 +224,24 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
     return fmi2OK;
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
-{
-    ENTER(c);
-    NEED(value);
-    DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
-}
+#define NO_STATUS(name, type)                                                      \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, type *value) \
+    {                                                                              \
+        ENTER(c);                                                                  \
+        NEED(value);                                                               \
+        DONE(say(tether, DISCARD, NOT_OFFERED, NULL));                             \
+    }
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
-{
-    ENTER(c);
-    NEED(value);
-    DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
-}
-
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
-{
-    ENTER(c);
-    NEED(value);
-    DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
-}
+NO_STATUS(Status, fmi2Status)
+NO_STATUS(IntegerStatus, fmi2Integer)
+NO_STATUS(StringStatus, fmi2String)
 
 /* --- what the flags of the model description do not offer */
 
-#define REFERENCES const fmi2ValueReference vr[], size_t nvr
 NOT_OFFERED_CALL(fmi2Status, fmi2CancelStep, fmi2Component instance)
 NOT_OFFERED_CALL(
-    fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, REFERENCES, const fmi2Integer order[],
-    fmi2Real value[])
+    fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, const fmi2ValueReference vr[], size_t nvr,
+    const fmi2Integer order[], fmi2Real value[])
 
 /* --- model exchange */
 

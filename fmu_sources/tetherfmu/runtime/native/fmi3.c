@@ -81,7 +81,7 @@ fmi3Status fmi3EnterInitializationMode(
     fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
     ENTER(instance);
-    if (tether->phase != BEFORE) DONE(enter_initialization(tether));
+    if (tether->phase != BEFORE) DONE(enter_initialization(tether)); /* refuses it in its own words */
     Status status = set_up_experiment(tether, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
     if (status <= WARNING) enter_initialization(tether);
     DONE(status);

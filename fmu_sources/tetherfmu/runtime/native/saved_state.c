@@ -186,7 +186,7 @@ static Status restore_chain(Tether *tether, const Head *head, const double *valu
         return refuse_state(tether, wrong);
     }
     take_chain(tether, chain);
-    tether->told |= (uint32_t)chain->state[AT_WARNINGS];
+    tether->warned |= (uint32_t)chain->state[AT_WARNINGS];
     return OK;
 }
 

@@ -56,7 +56,7 @@ void to_start_values(Tether *tether)
     tether->values[TIME] = 0.0;
     tether->phase = BEFORE;
     tether->stop_is_defined = tether->warned_of_time = false;
-    tether->told = 0;
+    tether->warned = 0;
     tether->tolerance = tether->start_time = 0.0;
     tether->time = NAN;
 }
@@ -122,8 +122,8 @@ Status terminate(Tether *tether)
 /* Say what has been implausible since the start, each once. */
 static Status warn(Tether *tether)
 {
-    uint32_t noted = (uint32_t)tether->chain->state[AT_WARNINGS], new = noted & ~tether->told;
-    tether->told |= noted;
+    uint32_t noted = (uint32_t)tether->chain->state[AT_WARNINGS], new = noted & ~tether->warned;
+    tether->warned |= noted;
     for (int kind = 0; kind < AT_WARNING_KINDS; kind++) {
         double value = tether->chain->state[AT_WARNED_VALUES + kind];
         if (new >> kind & 1)
@@ -172,7 +172,7 @@ Status start(Tether *tether, Status refusal)
         return refusal;
     }
     take_chain(tether, chain);
-    tether->told = 0;
+    tether->warned = 0;
     return OK;
 }
 

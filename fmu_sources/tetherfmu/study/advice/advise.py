@@ -14,7 +14,7 @@ from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
 
-from .thresholds import numbers, reasons
+from .reasons import numbers, reasons
 from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv

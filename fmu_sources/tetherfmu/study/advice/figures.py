@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
-from .thresholds import LEVELS as THRESHOLD_LEVELS
-from .thresholds import SWEEPS, TABLE
+from .reasons import LEVELS as THRESHOLD_LEVELS
+from .reasons import TABLE
+from .thresholds import SWEEPS
 from .tradeoff import LEVELS, front
 
 LABELS = {

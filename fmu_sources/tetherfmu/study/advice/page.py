@@ -17,7 +17,7 @@ from tetherfmu.study.scenes.standard import SEED, random_scenes
 
 from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
-from .thresholds import TABLE
+from .reasons import TABLE
 from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
 NAMES = ("kite_force",)

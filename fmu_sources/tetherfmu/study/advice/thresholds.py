@@ -1,16 +1,7 @@
-"""Dimensionless numbers of a scene, where each tether stops being enough, and so, why not a simpler tether.
+"""Measure where each tether stops being enough: `python -m tetherfmu.study thresholds` writes thresholds.csv and sweeps.csv.
 
-    weight    mu g L / T
-    drag      |ground_force + kite_force - weight| / T
-    stretch   T / EA
-    slack     L / c - 1, unstretched length over distance of the ends; 0 if taut
-    wave      wave_time rms|dF/dt| / rms|F|:  travel time of a wave times the rate at which the force on the kite changes
-
-T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight.
-
-`python -m tetherfmu.study thresholds` writes thresholds.csv, from which the advisor gives `reasons`: between the measured
-levels the error grows as a power of the number of a group, below the lowest as its square.
-Sweeps of one number each, against a converged reference, with so short communication steps that these do not count:
+Sweeps of one of the numbers of `reasons.py` each, against a converged reference, with so short communication steps that
+these do not count:
 
     weight   a kite at rest, no wind; gravity grows, the tension is kept; at three stretches
     drag     a kite circling about the vertical, no gravity; the speed grows, the tension is kept; at three stretches
@@ -18,63 +9,33 @@ Sweeps of one number each, against a converged reference, with so short communic
     wave     figures of eight of one size on a tether with 0.3 % slack; laps get shorter
 """
 
-from functools import cache
 from itertools import chain
-from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring import runs
-from tetherfmu.study.measuring.errors import converged, rms, size
+from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.scenes.files import Scene, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
 
+from .reasons import LEVELS, TABLE, numbers
 from .tradeoff import SEGMENTS, measure
 
 NAMES = ("kite_force",)
-TABLE = Path(__file__).with_name("thresholds.csv")
 SWEEPS = TABLE.with_name("sweeps.csv")
-LEVELS = (0.001, 0.01, 0.1)
 STRETCHES = (1e-4, 1e-3, 1e-2)
 LOADS = np.geomspace(0.003, 3.0, 13)  # weight or drag over tension
 SLACKS = np.geomspace(1e-4, 0.5, 12)
 LAPS = np.geomspace(300.0, 9.0, 13)  # [s]
-COARSE = 8  # segments of the flight that the numbers come from
 LENGTH, SIZE = 200.0, 300.0  # of the tether; of the way of a lap [m]
 AT_REST = Parked(distance=LENGTH, elevation=np.pi / 6, sway=0.0)
 ENOUGH = 32  # segments for waves
 STEP = 0.01  # communication step [s]
 CURVE = ["group", "stretch", "variant", "segments"]  # what a curve of errors over the number of its group belongs to
-GROUPS = ("weight", "drag", "slack", "wave")
-LARGEST = 1e3  # stands for a threshold that the sweep did not reach ...
-BEYOND = 10.0  # ... as does every larger one than this
-STEEPEST = 3.0  # exponent with which the error goes on beyond the last threshold
-
-
-def numbers(scene):
-    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether cannot fly it."""
-    flown = runs.run(scene, runs.Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
-    motion = scene.flight.motion(scene.times[1:])
-    tether, force = scene.tether, flown.kite_force
-    tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
-    weight = tether.mass_per_meter * scene.environment.gravity * length
-    load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
-    rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
-    slack = length / size(motion.kite - motion.ground) - 1.0
-    return SimpleNamespace(
-        weight=float(np.mean(weight)) / tension,
-        drag=float(np.mean(size(load))) / tension,
-        stretch=tension / tether.axial_stiffness,
-        slack=max(0.0, float(np.mean(slack))),
-        wave=float(np.mean(flown.outputs[:, at.WAVE_TIME])) * rate,
-    )
 
 
 def taut(distance, load, stretch):
@@ -91,11 +52,11 @@ def weight_scene(load, stretch):
 
 def drag_scene(load, stretch):
     """A kite circling 45 deg about the vertical with the drag `load` times T = s EA: 1/6 rho cd d L v^2 = q s EA."""
-    tether = Tether(initial_length=taut(LENGTH, load, stretch), density=50.0)
+    tether, air = Tether(initial_length=taut(LENGTH, load, stretch), density=50.0), Environment(gravity=0.0)
     width = tether.drag_coefficient * tether.diameter
-    speed = np.sqrt(6.0 * load * stretch * tether.axial_stiffness / (1.225 * width * LENGTH))
+    speed = np.sqrt(6.0 * load * stretch * tether.axial_stiffness / (air.air_density * width * LENGTH))
     flight = Circle(distance=LENGTH, half_angle=np.pi / 4, axis_elevation=np.pi / 2, rate=speed / (LENGTH * np.sqrt(0.5)))
-    return Scene("sweep", 4.0, flight, tether, Environment(gravity=0.0))
+    return Scene("sweep", 4.0, flight, tether, air)
 
 
 def slack_scene(slack):
@@ -129,8 +90,10 @@ def configs(group):
 
 
 def points(group, stretch, scene):
-    """Rows (`CURVE`, value, error) of the configurations: the number of the group of a scene, and the error of the force on
-    the kite, infinite if the tether was refused; none if the reference was."""
+    """Rows (`CURVE`, value, error) of the configurations in a scene; none if its reference was refused.
+
+    The number of the group, and the error of the force on the kite, infinite if the tether was refused.
+    """
     try:
         value = getattr(numbers(scene), group)
         reference = converged(scene, 1e-4, NAMES).run.flown
@@ -171,55 +134,6 @@ def write(found, measured, table=TABLE, sweep_table=SWEEPS):
     for path, frame in ((table, found), (sweep_table, measured)):
         rounded = {name: frame[name].map("{:.4g}".format) for name in ("value", "error") if name in frame}
         frame.assign(**rounded).to_csv(path, index=False, lineterminator="\r\n")
-
-
-# thresholds: a row for each group, variant, number of segments and stretch, a column for each level
-CURVES = pd.read_csv(TABLE).set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
-
-
-@cache
-def thresholds_at(group, variant, segments, stretch):
-    """Numbers of a group at which a tether is wrong by `LEVELS`, at a stretch [-]; infinite: it never is."""
-    if group == "wave":
-        variant = "catenary" if variant == "straight" else variant
-        segments = CURVES.loc[group, variant].index[-1][0]
-    elif variant == "dynamic":  # in equilibrium it is the same chain
-        variant = "quasi_steady"
-    table = CURVES.loc[group, variant, segments]
-    if len(table) == 1:
-        return table.to_numpy()[0]
-    place = np.log(np.clip(stretch, table.index[0], table.index[-1]))
-    return np.exp([np.interp(place, np.log(table.index), np.log(column.clip(upper=LARGEST))) for _, column in table.items()])
-
-
-def group_error(group, config, found):
-    """Error [-] that one number of a scene stands for."""
-    x = getattr(found, group)
-    values = np.minimum(thresholds_at(group, config.variant, config.segments, found.stretch), LARGEST)
-    if x <= values[0]:
-        return LEVELS[0] * (x / values[0]) ** 2
-    if x < values[-1]:
-        return float(np.exp(np.interp(np.log(x), np.log(values), np.log(LEVELS))))
-    return float(min(LEVELS[-1] * (x / values[-1]) ** STEEPEST, 1.0 / LEVELS[0]))
-
-
-def limit(group, config, found, level):
-    """Number of a group at which a configuration is wrong by a level [-]; infinite if it never is."""
-    values = thresholds_at(group, config.variant, config.segments, found.stretch)
-    known, levels = values < BEYOND, np.log(LEVELS)
-    if not known.any() or (np.log(level) > levels[known][-1] + 1e-9 and not known.all()):
-        return float("inf")
-    return float(np.exp(np.interp(np.log(level), levels[known], np.log(values[known]))))
-
-
-def reasons(config, found, level):
-    """Why not a simpler tether, with as many segments: triples of variant, number that hurts it most, its limit."""
-    for variant in VARIANTS[: VARIANTS.index(config.variant)]:
-        segments = (config.segments or SEGMENTS[-1]) if variant == "quasi_steady" else 0
-        simpler = runs.Config(variant, segments, 0.0, config.step)
-        errors = {group: group_error(group, simpler, found) for group in GROUPS}
-        group = max(errors, key=errors.get)
-        yield variant, group, limit(group, simpler, found, level)
 
 
 def run(_):

@@ -76,8 +76,10 @@ def measure(scene, config, reference, repeats=1, exact=False):
 
 
 def study(scene, store, executor, configs=None, repeats=3):
-    """All points of a scene: its `Reference`, and a table with the fields of `Measured` and `Config`, `host_cost`, an error
-    for each output, and as `error` the largest of those that the scene asks for.
+    """All points of a scene: its `Reference`, and a table with a row for each configuration.
+
+    Columns: the fields of `Measured` and `Config`, `host_cost`, an error for each output, and as `error` the largest of
+    those that the scene asks for.
 
     store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.
     configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.

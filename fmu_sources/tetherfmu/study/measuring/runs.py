@@ -18,7 +18,7 @@ import pandas as pd
 
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.scenes.standard import QUASI_STEADY_START, tether_at_start
+from tetherfmu.study.scenes.standard import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
@@ -71,7 +71,7 @@ def least_cost(scene, config):
 
 def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
-    chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": QUASI_STEADY_START}
+    chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
     return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
 
 

@@ -23,7 +23,6 @@ STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
 BREEZE = Wind((8.0, 0.0, 0.0))
 MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
-STATIC_START, QUASI_STEADY_START = 1, 2
 SEED = 6
 ALLOWED = (0.1, 0.03, 0.01, 0.003)
 DURATION = 20.0  # [s]
@@ -68,9 +67,9 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **optio
 
     first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  options : of TetherModel.
     """
-    options |= {"relative_tolerance": tolerance, "initial_shape": QUASI_STEADY_START}
+    options |= {"relative_tolerance": tolerance, "initial_shape": at.QUASI_STEADY}
     if scene.kite_is_free:
-        options |= {"initial_shape": STATIC_START, "free_ends": (False, True)}
+        options |= {"initial_shape": at.STATIC_EQUILIBRIUM, "free_ends": (False, True)}
     model = MODELS[variant](scene.tether, scene.environment, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
     ends, wind_velocity = first[: at.REEL_OUT_SPEED].reshape(4, 3), first[at.WIND_VELOCITY : at.KITE_LOAD]

@@ -36,7 +36,7 @@ from pebble import ProcessExpired, ProcessPool
 from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import UNWARNED
 from tetherfmu.study.measuring.store import Store, key
@@ -49,7 +49,8 @@ ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a
 SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")  # quantities of points and tethers
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
-DRAG_FACTOR = 0.5 * 1.225 * DEFAULT.drag_coefficient * DEFAULT.diameter  # drag per length over speed squared [N s2/m3]
+# drag per length over speed squared [N s2/m3]
+DRAG_FACTOR = 0.5 * Environment().air_density * DEFAULT.drag_coefficient * DEFAULT.diameter
 LINE_DENSITY = DEFAULT.mass_per_meter  # [kg/m]
 HELD, FORBIDDEN = ("converged", "stable"), ("wrong", "crashed", "hanging")
 VERDICTS = (*HELD, "refused", *FORBIDDEN)
@@ -102,8 +103,8 @@ def bounds(point, strain, end_speed):
     fall = sqrt(2.0 * point.gravity * (point.length + point.distance))
     motion = end_speed + point.wind + abs(point.reel_out_speed) + fall
     speed = motion + wave_speed * strain
-    if point.initial_shape == 3:
-        speed += wave_speed * sqrt(0.01) * max(0.0, point.slack / (1.0 + point.slack))
+    if point.initial_shape == at.STRAIGHT:
+        speed += wave_speed * sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
     damping = point.axial_damping if point.variant.startswith("dynamic") else 0.0
     impact = sqrt(point.axial_stiffness * LINE_DENSITY) + damping / point.segment_length
     longest = point.length * (1.0 + MOST_REELED)

@@ -1,4 +1,4 @@
-"""What every variant does in a communication step: check the inputs, begin, remember what the next step needs, accept."""
+"""What every variant does around its own part of a start or a step: check the inputs, try on a copy, remember, accept."""
 
 from math import inf
 

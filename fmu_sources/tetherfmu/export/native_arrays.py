@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from .native_tables import references
+from tetherfmu.runtime.variables import references
 
 
 class Array(NamedTuple):
