@@ -32,13 +32,17 @@ def write_direction(leaving, outputs):
 
 
 @kernel
-def distance_to_chord(point, start, chord):
-    """Distance [m] of a point from the straight line between the ends of the chord."""
+def place_along_chord(point, start, chord):
+    """Where along the chord a point [m] is: 0 at its start [m], 1 at its end, beyond them less or more."""
     square = dot(chord, chord)
-    part = 0.0
-    if square > 0.0:
-        part = min(1.0, max(0.0, dot(sub(point, start), chord) / square))
-    return norm(along(sub(point, start), -part, chord))
+    return dot(sub(point, start), chord) / square if square > 0.0 else 0.0
+
+
+@kernel
+def away_from_chord(point, start, chord):
+    """Vector [m] to a point from the nearest one of the straight line between the ends of the chord."""
+    part = min(1.0, max(0.0, place_along_chord(point, start, chord)))
+    return along(sub(point, start), -part, chord)
 
 
 @kernel
@@ -64,7 +68,7 @@ def survey(chain, x, v, outputs):
         crossing += wave_time(property_of(chain, s, at.LINE_DENSITY), rest, length, tension, stiffness)
         compliance += rest / stiffness
         softness += rest / property_of(chain, s, at.DAMPING)
-        sag = max(sag, distance_to_chord(get(x, s), ground, chord))
+        sag = max(sag, norm(away_from_chord(get(x, s), ground, chord)))
     outputs[at.MAX_TENSION] = largest
     outputs[at.SLACK_SEGMENTS] = slack
     outputs[at.KITE_STIFFNESS] = 1.0 / compliance

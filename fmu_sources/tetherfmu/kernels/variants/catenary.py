@@ -11,12 +11,13 @@ from ..chain import segment
 from ..chain.properties import property_of
 from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
 from ..communication.ends import move_ends
-from ..communication.outputs import distance_to_chord, finish, wave_time, write_direction
+from ..communication.outputs import away_from_chord, finish, place_along_chord, wave_time, write_direction
 from ..compilation import kernel
 from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
 from .chord import chord_load, chord_of, write_common
 
 SAMPLES = 24  # pieces of the catenary in which wave time and sag are found
+HALVINGS = 40  # of the two pieces in which it is farthest from its chord
 LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
 
 
@@ -71,6 +72,19 @@ def advance(n, parameters, inputs, step, state, work):
 
 
 @kernel
+def farthest_between(low, high, ground, chord, tension, load, stiffness):
+    """Distance [m] from the chord where it is largest between two arcs [m]: (t - s q) . a = 0, with a from the chord."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        away = away_from_chord(point_in_space(ground, tension, load, middle, stiffness), ground, chord)
+        if dot(away, along(tension, -middle, load)) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return norm(away_from_chord(point_in_space(ground, tension, load, low, stiffness), ground, chord))
+
+
+@kernel
 def survey(line, ground, chord, tension, load, outputs):
     """Wave time and sag into the outputs (modified).
 
@@ -79,22 +93,31 @@ def survey(line, ground, chord, tension, load, outputs):
     length = line.length
     stiffness = property_of(line, 0, at.STIFFNESS)
     piece = length / SAMPLES
-    crossing = 0.0
-    sag = 0.0
+    # beside its chord the tether is farthest from it where it is parallel to it: (t - s q) x c = 0; hanging from ends one
+    # above the other, in its fold: (t - s q) . q = 0
+    turning = cross(load, chord)
+    parallel = dot(cross(tension, chord), turning) / max(dot(turning, turning), LEAST)
+    fold = dot(tension, load) / max(dot(load, load), LEAST)
+    sag, farthest = 0.0, 0.0
+    for arc in (parallel, fold):
+        arc = min(length, max(0.0, arc))
+        distance = norm(away_from_chord(point_in_space(ground, tension, load, arc, stiffness), ground, chord))
+        if distance > sag:
+            sag, farthest = distance, arc
+    crossing, longest = 0.0, 0.0
     for k in range(SAMPLES):
         middle = (k + 0.5) * piece
         pull = norm(along(tension, -middle, load))
         stretched = piece * (1.0 + pull / stiffness)
+        longest = max(longest, stretched)
         crossing += wave_time(property_of(line, 0, at.LINE_DENSITY), piece, stretched, pull, stiffness)
-        sag = max(sag, distance_to_chord(point_in_space(ground, tension, load, middle, stiffness), ground, chord))
-    # the tether is farthest from its chord where it is parallel to it: (t - s q) x c = 0, or, hanging from ends one above
-    # the other, in its fold: (t - s q) . q = 0
-    turning = cross(load, chord)
-    parallel = dot(cross(tension, chord), turning) / max(dot(turning, turning), LEAST)
-    fold = dot(tension, load) / max(dot(load, load), LEAST)
-    for arc in (parallel, fold):
-        point = point_in_space(ground, tension, load, min(length, max(0.0, arc)), stiffness)
-        sag = max(sag, distance_to_chord(point, ground, chord))
+        distance = norm(away_from_chord(point_in_space(ground, tension, load, middle, stiffness), ground, chord))
+        if distance > sag:
+            sag, farthest = distance, middle
+    place = place_along_chord(point_in_space(ground, tension, load, farthest, stiffness), ground, chord)
+    if min(place, 1.0 - place) * norm(chord) <= 2.0 * longest:  # it may be farthest beyond an end of the chord
+        low, high = max(0.0, farthest - piece), min(length, farthest + piece)
+        sag = max(sag, farthest_between(low, high, ground, chord, tension, load, stiffness))
     outputs[at.WAVE_TIME] = crossing
     outputs[at.SAG] = sag
 
