@@ -58,7 +58,7 @@ def slope(positions, tether, wind, change=1e-6):
 def test_found_in_balance_and_stable(n, slack, up, wind, aside):
     tether, model = start(n, slack, up, wind, aside)
     missing, tensions = forces(model.positions, tether, wind)
-    # Newton's method stops at 1e-12 of the forces (100 times that for the other order of sums), or at the rounding of springs
+    # Newton's method stops at 1e-12 of the forces (100 times that for the other order of sums) or the rounding of springs
     segment = tether.initial_length / n
     rounding = tether.axial_stiffness / segment * 2.3e-16 * (np.abs(model.positions).max() + segment)
     assert np.abs(missing).max() < 1e-10 * tensions.max() + 8.0 * np.sqrt(n) * rounding
