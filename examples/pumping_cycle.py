@@ -29,7 +29,7 @@ INTERPOLATED = 3  # of `input_continuation`
 LONGEST_CYCLE = 300.0  # [s]
 READ = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension", "tether_length", "reel_out_speed")
 READ += ("power", "energy", "depower")
-SHARED = ("kite_load", "kite_position", "kite_velocity", "ground_tension", "tether_length", "reel_out_speed")  # of the tether
+SHARED = ("kite_load", "kite_position", "kite_velocity", "ground_tension", "tether_length", "reel_out_speed")  # of a tether
 FRAMES_EVERY = 0.5  # shapes for the page [s]
 
 
