@@ -105,7 +105,7 @@ def test_fast_command_tells_what_to_use(tmp_path, capsys):
 
 
 def test_a_number_is_a_reason_only_beyond_its_limit():
-    """Else it says what came of the flights: at 10 % the landing can be flown with a catenary, but two segments cost less."""
+    """Else it says what came of the flights: the landing can be flown with a catenary, but two segments cost less."""
     landing = load(SCENES / "landing.toml")
     asked = replace(landing, wanted=replace(landing.wanted, allowed_error=0.1))
     said = explain(asked, advise(asked, FAST_BUDGET))
