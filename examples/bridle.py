@@ -15,7 +15,7 @@ h < 0.2 sqrt(M/k), docs/coupling.md, "Knots". The example also prints how far th
 import sys
 
 import numpy as np
-from fmu_tools import find_fmu
+from fmu_tools import add_fmu, find_fmu, variables_of
 from named_fmu import all_running
 from ways_of_coupling import Leg, Scene
 
@@ -85,11 +85,14 @@ def main(arguments=None):
     allowed = number(1e-4, 0.05, "s")
     parser.add_argument("--step", type=allowed, default=0.002, metavar="H", help="communication step [s] (default: 0.002)")
     parser.add_argument("--quick", action="store_true", help="a fifth of a second instead of two seconds")
+    add_fmu(parser, "dist/TetherDynamic.fmu, for the two legs that do not carry the balloon")
     given = parser.parse_args(arguments)
+    if given.fmu:
+        variables_of(given.fmu)  # before others are built
     from monolithic import exact  # before the flight, which would be in vain without scipy
 
     scene = bridle(0.2 if given.quick else 2.0)
-    forces, positions = fly(scene, find_fmu("TetherDynamicFree"), find_fmu("TetherDynamic"), given.step)
+    forces, positions = fly(scene, find_fmu("TetherDynamicFree"), given.fmu or find_fmu("TetherDynamic"), given.step)
     rows = np.linspace(0, len(positions) - 1, 5).round().astype(int)
     for row in rows:
         pulls = ", ".join(f"{np.linalg.norm(force):.0f}" for force in forces[row])

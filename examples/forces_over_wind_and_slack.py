@@ -52,13 +52,14 @@ def plot(forces, slacks=SLACKS, winds=WINDS):
     )
     first = next(iter(forces))
     for number, (upper, lower) in enumerate(panels.T):
+        lower.set_ylim(1e-3, 3e3)  # first, so that matplotlib does not warn of a difference that is 0 everywhere
         for name, values in forces.items():
             looks = {"color": COLOUR.get(name, SKY_BLUE), "linewidth": 1.5, "label": name.replace("_", "-")}
             upper.plot(winds, values[number, :, 1], **looks)
             if name != first:
                 lower.semilogy(winds, np.abs(values - forces[first])[number, :, 1], **looks)
         upper.set(title=f"{100 * slacks[number]:+.1f} % slack", ylim=(0.0, None))
-        lower.set(xlabel="wind [m/s]", ylim=(1e-3, 3e3))
+        lower.set(xlabel="wind [m/s]")
         for axes in (upper, lower):
             axes.grid(alpha=0.3)
     panels[0, 0].set_ylabel("force on the kite [N]")

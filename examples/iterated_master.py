@@ -17,7 +17,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from fmu_tools import find_fmu
+from fmu_tools import add_fmu, find_fmu, variables_of
 from named_fmu import all_running
 from ways_of_coupling import inputs_towards
 
@@ -174,8 +174,11 @@ def main(arguments=None):
     option("--tolerance", type=number(1e-9, 1e3, "N"), default=0.1, help="of the force on the kite [N] (default: 0.1)")
     option("--next-guess", choices=NEXT_GUESS, default="aitken", help="of the force (default: aitken)")
     option("--kite-mass", type=number(0.01, 1e6, "kg"), default=MASS, metavar="M", help=f"[kg] (default: {MASS:g})")
+    add_fmu(parser, "dist/TetherDynamic.fmu, which the iterated master flies")
     given = parser.parse_args(arguments)
-    iterated = find_fmu("FlyingKite"), find_fmu("TetherDynamic")
+    if given.fmu:
+        variables_of(given.fmu)  # before others are built
+    iterated = find_fmu("FlyingKite"), given.fmu or find_fmu("TetherDynamic")
     free = find_fmu("PointMassKite"), find_fmu("TetherDynamicFree")
     now("flying")
     flight, known = (given.step, given.duration), {"kite_mass": given.kite_mass}

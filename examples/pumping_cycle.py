@@ -17,7 +17,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from fmu_tools import all_variables, find_fmu
+from fmu_tools import add_fmu, all_variables, find_fmu, variables_of
 from kite_power_system import FMUS, START, given_by, starts_for, wanted_by
 from named_fmu import all_running
 
@@ -29,6 +29,7 @@ INTERPOLATED = 3  # of `input_continuation`
 LONGEST_CYCLE = 300.0  # [s]
 READ = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension", "tether_length", "reel_out_speed")
 READ += ("power", "energy", "depower")
+SHARED = ("kite_load", "kite_position", "kite_velocity", "ground_tension", "tether_length", "reel_out_speed")  # of a tether
 FRAMES_EVERY = 0.5  # shapes for the page [s]
 
 
@@ -82,12 +83,14 @@ MASTERS = {"jacobi": jacobi, "gauss_seidel": gauss_seidel}
 
 
 @contextmanager
-def system(start, master, fmus=FMUS):
+def system(start, master, fmus=FMUS, tether=None):
     """FMUs that run: a list of `Part`, the outputs of all, their places by name, and a function to call for Ctrl-C.
 
-    start : dict of start values, set in each FMU that has the name.  master : of `MASTERS`.
+    start : dict of start values, set in each FMU that has the name.  master : of `MASTERS`.  tether : path of its FMU, if it
+    is another one.
     """
-    with all_running([find_fmu(name) for name in fmus.values()]) as (opened, stop_if_pressed):
+    files = [tether if tether and name == "tether" else find_fmu(fmu) for name, fmu in fmus.items()]
+    with all_running(files) as (opened, stop_if_pressed):
         tables = [each.variables.description.modelVariables for each in opened]
         given = [name for table in tables for name in given_by(table)]
         places = {name: place for place, name in enumerate(given)}
@@ -122,17 +125,18 @@ def begin(fmu, variables, start):
         set_value([variable.valueReference], [value])
 
 
-def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False):
+def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False, tether=None):
     """Fly until so many whole cycles are done after the first reeling in; `Cycles`.
 
     step [s] : communication step.  master : of `MASTERS`.  start : start values.  frames : whether to keep shapes.
+    tether : path of an FMU with a free kite end, None: that in dist/.
     """
     from tqdm import tqdm
 
     exchange, rows, bounds, kept = MASTERS[master], [], [], []
-    with system(start, master) as (parts, signals, places, stop_if_pressed):
+    with system(start, master, tether=tether) as (parts, signals, places, stop_if_pressed):
         read, depower = [places[name] for name in READ], places["depower"]
-        shape = all_variables(find_fmu(FMUS["tether"])).of("shape") if frames else []
+        shape = all_variables(tether or find_fmu(FMUS["tether"])).of("shape") if frames else []
         every, wall_time = max(1, round(FRAMES_EVERY / step)), 0.0
         with tqdm(total=cycles + 1, desc="pumping", unit="cycle", disable=None, leave=False) as bar:
             while len(bounds) <= cycles:
@@ -185,6 +189,7 @@ def parse(arguments, prog):
     option("--segments", type=number(1, 300, whole=True), default=10, metavar="N", help="of the tether (default: 10)")
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
     option("--html", action="store_true", help="also write an animated page (needs plotly)")
+    add_fmu(parser, "dist/TetherDynamicFree.fmu")
     return parser.parse_args(arguments)
 
 
@@ -196,8 +201,10 @@ def main(arguments=None, prog=None):
         from flight_page import write_page  # before the flight, which would be in vain without plotly
     from pumping_figures import plot_path, plot_series
 
+    if given.fmu:
+        variables_of(given.fmu, free=True).of(*SHARED)  # before others are built
     start = START | {"wind_velocity[1]": given.wind, "segments": given.segments}
-    flight = fly(given.cycles, given.step, given.master, start, given.html)
+    flight = fly(given.cycles, given.step, given.master, start, given.html, given.fmu)
     print(summary(flight))
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")

@@ -19,9 +19,10 @@ def lesson():
     figure, found = panels(2, 2, sharex=True, height_ratios=(2, 1))
     for (above, below), end, title in zip(found.T, ("kite_force", "ground_force"), ("kite", "ground station"), strict=True):
         force, missing = getattr(steady, end), getattr(dynamic, end) - getattr(steady, end)
+        last = np.argsort(np.argsort(missing[-1]))  # place of a component among those at the end, from below
         for i, (name, colour) in enumerate(AXES.items()):
             curve(above, time, force[:, i], name, color=colour)
-            curve(below, time, missing[:, i], name, color=colour)
+            curve(below, time, missing[:, i], name, shift=5.0 * (last[i] - 1), color=colour)
         curve(above, time, np.linalg.norm(force, axis=1), "magnitude", color=BLACK)
         above.set(title=f"Force on the {title}")
         below.set(xlabel="time [s]")

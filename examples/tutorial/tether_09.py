@@ -1,8 +1,8 @@
 """What are the parts of a tether called?
 
 A labelled diagram. Tethers.jl counts particles P1..Pn and segments S1..Sn-1 from the fixed end; here node 0 is at the
-ground, node n at the kite, and segment i joins nodes i and i + 1. Forces are those of the tether on what holds it: they
-point along the tether.
+ground, node n at the kite, and segment i joins nodes i and i + 1. These replace the indices of lesson 05. The end forces
+are those of the tether on what holds it, with half the weight of a segment: they point a little below their segments.
 """
 
 import numpy as np

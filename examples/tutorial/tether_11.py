@@ -2,7 +2,7 @@
 
 The kite flies one turn on a cone, 500 m away, on 525 m of tether (examples/circular_flight.py). FMPy drives
 TetherDynamic.fmu, which is built if dist/ has none: positions and velocities of the kite go in every 20 ms, forces and
-shape come out. Every tool that imports FMUs gets these numbers.
+shape come out. The file replaces the Python class of lessons 06 to 10: every tool that imports FMUs gets these numbers.
 """
 
 from functools import cache

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from importlib import import_module
 
 import pytest
 from running import EXAMPLES, run, run_python
@@ -63,4 +64,18 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     assert "free kite end" in capsys.readouterr().err
     assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
     assert "has no variable ground_force" in capsys.readouterr().err
+    for name, wrong, words in (
+        ("bridle", "TetherDynamicFree", "has a free kite end"),
+        ("iterated_master", "TetherDynamicFree", "has a free kite end"),
+        ("pumping_cycle", "TetherDynamic", "has no free kite end"),
+        ("fly_your_kite", "TetherDynamic", "has no free kite end"),
+    ):
+        assert import_module(name).main(["--fmu", str(fmu_folder / f"{wrong}.fmu")]) == 2
+        assert words in capsys.readouterr().err
     assert "fmpy.fmi2" in sys.modules
+
+
+def test_a_bridle_with_legs_of_ones_own(fmu_folder):
+    own = fmu_folder / "TetherQuasiSteady.fmu"
+    *_, last = run(fmu_folder, f"import bridle; bridle.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
+    assert float(re.search(r"([\d.]+) %", last)[1]) > 1.0  # its legs carry no waves; those of TetherDynamic have 0.4 %

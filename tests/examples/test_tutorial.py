@@ -14,7 +14,8 @@ from tetherfmu.commands.tutorial import lessons
 from tetherfmu.libraries.sources import EXAMPLES
 
 LONGEST = 3.0  # seconds of processor time of a lesson
-MOST_LINES = 60  # of its file: what a newcomer reads at a sitting
+LEAST_LINES, MOST_LINES = 20, 60  # of its file: what a newcomer reads at a sitting
+MOVING = ("05", "06", "08", "11")  # lessons with an animation
 LINE = re.compile(r"^(\w+): .+; [\d.e+-]+ s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
 NAMES = list(lessons())
 COSTS = [
@@ -50,7 +51,7 @@ for name in {names}:
 @pytest.mark.parametrize("name", NAMES)
 def test_a_lesson_is_short(name):
     """The whole file, with its docstring and blank lines."""
-    assert len(lessons()[name].read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+    assert LEAST_LINES <= len(lessons()[name].read_text(encoding="utf-8").splitlines()) <= MOST_LINES
 
 
 def test_a_script_runs_its_own_lesson_only(tmp_path):
@@ -71,6 +72,20 @@ def test_the_list_has_each_lesson_with_its_question(capsys):
     assert "tetherfmu[examples]" in last
     numbers = "01 02 03 03b 03c 04 05 06 06b 06c 07 08 09 10 11"
     assert NAMES[:15] == numbers.split()
+
+
+def test_some_lessons_move(fmu_folder):
+    """And what moves is the whole tether, all the time that was simulated."""
+    code = f"""
+import sys
+sys.path.insert(0, {str(EXAMPLES / "tutorial")!r})
+for name in {MOVING}:
+    found = __import__(f"tether_{{name}}").lesson()
+    print(name, round(found.simulated / 0.02) - len(found.movie.positions), *found.movie.positions.shape[1:])
+"""
+    moved = [line.split() for line in run(fmu_folder, code).splitlines()]
+    assert [name for name, *_ in moved] == list(MOVING)
+    assert all(abs(int(missing)) <= 1 and int(nodes) > 5 and axes == "3" for _, missing, nodes, axes in moved)
 
 
 def test_an_animation_is_written_as_gif_or_with_its_frames(tmp_path, monkeypatch, capsys):

@@ -1,8 +1,9 @@
-"""No read or write beside what is the shell's own, no undefined behaviour, no leak: sanitizers watch.
+"""No read or write beside what is the shell's own, no undefined behaviour, no leak: sanitizers watch, and valgrind.
 
 `python tests/benchmarks/native_sessions.py` runs many more sessions.
 """
 
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from native import programs
 
 DRIVER, SESSIONS = Path(__file__).with_name("driver.c"), 500
+VALGRIND = ("valgrind", "--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite,possible")
 
 
 @pytest.mark.skipif(not programs.available(), reason="needs gcc on 64-bit Linux")
@@ -21,3 +23,13 @@ def test_random_sessions_under_sanitizers(tmp_path, variant, fmi):
     done = subprocess.run([program, "1", str(SESSIONS)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"{SESSIONS} sessions done")
+
+
+@pytest.mark.skipif(not programs.available() or shutil.which("valgrind") is None, reason="needs gcc, valgrind and Linux")
+@pytest.mark.parametrize(("variant", "fmi"), [("dynamic_free", 2), ("dynamic", 3)])
+def test_random_sessions_under_valgrind(tmp_path, variant, fmi):
+    """It also sees what is read before it was written, which those sanitizers do not."""
+    program = programs.compiled(tmp_path, variant, fmi, DRIVER, ("-g", "-O1"))
+    done = subprocess.run([*VALGRIND, program, "1", "20"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("20 sessions done")

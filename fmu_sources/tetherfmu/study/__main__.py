@@ -44,6 +44,7 @@ def add_limits_and_costs(added):
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
     about = "file of results of another version, to compare with on the points of both"
     option("--before", type=file, metavar="FILE", help=about)
+    option("--also", type=file, metavar="FILE", help="file of results of another seed, for a table of their own")
     option("--processes", type=number(1, whole=True), help="how many at a time (default: one per core)")
     option("--quick", action="store_true", help="a few points and no figures: shows that it runs")
     option("--point", type=number(0, whole=True), help="judge this point alone and print it")

@@ -15,6 +15,8 @@ import pytest
 from benchmarks.robustness import STEP, random_cases, solve, table
 from kernels.variants.balance import residual
 from tetherfmu.kernels.equilibrium.newton import MOST_CREEPING, MOST_ITERATIONS
+from tetherfmu.kernels.equilibrium.slower_motion import MOST_PACES
+from tetherfmu.kernels.equilibrium.turn import MOST_TURNS
 from tetherfmu.runtime.parameters import Environment
 
 COUNT, SEED = 2000, 1
@@ -66,9 +68,13 @@ def test_every_shape_is_an_equilibrium(results):
 def test_work_is_bounded(results):
     cold = np.array([each.iterations for each in results])
     warm = np.array([each.next_iterations for each in results if not each.refusal])
-    all_attempts = 2 * (MOST_ITERATIONS + MOST_CREEPING)  # with stiffnesses and with compliances
-    assert cold.max() <= all_attempts
-    assert warm.max() <= MOST_ITERATIONS + all_attempts
+    search = 2 * (MOST_ITERATIONS + MOST_CREEPING)  # with stiffnesses and with compliances
+    turns = MOST_TURNS * (2 * MOST_ITERATIONS + MOST_CREEPING)
+    most = 4 * 2 * search + MOST_PACES * 2 * MOST_ITERATIONS + turns  # at four paces, away from struts, back to the pace 1
+    assert cold.max() <= most
+    assert warm.max() <= MOST_ITERATIONS + most
+    assert np.percentile(cold, 99.8) <= search
+    assert np.percentile(warm, 99.8) <= MOST_ITERATIONS + search
     assert np.percentile(cold, 99) <= 200  # about 1 ms
     # iterations with a kept matrix count as well; they cost a third of the others
     assert np.median(cold) <= 8

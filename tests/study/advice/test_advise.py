@@ -1,6 +1,8 @@
 """The advisor: what it tells is true, measured anew against a finer reference, and takes no more flights than it may."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +16,7 @@ from tetherfmu.study.scenes.files import load
 from tetherfmu.study.scenes.standard import random_scenes
 
 NAMES = ("kite_force",)
+SCENES = Path(__file__).resolve().parents[3] / "examples" / "scenes"
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +102,14 @@ def test_fast_command_tells_what_to_use(tmp_path, capsys):
     said = capsys.readouterr().out
     for words in (".fmu", "communication step 20 ms", "expect", "numbers", "configurations tried"):
         assert words in said
+
+
+def test_a_number_is_a_reason_only_beyond_its_limit():
+    """Else it says what came of the flights: the landing can be flown with a catenary, but two segments cost less."""
+    landing = load(SCENES / "landing.toml")
+    asked = replace(landing, wanted=replace(landing.wanted, allowed_error=0.1))
+    said = explain(asked, advise(asked, FAST_BUDGET))
+    found = re.findall(r" is ([\d.e-]+); it makes it wrong by 10 % from ([\d.e-]+) on", said)
+    assert found
+    assert all(float(number) >= float(limit) for number, limit in found)
+    assert "catenary: it does, too, but costs more" in said

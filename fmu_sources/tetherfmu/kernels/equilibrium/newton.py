@@ -20,7 +20,7 @@ pass through zero: a segment there may be slack, with the stiffness that a slack
 5. If what is found is a strut (`strut.py`), or nothing is found and the chain has no load: all of it again, with a breath
    of air from the side in step 1.
 
-What this leaves, `slower_motion.py` finds.
+What this leaves, `slower_motion.py` and `turn.py` find.
 """
 
 from collections import namedtuple

@@ -9,13 +9,13 @@ Where the equilibria end at a pace below 1, however fine its steps, there is non
 distance from the ground end outgrows tension, which grows linearly.
 """
 
-from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
+from tetherfmu.runtime.status import OK
 
 from ..algebra.vectors import get, put, scale
 from ..arrays import copy
 from ..chain.properties import chain_at
 from ..compilation import kernel, view
-from . import newton, strut
+from . import newton, strut, turn
 
 SLOWEST = 0.125  # pace below which no start is sought
 FIRST_RISE, STEEPEST_RISE = 0.1, 0.3  # of the pace from one equilibrium to the next, relative; at the start, and at most
@@ -104,7 +104,7 @@ def raise_pace(body, pace, ground, kite, w):
 
 @kernel
 def find(body, w):
-    """As `newton.find`, and where that finds nothing, from the equilibrium of a slower motion.
+    """As `newton.find`, and where that finds nothing, from the equilibrium of a slower motion, then as `turn.find`.
 
     Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
@@ -121,4 +121,5 @@ def find(body, w):
     put(body.v, body.chain.n, kite)
     if pace == 1.0 and not strut.is_strut(body.chain, body.x, strut.PARALLEL):
         return OK, iterations
-    return NO_EQUILIBRIUM, iterations
+    status, more = turn.find(body, w)
+    return status, iterations + more

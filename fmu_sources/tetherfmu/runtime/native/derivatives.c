@@ -17,6 +17,7 @@ static Status check_derivative(const Tether *tether, unsigned reference, int32_t
     if (!(kind_of(reference, REAL) & INPUT))
         return say(tether, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference)));
     Fact name = word("name", INPUT_NAME[reference]);
+    if (tether->phase == TERMINATED) return say(tether, ERROR, NOT_AFTER_THE_END, FACTS(name, real("value", value)));
     if (order != 1) return say(tether, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
     if (fabs(value) <= AT_LARGEST_INPUT) return OK;
     return say(tether, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));

@@ -300,6 +300,8 @@ static Status check_settable(const Tether *tether, Type type, unsigned kinds, un
         return say(tether, ERROR, CANNOT_BE_SET, FACTS(whole("reference", reference), fact));
     if (kind & PARAMETER_KIND && tether->phase >= STEPPING)
         return say(tether, ERROR, IS_FIXED, FACTS(word("name", PARAMETER[reference - PARAMETERS_AT].name), fact));
+    if (kind & INPUT && tether->phase == TERMINATED)
+        return say(tether, ERROR, NOT_AFTER_THE_END, FACTS(word("name", INPUT_NAME[reference]), fact));
     return OK;
 }
 

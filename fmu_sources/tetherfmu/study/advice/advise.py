@@ -73,6 +73,10 @@ class Search:
         """Least cost per simulated second of what was found [-], infinite if nothing was."""
         return min((point.cost for point in self.points.values() if self.part(point) <= 1.0), default=inf)
 
+    def best_of(self, variant):
+        """The flown point of a variant with the least error, None if there is none."""
+        return min((each for config, each in self.points.items() if config.variant == variant), key=self.part, default=None)
+
     def refine(self):
         """Go from a coarse dynamic tether to one that does, by more segments or shorter steps, what helps more."""
         segments, choices = SEGMENTS[SEGMENTS.index(FIRST_SEGMENTS) :], steps(self.scene)
@@ -134,7 +138,8 @@ def advise(scene, budget=BUDGET):
 def explain(scene, advice):
     """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
     config, found = advice.point.config, numbers(scene)
-    facts = {"numbers": found, "reasons": list(reasons(config, found, scene.wanted.allowed_error)), "worst": worst}
+    why_not = [(*each, advice.search.best_of(each[0])) for each in reasons(config, found, scene.wanted.allowed_error)]
+    facts = {"numbers": found, "reasons": why_not, "worst": worst}
     facts |= {"fmu": class_name(config.variant), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
     return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")
 

@@ -109,10 +109,10 @@ def figures(results, both, folder):
     return titles | {f"Heat maps, {when}": path(when) for when in both}
 
 
-def write(results, before, folder, with_figures):
+def write(results, before, also, folder, with_figures):
     """Write stability.md, and its figures if asked for, to a folder (Path); returns the summary as text.
 
-    results, before : tables of results, of now and of another version (which may be empty).
+    results, before, also : tables of results, of now, of another version and of another seed (which may both be empty).
     """
     folder.mkdir(parents=True, exist_ok=True)
     points, both = prepared(results), common(results, before) if len(before) else {}
@@ -121,7 +121,8 @@ def write(results, before, folder, with_figures):
     tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
     drawn = figures(points, both, folder) if with_figures else {}
-    text = page("stability/page.md.j2", figures=drawn, points=points, core=core, held=held, both=both, **tables, **bounds)
+    found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
+    text = page("stability/page.md.j2", figures=drawn, **found, **tables, **bounds)
     (folder / "stability.md").write_text(text, encoding="utf-8")
     return f"{markdown(by_variant(points))}\n{held}"
 
@@ -137,8 +138,8 @@ def run(options):
     for model in MODELS.values():
         model()  # compiles, so that not each process has to
     results = judge_all(points, options.results or options.out / f"stability_{options.seed}.jsonl", options.processes)
-    before = read(options.before) if options.before else results[:0]
-    print(write(results, before, options.out, with_figures=not options.quick))
+    before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
+    print(write(results, before, also, options.out, with_figures=not options.quick))
     bad = results[results.verdict.isin(FORBIDDEN)]
     for number, verdict in zip(bad.number[:20], bad.verdict, strict=False):
         print(f"point {number}: {verdict}", file=sys.stderr)
