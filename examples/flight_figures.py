@@ -10,9 +10,8 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from tetherfmu.console.colours import BLACK, GREEN, ORANGE, SKY_BLUE, coloured
+from tetherfmu.console.colours import BLACK, COMPONENTS, coloured
 
-COMPONENTS = {"x": SKY_BLUE, "y": ORANGE, "z": GREEN, "magnitude": BLACK}
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
 
 

@@ -10,10 +10,9 @@ from functools import cache
 import numpy as np
 from lessons import TALL, Lesson, Movie, command_line, curve, example, plt, tidy
 
-from tetherfmu.console.colours import BLACK, COLOUR, GREEN, ORANGE, REFERENCE, SKY_BLUE
+from tetherfmu.console.colours import BLACK, COLOUR, COMPONENTS, REFERENCE
 
 circular_flight = example("circular_flight")
-AXES = {"x": SKY_BLUE, "y": ORANGE, "z": GREEN}
 
 
 @cache
@@ -42,10 +41,9 @@ def lesson():
     left, right = figure.subfigures(1, 2, width_ratios=(3, 2))
     draw_shapes(left.add_subplot(projection="3d"), found.shape, COLOUR["dynamic"])
     axes = right.add_subplot()
-    for (name, colour), force in zip(AXES.items(), found.kite_force.T, strict=True):
-        curve(axes, found.time, force, name, color=colour)
     size = np.linalg.norm(found.kite_force, axis=1)
-    curve(axes, found.time, size, "magnitude", color=BLACK)
+    for (name, colour), force in zip(COMPONENTS.items(), (*found.kite_force.T, size), strict=True):
+        curve(axes, found.time, force, name, color=colour)
     axes.set(xlabel="time [s]", ylabel="[N]", title="Force on the kite")
     tidy(axes)
     answer = f"the tether pulls with {size.min():.0f} to {size.max():.0f} N at the kite"
