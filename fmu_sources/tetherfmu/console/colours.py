@@ -16,7 +16,7 @@ COLOUR = {
     "dynamic": VERMILLION,
     "dynamic_free": PURPLE,
 }
-#: colour of a component of a vector, and of its magnitude: those of no variant; indigo and olive from the palette of Tol (2021)
+#: colour of a component of a vector, and of its magnitude: no variant has it; two are from the palette of Tol (2021)
 COMPONENTS = {"x": SKY_BLUE, "y": "#332288", "z": "#999933", "magnitude": BLACK}
 #: colour of what a variant is compared with: a formula, a peer, an experiment
 REFERENCE = GREY
