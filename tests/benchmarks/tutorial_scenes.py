@@ -7,7 +7,8 @@ TetherDynamic; CVODES runs in one call with the exact sparse Jacobian. The error
 coordinate from DOP853 at 1e-10. Both solvers run at a ladder of tolerances, interleaved, for at least 20 ms in each turn;
 the shortest processor time counts, since other programs only add to it. A row compares times at equal error: that of
 TetherDynamic at its default tolerance, between the tolerances of CVODES on logarithmic axes. The lessons take the
-strain-rate damper and a row every 20 ms. The exit status is 1 if CVODES is less than five times slower in any row of the table.
+strain-rate damper and a row every 20 ms. The exit status is 1 if CVODES is less than five times slower in any row of the
+table.
 """
 
 import argparse
