@@ -6,10 +6,9 @@ Both ends over one turn of the circle: the force of TetherQuasiSteady, and what 
 import numpy as np
 from lessons import STEP, Lesson, command_line, curve, panels
 from quasi_steady_circle import STEPS, fly
-from tether_11 import AXES
 
 from tetherfmu import TetherDynamic, TetherQuasiSteady
-from tetherfmu.console.colours import BLACK
+from tetherfmu.console.colours import COMPONENTS
 
 
 def lesson():
@@ -19,15 +18,16 @@ def lesson():
     figure, found = panels(2, 2, sharex=True, height_ratios=(2, 1))
     for (above, below), end, title in zip(found.T, ("kite_force", "ground_force"), ("kite", "ground station"), strict=True):
         force, missing = getattr(steady, end), getattr(dynamic, end) - getattr(steady, end)
+        size = np.linalg.norm(force, axis=1)
         last = np.argsort(np.argsort(missing[-1]))  # place of a component among those at the end, from below
-        for i, (name, colour) in enumerate(AXES.items()):
-            curve(above, time, force[:, i], name, color=colour)
-            curve(below, time, missing[:, i], name, shift=5.0 * (last[i] - 1), color=colour)
-        curve(above, time, np.linalg.norm(force, axis=1), "magnitude", color=BLACK)
+        for (name, colour), component in zip(COMPONENTS.items(), (*force.T, size), strict=True):
+            curve(above, time, component, name, color=colour)
+        for component, (name, colour), place in zip(missing.T, COMPONENTS.items(), last, strict=False):
+            curve(below, time, component, name, shift=5.0 * (place - 1), color=colour)
         above.set(title=f"Force on the {title}")
         below.set(xlabel="time [s]")
     found[0, 0].set(ylabel="TetherQuasiSteady [N]")
-    found[1, 0].set(ylabel="TetherDynamic\nminus that [N]")
+    found[1, 0].set(ylabel="TetherDynamic\nless that [N]")
     part = (
         np.linalg.norm(dynamic.kite_force - steady.kite_force, axis=1).max()
         / np.linalg.norm(dynamic.kite_force, axis=1).max()
