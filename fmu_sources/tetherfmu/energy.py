@@ -2,7 +2,7 @@
 
     d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - damping loss - drag loss
 
-Every term is written out in docs/theory.md, "Energy", and computed in `kernels/chain/power_balance.py`. What the powers do
+Every term is written out in docs/theory.md, "Energy", and computed in `kernels/step/power_balance.py`. What the powers do
 not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
 """
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Energy:
-    """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.chain.power_balance`.
+    """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.step.power_balance`.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
         inputs[at.KITE_LOAD :] = kite_load
     found = np.zeros(len(fields(Energy)) + instance.segments)
     arrays = (address(each) for each in (instance.parameters, instance.state))
-    instance.kernels.account(instance.segments, *arrays, inputs.ctypes.data, found.ctypes.data, address(instance.work))
+    instance.kernels.energy(instance.segments, *arrays, inputs.ctypes.data, found.ctypes.data, address(instance.work))
     return found
 
 

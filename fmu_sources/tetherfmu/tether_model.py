@@ -164,7 +164,7 @@ class TetherModel:
             self._parameters[place] = parameters[place]
         if nodes is not None:
             self._state[at.STATE_HEADER :] = nodes.ravel()
-            self._instance.observe()
+            self._instance.take_outputs()
         self._runs = True
         self._warn()
         return self._present()
@@ -300,7 +300,7 @@ class TetherModel:
     def outputs(self) -> Outputs:
         """`Outputs` that belong to the present state; StepRefused before `initialize`."""
         self._check_started()
-        self._instance.observe()
+        self._instance.take_outputs()
         return self._present()
 
     def energy(
@@ -356,7 +356,7 @@ class TetherModel:
             self._set_wind(wind)
 
     def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
-        """Energies, powers and tensions of the present state, see `energy` and `kernels.chain.power_balance`."""
+        """Energies, powers and tensions of the present state, see `energy` and `kernels.step.power_balance`."""
         if self.variant in WITHOUT_NODES:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
         self._check_started()

@@ -7,7 +7,7 @@ import pytest
 
 from example_fmus.example_slaves import Model
 from tetherfmu.export.example_fmus import slave  # noqa: F401 (finds the package of the examples)
-from tetherfmu.kernels.chain import atmosphere
+from tetherfmu.kernels.equations import air
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment
 
@@ -17,7 +17,7 @@ NO_WEIGHT = {"turning_by_weight": 0.0}
 def lift_and_drag(load, felt):
     """Components along the apparent wind and across it (a vector)."""
     along = np.dot(load, felt) / np.linalg.norm(felt)
-    return along, load - along * np.array(felt) / np.linalg.norm(felt)
+    return add_scaled, load - along * np.array(felt) / np.linalg.norm(felt)
 
 
 @pytest.mark.parametrize("depower", [0.0, 0.4, 1.0])
@@ -76,7 +76,7 @@ def test_the_air_is_that_of_the_tether(profile, height):
     parameters = np.zeros(at.PARAMETER_SCALARS)
     for name, value in vars(known).items():
         parameters[getattr(at, name.upper())] = value
-    factor, density, _, _ = atmosphere.varying_air(height, parameters)
+    factor, density, _, _ = air.varying_air(height, parameters)
     assert air.wind_factor(height, known) == pytest.approx(factor, rel=1e-14)
     assert air.density(height, known) == pytest.approx(density, rel=1e-14)
 

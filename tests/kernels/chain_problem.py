@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from tetherfmu.kernels.communication import driven_end
-from tetherfmu.kernels.communication.drive import Drive, chain_during
-from tetherfmu.kernels.motion.implicit_euler import descent
-from tetherfmu.kernels.motion.rosenbrock import stages
+from tetherfmu.kernels.equations import end_motion
+from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
+from tetherfmu.kernels.integrators.backward_euler import descent
+from tetherfmu.kernels.integrators.rosenbrock import stages
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 
 class ChainProblem:
-    """Arrays and the drive of a bent chain of 4 segments in a sheared wind; both ends move, the tether reels.
+    """Arrays and the conditions of a bent chain of 4 segments in a sheared wind; both ends move, the tether reels.
 
     It stays taut, so that its forces are smooth and the order of a method can be seen. wind_profile : of `layout.py`.
     acceleration : of the reeling [m/s2].  load_rate : None, or that of the load on a kite end that is free [N/s].
@@ -41,11 +41,11 @@ class ChainProblem:
         self.stages, self.descent = stages(n, self.memory), descent(n, self.memory)
         still = (0.0, 0.0, 0.0)
         kite_is_free = load_rate is not None
-        self.drive = Drive(
+        self.conditions = BoundaryConditions(
             n,
             self.parameters,
-            driven_end.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
-            driven_end.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
+            end_motion.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
+            end_motion.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
             n if kite_is_free else n - 1,
             self.length,
@@ -55,4 +55,4 @@ class ChainProblem:
             (60.0, 10.0, 100.0) if kite_is_free else still,
             load_rate if kite_is_free else still,
         )
-        self.chain = chain_during(self.drive, 0.0)
+        self.chain = chain_during(self.conditions, 0.0)

@@ -1,29 +1,29 @@
-"""Flat arrays of node vectors for kernels that take folded ones."""
+"""Flat arrays of node vectors for kernels that take interleaved ones."""
 
 import numpy as np
 
-from tetherfmu.kernels.algebra.both_ends import fold, folded_size, unfold
-from tetherfmu.kernels.chain import nodes
+from tetherfmu.kernels.linear_algebra.both_ends import interleave, interleaved_size, deinterleave
+from tetherfmu.kernels.equations import assembly
 
 
-def folded(flat):
-    """A folded copy of a flat array."""
+def interleaved(flat):
+    """An interleaved copy of a flat array."""
     n = len(flat) // 3 - 1
-    copy = np.full(folded_size(n), np.nan)
-    fold(n, flat, copy)
+    copy = np.full(interleaved_size(n), np.nan)
+    interleave(n, flat, copy)
     return copy
 
 
 def room_for_segments(n):
-    """What `nodes.find_segments` fills."""
-    return np.zeros(nodes.segments_size(n))
+    """What `assembly.find_segments` fills."""
+    return np.zeros(assembly.segments_size(n))
 
 
-def node_forces(chain, branches, x, v):
+def node_forces(chain, modes, x, v):
     """Forces on all nodes [N], flat, of flat positions and velocities."""
     mass, force = np.zeros(chain.n + 1), np.zeros_like(x)
-    nodes.node_masses(chain, mass)
-    found = np.zeros(folded_size(chain.n))
-    nodes.node_forces(chain, branches, folded(x), folded(v), mass, room_for_segments(chain.n), found)
-    unfold(chain.n, found, force)
+    assembly.node_masses(chain, mass)
+    found = np.zeros(interleaved_size(chain.n))
+    assembly.node_forces(chain, modes, interleaved(x), interleaved(v), mass, room_for_segments(chain.n), found)
+    deinterleave(chain.n, found, force)
     return force

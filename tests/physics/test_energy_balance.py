@@ -11,12 +11,12 @@ of order h^2.
 import numpy as np
 import pytest
 
-from kernels.folded import node_forces
+from kernels.interleaved import node_forces
 from mechanics import energy as energy_of_chain
 from mechanics import line_density
 from tetherfmu.energy import EnergyAudit
-from tetherfmu.kernels.chain import nodes, segment
-from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.kernels.equations import assembly, segment
+from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -48,7 +48,7 @@ def accelerations(model, reel_out_speed, free_ends):
     x, v = state[at.STATE_HEADER :].reshape(2, -1)
     mass = np.zeros(n + 1)
     chain = chain_at(n, parameters, state[at.LENGTH], reel_out_speed, WIND)
-    nodes.node_masses(chain, mass)
+    assembly.node_masses(chain, mass)
     force = node_forces(chain, np.full(n, segment.BY_LENGTH), x, v)
     force[-3:] += LOAD
     result = force.reshape(-1, 3) / mass[:, None]

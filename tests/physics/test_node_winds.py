@@ -6,7 +6,7 @@ import pytest
 from kernels.chain_problem import ChainProblem
 from mechanics import air_velocities, drag, drags, line_density, wind_factor
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady
-from tetherfmu.kernels.motion.step_control import allowed_errors
+from tetherfmu.kernels.integrators.step_control import allowed_errors
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
@@ -125,7 +125,7 @@ def test_the_largest_wind_at_a_node_is_the_scale_of_the_allowed_errors():
     winds = np.zeros((3, problem.n + 1))
     winds[:, 3] = 30.0, -40.0, 120.0
     problem.parameters[-winds.size :] = winds.ravel()
-    _, velocity = allowed_errors(problem.drive, problem.v)
+    _, velocity = allowed_errors(problem.conditions, problem.v)
     assert velocity == pytest.approx(1e-6 * 130.0, rel=1e-5)  # 1e-12 m/s is added
 
 

@@ -1,7 +1,7 @@
 """Sizes of the flat arrays, views of a state and of the caller's work array.
 
-The work array holds a whole state for trial, then the arrays that all solvers of a chain share (`shared_arrays`), then room
-that each solver divides and names for itself.
+The work array holds what all solvers of a chain share (`shared_arrays`), then room that each solver divides and names for
+itself, in a record `Workspace` of its own.
 """
 
 from tetherfmu.runtime import layout as at
@@ -11,7 +11,8 @@ from .compilation import kernel, part, view
 parameters_size = kernel(at.parameters_size)
 state_size = kernel(at.state_size)
 outputs_size = kernel(at.outputs_size)
-work_size = kernel(at.work_size)
+
+SEGMENT_RECORD = 35  # numbers of the derivatives of one segment, see `equations/segment.py`
 
 
 @view
@@ -21,26 +22,24 @@ def positions_and_velocities(n, state):
     return part(state, at.STATE_HEADER, nodes), part(state, at.STATE_HEADER + nodes, nodes)
 
 
-@view
-def trial_state(n, work):
-    """View of a whole state in the work array."""
-    return part(work, 0, state_size(n))
+@kernel
+def shared_size(n):
+    """Length of what `shared_arrays` takes of the work array."""
+    return 2 * SEGMENT_RECORD * ((n + 1) // 2) + 28 * (n + 1)
 
 
 @view
 def shared_arrays(n, work):
     """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
 
-    blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `nodes.record_of`.
-    Records and room begin at even places, so that no pair of a folded array lies across two lines of the cache.
+    blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `assembly.record_of`.
+    Records begin at an even place, so that no pair of an interleaved array lies across two lines of the cache.
     """
     size = 9 * (n + 1)
-    records = state_size(n) + state_size(n) % 2
-    block = records + 2 * at.SEGMENT_RECORD * ((n + 1) // 2)
+    block = 2 * SEGMENT_RECORD * ((n + 1) // 2)
     mass = block + 3 * size
-    room = mass + n + 1
     blocks = part(work, block, size), part(work, block + size, size), part(work, block + 2 * size, size)
-    return blocks, part(work, records, block - records), part(work, mass, n + 1), behind(room, work)
+    return blocks, part(work, 0, block), part(work, mass, n + 1), behind(mass + n + 1, work)
 
 
 @view

@@ -1,7 +1,11 @@
 """The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
 
-Each variant has four: initialize, advance, observe, fly; with nodes a fifth: account. `runtime.kernel_library` has their
-signatures for callers, `layout.py` the arrays. They return statuses (`status.py`), `fly` the number of steps done.
+Each variant has five: work_size, initialize, advance, outputs, fly; with nodes a sixth: energy.
+`runtime.kernel_library` has their signatures for callers, `layout.py` the arrays. They return statuses (`status.py`), `fly`
+the number of steps done.
+
+Of a variant they need the kernels work_size(n), initialize(n, parameters, state, work),
+advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work).
 """
 
 from numba import carray, types
@@ -10,48 +14,91 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.status import OK
 
-from .algebra.vectors import norm, vector_at
-from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size, work_size
-from .chain import power_balance
-from .compilation import part, view
+from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size
+from .compilation import kernel, part
+from .equations.boundary import inputs_of_step
+from .linear_algebra.vectors import norm, vector_at
+from .step import power_balance, transaction
+from .step.outputs import complete
 
 _DOUBLES = types.CPointer(types.float64)
 _COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
 SIGNATURES = Kernels(
-    initialize=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
-    advance=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES),
-    observe=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
+    work_size=_COUNT(_COUNT),
+    initialize=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
+    advance=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
+    outputs=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
     fly=_COUNT(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _NUMBER, _COUNT, _COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
-    account=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    energy=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
 )
 
 
-@view
-def _chain_arrays(n, parameters, state, work):
-    """The parameters, the state and the work as arrays."""
-    return carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, work_size(n))
-
-
 def entry_points(variant):
-    """Entry points of a variant, functions to be compiled with `SIGNATURES`.
+    """Entry points of a variant, functions to be compiled with `SIGNATURES`; variant : module of `kernels.variants`."""
 
-    variant : module of `kernels.variants`, with the kernels initialize, advance and observe.
-    """
+    @kernel
+    def take_outputs(n, p, s, shape_points, outputs, w):
+        """Outputs (modified) that belong to a state; a status: OK or OUTPUT_NOT_FINITE."""
+        variant.outputs_of(n, p, s, shape_points, outputs, w)
+        return complete(s, outputs)
 
-    def initialize(n, parameters, inputs, state, work):
-        """First state (modified) between two ends; see the kernel of the variant."""
-        p, s, w = _chain_arrays(n, parameters, state, work)
-        return variant.initialize(n, p, carray(inputs, at.INPUTS), s, w)
+    @kernel
+    def take_step(n, p, inputs, step, s, before, w):
+        """One communication step of `step` [s]; on any status but OK the state is as it was.
 
-    def advance(n, parameters, inputs, step, state, work):
-        """One communication step of `step` [s] (state modified); see the kernel of the variant."""
-        p, s, w = _chain_arrays(n, parameters, state, work)
-        return variant.advance(n, p, carray(inputs, at.INPUTS), step, s, w)
+        s (modified) : the state.  before (modified) : the state of before, if the inputs allow a step.
+        """
+        status = transaction.check_step(inputs, step)
+        if status != OK:
+            return status
+        given = inputs_of_step(p, inputs, step, s)
+        status = transaction.check_reeling(n, p, given)
+        if status != OK:
+            return status
+        copy(s, before)
+        transaction.remember(inputs, given, s)
+        status = variant.advance(n, p, given, before, s, w)
+        return transaction.commit(n, p, status, before, s)
 
-    def observe(n, parameters, state, shape_points, outputs, work):
-        """Outputs (modified) that belong to a state; see the kernel of the variant."""
-        p, s, w = _chain_arrays(n, parameters, state, work)
-        return variant.observe(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
+    @kernel
+    def take_step_with_outputs(n, p, inputs, step, s, before, shape_points, outputs, w):
+        """`take_step`, then the outputs (modified); on any status but OK the outputs are those of before, too."""
+        status = take_step(n, p, inputs, step, s, before, w)
+        if status == OK:
+            status = take_outputs(n, p, s, shape_points, outputs, w)
+            if status != OK:
+                copy(before, s)
+                take_outputs(n, p, s, shape_points, outputs, w)
+        return status
+
+    def work_size(n):
+        """Length of the work array [-] of a tether with n segments."""
+        return variant.work_size(n)
+
+    def initialize(n, parameters, inputs, state, shape_points, outputs, work):
+        """First state and its outputs (both modified) between two ends; they have no meaning on any status but OK."""
+        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        status = transaction.start(n, p, carray(inputs, at.INPUTS), s)
+        if status == OK:
+            status = variant.initialize(n, p, s, w)
+        status = transaction.commit_start(n, p, status, s)
+        if status == OK:
+            status = take_outputs(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
+        return status
+
+    def advance(n, parameters, inputs, step, state, before, shape_points, outputs, work):
+        """One communication step of `step` [s]: state and outputs (modified), left as they were on any status but OK.
+
+        before (modified) : room for a state; after a step that was done, the state of before it.
+        """
+        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        i, old, o = carray(inputs, at.INPUTS), carray(before, state_size(n)), carray(outputs, outputs_size(shape_points))
+        return take_step_with_outputs(n, p, i, step, s, old, shape_points, o, w)
+
+    def outputs(n, parameters, state, shape_points, outputs, work):
+        """Outputs (modified) that belong to a state."""
+        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        return take_outputs(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
     def fly(n, parameters, inputs, steps, step, every, outputs, state, before, shape_points, rows, work):
         """Do `steps` communication steps, until one is refused; returns how many were done. The state is modified.
@@ -61,7 +108,7 @@ def entry_points(variant):
         rows (modified) : of each kept step the outputs and the largest |kite_force| since the row before, unless NEVER; the
         node positions.
         """
-        p, s, w = _chain_arrays(n, parameters, state, work)
+        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
         x, _ = positions_and_velocities(n, s)
         old = carray(before, state_size(n))
         flight = carray(inputs, steps * at.INPUTS)
@@ -72,17 +119,14 @@ def entry_points(variant):
         largest, row = 0.0, 0
         for k in range(steps):
             keep = every > 0 and (k + 1) % every == 0
-            observes = outputs == at.ALWAYS or (keep and outputs == at.AT_ROWS)
-            if observes:
-                copy(s, old)
-            if variant.advance(n, p, part(flight, k * at.INPUTS, at.INPUTS), step, s, w) != OK:
-                return k
-            if observes:
+            inputs_now = part(flight, k * at.INPUTS, at.INPUTS)
+            if outputs == at.ALWAYS or (keep and outputs == at.AT_ROWS):
                 now = part(kept, row, size)
-                if variant.observe(n, p, s, shape_points, now, w) != OK:
-                    copy(old, s)
+                if take_step_with_outputs(n, p, inputs_now, step, s, old, shape_points, now, w) != OK:
                     return k
                 largest = max(largest, norm(vector_at(now, at.KITE_FORCE)))
+            elif take_step(n, p, inputs_now, step, s, old, w) != OK:
+                return k
             if keep:
                 if outputs != at.NEVER:
                     kept[row + size] = largest
@@ -90,9 +134,9 @@ def entry_points(variant):
                 largest, row = 0.0, row + width
         return steps
 
-    def account(n, parameters, state, inputs, energies, work):
+    def energy(n, parameters, state, inputs, energies, work):
         """Energies, powers and tensions (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
-        p, s, w = _chain_arrays(n, parameters, state, work)
-        return power_balance.account(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.ENERGIES + n), w)
+        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        return power_balance.balance(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.ENERGIES + n), w)
 
-    return Kernels(initialize, advance, observe, fly, account)
+    return Kernels(work_size, initialize, advance, outputs, fly, energy)

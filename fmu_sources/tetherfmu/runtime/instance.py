@@ -75,49 +75,41 @@ class Instance:
             self.segments = segments
             self.state = zeros(at.state_size(segments))
             self.before = zeros(at.state_size(segments))
-            self.work = zeros(at.work_size(segments))
+            self.work = zeros(self.kernels.work_size(segments))
         self._parameters_address = address(self.parameters)
-        self._state_address = address(self.state)
+        self._state_address, self._before_address = address(self.state), address(self.before)
         self._work_address = address(self.work)
 
     def start(self):
         """Find the first shape between the ends that the inputs give. Returns what is wrong, or None."""
         outputs = self.values[OUTPUTS_AT : self.parameters_at]
         self.before[:] = self.state
-        result = self.kernels.initialize(
-            self.segments, self._parameters_address, self._inputs_address, self._state_address, self._work_address
+        self.status = self.kernels.initialize(
+            *(self.segments, self._parameters_address, self._inputs_address, self._state_address),
+            *(self.points, self._outputs_address, self._work_address),
         )
-        problem = self._finish(result, 0.0)
-        if problem:
-            self.values[OUTPUTS_AT : self.parameters_at] = outputs
-        else:
+        if self.status == status.OK:
             self._warned = 0
+            return None
+        problem = self.sentence(self.status, 0.0)  # with the length that was tried
+        self.state[:] = self.before
+        self.values[OUTPUTS_AT : self.parameters_at] = outputs
         return problem
 
     def advance(self, step):
         """Do a communication step of `step` [s] with the inputs at its start. Returns what is wrong, or None."""
-        self.before[:] = self.state
-        result = self.kernels.advance(
-            self.segments, self._parameters_address, self._inputs_address, step, self._state_address, self._work_address
+        self.status = self.kernels.advance(
+            *(self.segments, self._parameters_address, self._inputs_address, step, self._state_address),
+            *(self._before_address, self.points, self._outputs_address, self._work_address),
         )
-        problem = self._finish(result, step)
-        if problem:
-            self.observe()
-        return problem
+        return None if self.status == status.OK else self.sentence(self.status, step)
 
-    def _finish(self, result, step):
-        """Compute the outputs of a start or a step that was done, else restore the state. Returns what is wrong, or None."""
-        self.status = result = self.observe() if result == status.OK else result
-        if result == status.OK:
-            return None
-        problem = self.sentence(result, step)  # with the length that was tried
-        self.state[:] = self.before
-        return problem
-
-    def observe(self):
+    def take_outputs(self):
         """Compute the outputs that belong to the state; returns the status."""
-        state, outputs = self._state_address, self._outputs_address
-        return self.kernels.observe(self.segments, self._parameters_address, state, self.points, outputs, self._work_address)
+        return self.kernels.outputs(
+            *(self.segments, self._parameters_address, self._state_address),
+            *(self.points, self._outputs_address, self._work_address),
+        )
 
     def kite_end(self):
         """Position [m] and velocity [m/s] of the kite end, an array of six numbers."""

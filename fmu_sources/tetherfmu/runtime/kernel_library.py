@@ -1,8 +1,8 @@
 """The entry points of a variant as ctypes functions, and the compiled library that has them.
 
-initialize(n, parameters, inputs, state, work), advance(n, parameters, inputs, step, state, work), observe(n, parameters,
-state, shape_points, outputs, work); for the Python API also fly and account. Arrays are passed by addresses. See
-`kernels/entry_points.py`.
+work_size(n), initialize(n, parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step, state,
+before, shape_points, outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API also fly
+and energy. Arrays are passed by addresses. See `kernels/entry_points.py`.
 """
 
 import platform
@@ -14,16 +14,17 @@ from pathlib import Path
 
 from .variants import WITHOUT_NODES
 
-Kernels = namedtuple("Kernels", "initialize advance observe fly account", defaults=(None,))
+Kernels = namedtuple("Kernels", "work_size initialize advance outputs fly energy", defaults=(None,))
 _ARRAY = c_void_p
 PROTOTYPES = Kernels(
-    initialize=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    advance=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY),
-    observe=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
+    work_size=CFUNCTYPE(c_int64, c_int64),
+    initialize=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
+    advance=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
+    outputs=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
     fly=CFUNCTYPE(
         c_int64, c_int64, _ARRAY, _ARRAY, c_int64, c_double, c_int64, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY
     ),
-    account=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    energy=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 )
 SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
 

@@ -1,6 +1,6 @@
 """What no tether and no kite does, with its limit and the sentence of one warning; the numbers stay what they are.
 
-The kernels note it in the state (`layout.WARNINGS`), see `kernels/communication/plausibility.py`.
+The kernels note it in the state (`layout.WARNINGS`), see `kernels/step/plausibility.py`.
 """
 
 from . import layout as at

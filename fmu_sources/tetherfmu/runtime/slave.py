@@ -140,7 +140,7 @@ class TetherSlave(BaseSlave):
         if records:
             instance.set_up(*records, tolerance=saved.tolerance)
             instance.take(saved.state)
-            if instance.observe() != status.OK:
+            if instance.take_outputs() != status.OK:
                 raise ValueError(refusals.STATE_IMPOSSIBLE)
             self._read_free_kite()
 

@@ -1,14 +1,14 @@
-"""Folded arrays, parts of arrays, and what goes through an array by pairs, for even and odd numbers."""
+"""Interleaved arrays, parts of arrays, and what goes through an array by pairs, for even and odd numbers."""
 
 import numpy as np
 import pytest
 from numba import njit
 
-from kernels.folded import folded
-from tetherfmu.kernels.algebra.both_ends import next_folded, unfold
-from tetherfmu.kernels.algebra.pairs import first, larger, pair, second
+from kernels.interleaved import interleaved
+from tetherfmu.kernels.linear_algebra.both_ends import next_interleaved, deinterleave
+from tetherfmu.kernels.linear_algebra.pairs import first, larger, pair, second
 from tetherfmu.kernels.arrays import copy
-from tetherfmu.kernels.communication.acceptance import check_state
+from tetherfmu.kernels.step.transaction import check_state
 from tetherfmu.kernels.compilation import part
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STATE_NOT_FINITE
@@ -18,7 +18,7 @@ every_length = pytest.mark.parametrize("n", range(1, 8))
 
 @njit
 def vectors_of_next(n, k, array):
-    vectors = next_folded(n, k, array)
+    vectors = next_interleaved(n, k, array)
     return first(vectors), second(vectors)
 
 
@@ -46,7 +46,7 @@ def flat(n):
 
 @every_length
 def test_vectors_of_mirror_images_stand_beside_each_other(n):
-    array, nodes = folded(flat(n)).reshape(-1, 3, 2), flat(n).reshape(-1, 3)
+    array, nodes = interleaved(flat(n)).reshape(-1, 3, 2), flat(n).reshape(-1, 3)
     np.testing.assert_array_equal(array[..., 0], nodes[: n // 2 + 1])
     np.testing.assert_array_equal(array[..., 1], nodes[::-1][: n // 2 + 1])
 
@@ -54,7 +54,7 @@ def test_vectors_of_mirror_images_stand_beside_each_other(n):
 @every_length
 def test_unfolded_is_what_was_folded(n):
     found = np.zeros(3 * (n + 1))
-    unfold(n, folded(flat(n)), found)
+    deinterleave(n, interleaved(flat(n)), found)
     np.testing.assert_array_equal(found, flat(n))
 
 
@@ -62,12 +62,12 @@ def test_unfolded_is_what_was_folded(n):
 def test_the_next_vectors_towards_the_middle_and_one_beyond(n):
     nodes = flat(n).reshape(-1, 3)
     for k in range((n + 1) // 2):
-        np.testing.assert_array_equal(vectors_of_next(n, k, folded(flat(n))), (nodes[k + 1], nodes[n - k - 1]))
+        np.testing.assert_array_equal(vectors_of_next(n, k, interleaved(flat(n))), (nodes[k + 1], nodes[n - k - 1]))
 
 
 @pytest.mark.parametrize("function", [larger_of_pairs, larger_numbers])
 def test_the_larger_number_and_the_second_one_beside_a_nan(function):
-    """As `choose(a - b, a, b)`, also for what is no number."""
+    """As `select(a - b, a, b)`, also for what is no number."""
     assert function((1.0, -2.0), (0.5, 3.0)) == (1.0, 3.0)
     assert function((np.nan, np.inf), (0.5, 3.0)) == (0.5, np.inf)
 

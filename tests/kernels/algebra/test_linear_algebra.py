@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.algebra.block_tridiagonal import Matrix, factorize, solve
+from tetherfmu.kernels.linear_algebra.block_tridiagonal import Matrix, factorize, solve
 from tetherfmu.kernels.equilibrium.hanging_chain import solve_symmetric
 
 

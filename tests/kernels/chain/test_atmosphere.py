@@ -9,7 +9,7 @@ from math import exp, log
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.chain.atmosphere import air_density, wind_factor
+from tetherfmu.kernels.equations.air import air_density, wind_factor
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 HEIGHTS = [0.5, 6.0, 10.0, 200.0, 3000.0]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from kernels.chain_problem import ChainProblem
-from kernels.folded import folded, node_forces
-from tetherfmu.kernels.chain import nodes, segment
-from tetherfmu.kernels.chain.properties import chain_at
-from tetherfmu.kernels.motion import rosenbrock
+from kernels.interleaved import interleaved, node_forces
+from tetherfmu.kernels.equations import assembly, segment
+from tetherfmu.kernels.equations.properties import chain_at
+from tetherfmu.kernels.integrators import rosenbrock
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-5
@@ -16,7 +16,7 @@ TOLERANCE = 1e-6
 
 
 def chain_of_length(problem, length):
-    return chain_at(problem.n, problem.parameters, length, problem.drive.reeling, problem.wind)
+    return chain_at(problem.n, problem.parameters, length, problem.conditions.reeling, problem.wind)
 
 
 def forces(problem, x, v, length):
@@ -26,7 +26,7 @@ def forces(problem, x, v, length):
 def linearize(chain, x, v, w):
     """Records of the segments into those of `w`; returns the rate of the forces from reeling."""
     rate = np.zeros_like(x)
-    nodes.linearize(chain, folded(x), folded(v), w.branches, w.segments, w.records, rate)
+    assembly.linearize(chain, interleaved(x), interleaved(v), w.modes, w.segments, w.records, rate)
     return rate
 
 
@@ -40,9 +40,9 @@ def differences(function, point):
 
 
 def dense(problem, factors):
-    """The block tridiagonal matrix of `nodes.assemble` as a full one."""
+    """The block tridiagonal matrix of `assembly.assemble` as a full one."""
     n, w = problem.n, problem.stages
-    nodes.assemble(n, *factors, w.mass, w.records, w.matrix)
+    assembly.assemble(n, *factors, w.mass, w.records, w.matrix)
     full = np.zeros((3 * (n + 1), 3 * (n + 1)))
     for i in range(n + 1):
         rows = slice(3 * i, 3 * i + 3)
@@ -62,16 +62,16 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     length = 60.0 if slack else problem.length
     w = problem.stages
     chain = chain_of_length(problem, length)
-    nodes.node_masses(chain, w.mass)
+    assembly.node_masses(chain, w.mass)
     force_rate = linearize(chain, problem.x, problem.v, w)
-    np.testing.assert_array_equal(w.branches, segment.SLACK if slack else segment.TAUT)
+    np.testing.assert_array_equal(w.modes, segment.SLACK if slack else segment.TAUT)
     by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
     by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
     by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
     for found, expected in (
         (dense(problem, (0.0, 0.0, -1.0)), by_position),
         (dense(problem, (0.0, -1.0, 0.0)), by_velocity),
-        (force_rate / problem.drive.reeling, by_length),
+        (force_rate / problem.conditions.reeling, by_length),
     ):
         np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())
 
@@ -79,20 +79,20 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
 def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     problem = ChainProblem()
     n, w = problem.n, problem.stages
-    nodes.node_masses(problem.chain, w.mass)
+    assembly.node_masses(problem.chain, w.mass)
     linearize(problem.chain, problem.x, problem.v, w)
     stiffness = dense(problem, (0.0, 0.0, -1.0))
     damping = dense(problem, (0.0, -1.0, 0.0))
     move = np.random.default_rng(5).normal(size=(2, 3))
     for kite_end, columns in ((False, slice(0, 3)), (True, slice(3 * n, 3 * n + 3))):
         change = np.zeros(3 * (n + 1))
-        nodes.add_end_motion(n, kite_end, tuple(move[0]), tuple(move[1]), w.records, change)
+        assembly.add_end_motion(n, kite_end, tuple(move[0]), tuple(move[1]), w.records, change)
         expected = stiffness[:, columns] @ move[0] + damping[:, columns] @ move[1]
         np.testing.assert_allclose(change, expected, rtol=1e-12, atol=1e-9)
     u = np.random.default_rng(6).normal(size=3 * (n + 1))
-    w.r[:] = folded(u)
+    w.r[:] = interleaved(u)
     w.stage_mass[:] = w.mass
-    rosenbrock.right_hand_side(n, 0, 1.0, w)  # force, force_rate and momentum are 0
+    rosenbrock.right_hand_side(n, 0, 1.0, w)  # force, force_rate and inertia_velocity are 0
     np.testing.assert_allclose(w.q, -damping @ u, rtol=1e-12, atol=1e-9)
 
 

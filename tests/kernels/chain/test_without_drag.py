@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from kernels.chain_problem import ChainProblem
-from kernels.folded import folded, node_forces
-from tetherfmu.kernels.chain import nodes, segment
-from tetherfmu.kernels.chain.properties import chain_at, has_drag
+from kernels.interleaved import interleaved, node_forces
+from tetherfmu.kernels.equations import assembly, segment
+from tetherfmu.kernels.equations.properties import chain_at, has_drag
 from tetherfmu.runtime import layout as at
 
 WIDTH = at.PARAMETER_SCALARS + at.DRAG_WIDTH * ChainProblem().n  # place of that of the first segment
@@ -32,10 +32,10 @@ def forces(problem):
 
 
 def derivatives(problem):
-    """Records and branches of all segments."""
+    """Records and modes of all segments."""
     w, rate = problem.stages, np.zeros_like(problem.x)
-    nodes.linearize(chain_of(problem), folded(problem.x), folded(problem.v), w.branches, w.segments, w.records, rate)
-    return np.concatenate([w.records, w.branches, rate])
+    assembly.linearize(chain_of(problem), interleaved(problem.x), interleaved(problem.v), w.modes, w.segments, w.records, rate)
+    return np.concatenate([w.records, w.modes, rate])
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic
-from tetherfmu.kernels.chain import nodes
-from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.kernels.equations import assembly
+from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.equilibrium import newton
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
@@ -26,23 +26,23 @@ def linear_problem(axial_stiffness):
     x = positions.ravel().copy()
     chain = chain_at(N, parameters, 60.0, 0.0, WIND)
     w = newton.balance(N, np.zeros(at.work_size(N)))
-    nodes.node_masses(chain, w.mass)
+    assembly.node_masses(chain, w.mass)
     distances = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     w.tension[:] = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
     return newton.Body(chain, spin, stretching, x, np.zeros_like(x)), w
 
 
-@pytest.mark.parametrize("resistance", [0.0, 0.7])
-def test_equal_to_stiffnesses(resistance):
+@pytest.mark.parametrize("pseudo_damping", [0.0, 0.7])
+def test_equal_to_stiffnesses(pseudo_damping):
     """The same motions and tensions from both systems, in a chain soft enough that both are well conditioned."""
     body, w = linear_problem(500.0)
     newton.node_loads(body, newton.SPRINGS, w.tension, w.mass, w.force)
     newton.linearize(body, w)
-    assert newton.factorize(body, resistance, w)
+    assert newton.factorize(body, pseudo_damping, w)
     newton.step_by_stiffness(body, w)
     motions, aim = w.move.copy(), w.aim.copy()
     never = np.inf  # the length decides which segment is taut, as with stiffnesses
-    newton.step_by_compliance(body, never, resistance, w)
+    newton.step_by_compliance(body, never, pseudo_damping, w)
     np.testing.assert_allclose(w.move, motions, atol=1e-9 * np.abs(motions).max())
     taut = np.linalg.norm(np.diff(body.x.reshape(-1, 3), axis=0), axis=1) > 60.0 / N
     assert taut.any()

@@ -6,8 +6,8 @@ Across, segment s is a spring T/l: with t_s = T_s/l_s the matrix of the free nod
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.chain.properties import chain_at
-from tetherfmu.kernels.equilibrium import strut
+from tetherfmu.kernels.equations.properties import chain_at
+from tetherfmu.kernels.equilibrium import compressed_chain
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 TETHER = Tether(segments=6, initial_length=60.0)
@@ -20,7 +20,7 @@ def straight_chain(seed, pressed):
     random = np.random.default_rng(seed)
     stretch = 10.0 ** random.uniform(-6.0, -2.0, 6)
     stretch[random.permutation(6)[:pressed]] *= -(10.0 ** random.uniform(0.0, 2.0))
-    way = random.choice([-1.0, 1.0], 6)  # folded as it likes
+    way = random.choice([-1.0, 1.0], 6)  # interleaved as it likes
     direction = random.normal(size=3)
     direction /= np.linalg.norm(direction)
     positions = np.concatenate(([0.0], np.cumsum(way * 10.0 * (1.0 + stretch))))[:, None] * direction + random.normal(size=3)
@@ -37,7 +37,7 @@ def test_strut_is_what_has_a_negative_eigenvalue(pressed):
         positions, lowest = straight_chain(seed, pressed)
         if abs(lowest) > 1e-5:  # neither neutral nor rounding
             verdicts.append(lowest < 0.0)
-            assert strut.is_strut(CHAIN, positions.ravel(), 1e-6) == verdicts[-1]
+            assert compressed_chain.is_compressed_chain(CHAIN, positions.ravel(), 1e-6) == verdicts[-1]
     assert len(verdicts) > 100
     assert pressed != 1 or 10 < sum(verdicts) < len(verdicts) - 10  # both kinds
 
@@ -45,14 +45,14 @@ def test_strut_is_what_has_a_negative_eigenvalue(pressed):
 def test_bent_chain_is_none():
     positions, _ = straight_chain(1, 6)
     positions[3] += (0.1, 0.2, 0.3)
-    assert not strut.is_strut(CHAIN, positions.ravel(), strut.PARALLEL)
+    assert not compressed_chain.is_compressed_chain(CHAIN, positions.ravel(), compressed_chain.PARALLEL)
 
 
 @pytest.mark.parametrize(
     "direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -3.0), (0.0, 2.0, 0.0), (5.0, 0.0, 0.0), (1.0, 1.0, -1.0)]
 )
 def test_sideways_is_across(direction):
-    side = np.array(strut.sideways(direction))
+    side = np.array(compressed_chain.sideways(direction))
     assert np.linalg.norm(side) == pytest.approx(1.0, rel=1e-15)
     assert side @ direction == pytest.approx(0.0, abs=1e-15)
     assert side[1 if direction[0] == 5.0 else 0] > 0.5

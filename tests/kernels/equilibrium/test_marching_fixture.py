@@ -10,7 +10,7 @@ Source: Tethers.jl (MIT), quasi-steady model, fixture of its marching test.
 
 import numpy as np
 
-from tetherfmu.kernels.chain.properties import chain_at
+from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.equilibrium import hanging_chain
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack

@@ -12,7 +12,7 @@ import pytest
 
 from kernels.variants.balance import residual
 from tetherfmu import StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import turn
+from tetherfmu.kernels.equilibrium import chord_rotation
 from tetherfmu.runtime.parameters import Environment, Tether
 
 DISTANCE = 500.0
@@ -42,7 +42,7 @@ def slope(positions, tether, wind, change=1e-6):
     return np.transpose(columns)
 
 
-# without `turn.find` all of them are refused
+# without `chord_rotation.find` all of them are refused
 @pytest.mark.parametrize(
     ("n", "slack", "up", "wind", "aside"),
     [
@@ -86,8 +86,8 @@ def test_a_turn_keeps_lengths_and_heights_over_the_chord():
     positions = np.array([[1.0, 2.0, 3.0], [2.0, 2.0, 4.0], [3.0, 1.0, 6.0], [1.0, 2.0, 8.0]])
     turned = positions.ravel().copy()
     body = type("Body", (), {"x": turned, "chain": type("Chain", (), {"n": 3})})
-    for _ in range(turn.DIRECTIONS // 4):
-        turn.turn_by.py_func(body, turn.COSINE, turn.SINE)
+    for _ in range(chord_rotation.DIRECTIONS // 4):
+        chord_rotation.turn_by.py_func(body, chord_rotation.COSINE, chord_rotation.SINE)
     x, y, z = positions.T
     expected = np.transpose([1.0 - (y - 2.0), 2.0 + (x - 1.0), z])  # about the vertical through (1, 2), anti-clockwise
     np.testing.assert_allclose(turned.reshape(-1, 3), expected, rtol=0.0, atol=1e-14)

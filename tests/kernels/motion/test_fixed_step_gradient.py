@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tetherfmu import Environment, Solver, Tether
-from tetherfmu.kernels.communication.drive import chain_during, drive_of_step
-from tetherfmu.kernels.motion import implicit_euler
+from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_step
+from tetherfmu.kernels.integrators import backward_euler
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import pack
 
@@ -30,11 +30,11 @@ def attempt_of(reel_out_speed, law, slack):
     x, v = nodes.ravel(), random.normal(0.0, 2.0, 3 * (N + 1))
     v[:3] = 0.0
     state[at.STATE_HEADER : at.STATE_HEADER + 3 * (N + 1)] = x
-    drive = drive_of_step(N, parameters, inputs, STEP, state, x, v)
-    w = implicit_euler.descent(N, work)
-    attempt = implicit_euler.Attempt(drive, chain_during(drive, STEP), STEP, v)
-    implicit_euler.begin(attempt, 0.0, x, w)
-    implicit_euler.add_drag(attempt, x, w)
+    conditions = conditions_of_step(N, parameters, inputs, STEP, state, x, v)
+    w = backward_euler.descent(N, work)
+    attempt = backward_euler.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
+    backward_euler.begin(attempt, 0.0, x, w)
+    backward_euler.add_drag(attempt, x, w)
     # where the step may end, with segments turned by some degrees
     there = x + STEP * v + random.normal(0.0, 0.1, len(x))
     there[:3] = w.free[:3]
@@ -46,7 +46,7 @@ def attempt_of(reel_out_speed, law, slack):
 @pytest.mark.parametrize("reel_out_speed", [0.0, 20.0, -20.0])
 def test_is_the_gradient_of_the_potential(reel_out_speed, law, slack):
     attempt, w, x = attempt_of(reel_out_speed, law, slack)
-    implicit_euler.linearize(attempt, x, w)
+    backward_euler.linearize(attempt, x, w)
     gradient = -w.move.copy()
     # central differences: error delta^2 x''' / 6 of springs of 1e4 N/m over metres, and rounding of 1e4 J over delta
     delta = 1e-5
@@ -54,7 +54,7 @@ def test_is_the_gradient_of_the_potential(reel_out_speed, law, slack):
         ahead, back = x.copy(), x.copy()
         ahead[place] += delta
         back[place] -= delta
-        (up, _), (down, _) = (implicit_euler.potential(attempt, each, w) for each in (ahead, back))
+        (up, _), (down, _) = (backward_euler.potential(attempt, each, w) for each in (ahead, back))
         assert gradient[place] == pytest.approx((up - down) / (2.0 * delta), abs=1e-8 * np.abs(gradient).max())
 
 
@@ -63,10 +63,10 @@ def test_the_damper_pulls_with_its_tension(reel_out_speed):
     """Where no segment turns, the gradient of the damper is c (dl/dt - (l/l0) dl0/dt), as in `segment.tension`."""
     attempt, w, _ = attempt_of(reel_out_speed, "strain_rate", False)
     x = w.old * 1.1  # all vectors keep their directions
-    implicit_euler.linearize(attempt, x, w)
+    backward_euler.linearize(attempt, x, w)
     with_damper = w.move.copy()
     attempt.chain.parameters[at.PARAMETER_SCALARS + at.DAMPING * N : at.PARAMETER_SCALARS + (at.DAMPING + 1) * N] = 0.0
-    implicit_euler.linearize(attempt, x, w)
+    backward_euler.linearize(attempt, x, w)
     damper = (with_damper - w.move).reshape(-1, 3)
     r = np.diff(x.reshape(-1, 3), axis=0)
     length, rest = np.linalg.norm(r, axis=1), attempt.chain.length / N

@@ -12,7 +12,7 @@ import pytest
 
 from kernels.chain_problem import ChainProblem
 from scenes import REFERENCE
-from tetherfmu.kernels.motion import implicit_euler, rodas4p, rosenbrock
+from tetherfmu.kernels.integrators import backward_euler, rodas4p, rosenbrock
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
 
@@ -95,7 +95,7 @@ def march(steps, **motion):
     h = 0.4 / steps
     x, v = problem.x.copy(), problem.v.copy()
     for k in range(steps):
-        assert rosenbrock.step(problem.drive, k * h, h, x, v, problem.stages)
+        assert rosenbrock.step(problem.conditions, k * h, h, x, v, problem.stages)
         x[:], v[:] = problem.stages.x, problem.stages.v
     return np.concatenate([x, v])
 
@@ -126,7 +126,7 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         h = 0.4 / steps
         for k in range(steps):
-            iterations = implicit_euler.careful_step(problem.drive, k * h, h, problem.x, problem.v, problem.descent)
-            assert 1 <= iterations <= implicit_euler.WORST_WORK
+            iterations = backward_euler.careful_step(problem.conditions, k * h, h, problem.x, problem.v, problem.descent)
+            assert 1 <= iterations <= backward_euler.WORST_WORK
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

@@ -14,8 +14,13 @@ gives P = Z (L + y) and the compliance of the chain up to q: C = (M + E) Z. Noth
 segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors of k at k l/T = 1e8.
 """
 
-from ..algebra.block_tridiagonal import inverse
-from ..algebra.matrices import (
+from ..compilation import kernel
+from ..equations import node_loads, segment
+from ..equations.assembly import record_of
+from ..linear_algebra.block_tridiagonal import inverse
+from ..linear_algebra.matrices import (
+    IDENTITY,
+    ZERO_MATRIX,
     add_matrices,
     add_to_diagonal,
     apply,
@@ -26,13 +31,7 @@ from ..algebra.matrices import (
     subtract,
     symmetric,
 )
-from ..algebra.vectors import add, along, dot, get, put, scale
-from ..chain import segment
-from ..chain.nodes import record_of
-from ..compilation import kernel
-
-ZERO = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-ONE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale
 
 
 @kernel
@@ -52,17 +51,11 @@ def drag_slopes(record):
 
 
 @kernel
-def node_slope(mass, spin, resistance):
-    """R [N/m] of a node: that of its centrifugal force, m (omega^2 - omega omega), less a resistance against motion."""
-    return add_to_diagonal(symmetric(-mass, spin), mass * dot(spin, spin) - resistance)
-
-
-@kernel
-def gather(spin, resistance, w):
+def gather(spin, pseudo_damping, w):
     """From the ground to the kite: M, Z, m and Z y of all segments into their arrays of w, see `solve`."""
     n = len(w.tension)
-    compliance = ZERO
-    displaced = (0.0, 0.0, 0.0)
+    compliance = ZERO_MATRIX
+    displaced = ZERO_VECTOR
     for s in range(n):
         record = record_of(s, n, w.records)
         own = get_matrix(record, segment.K)
@@ -70,8 +63,8 @@ def gather(spin, resistance, w):
         slope, h = drag_slopes(record)
         blown = apply(slope, closing)
         felt = multiply(slope, own)
-        back, _ = inverse(subtract(ONE, multiply(compliance, scale_matrix(2.0, h))))
-        m_matrix = multiply(back, multiply(compliance, add_matrices(ONE, felt)))
+        back, _ = inverse(subtract(IDENTITY, multiply(compliance, scale_matrix(2.0, h))))
+        m_matrix = multiply(back, multiply(compliance, add_matrices(IDENTITY, felt)))
         m = apply(back, add(displaced, apply(compliance, blown)))
         put_matrix(w.response, 9 * s, m_matrix)
         put(w.offset, s, m)
@@ -79,13 +72,13 @@ def gather(spin, resistance, w):
         moved = add(m, closing)
         if s == n - 1:  # the kite does not move
             last, _ = inverse(both)
-            put_matrix(w.transfer, 9 * s, ZERO)
+            put_matrix(w.transfer, 9 * s, ZERO_MATRIX)
             put(w.share, s, scale(-1.0, apply(last, moved)))
             return
-        r = node_slope(w.mass[s + 1], spin, resistance)
+        r = node_loads.slope(w.mass[s + 1], spin, pseudo_damping)
         given = add_matrices(add_matrices(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
-        z, _ = inverse(subtract(ONE, given))
-        y = add(add(get(w.force, s + 1), blown), along(apply(r, moved), 2.0, apply(h, m)))
+        z, _ = inverse(subtract(IDENTITY, given))
+        y = add(add(get(w.force, s + 1), blown), add_scaled(apply(r, moved), 2.0, apply(h, m)))
         put_matrix(w.transfer, 9 * s, z)
         put(w.share, s, apply(z, y))
         compliance = multiply(both, z)
@@ -93,17 +86,17 @@ def gather(spin, resistance, w):
 
 
 @kernel
-def solve(spin, resistance, w):
+def solve(spin, pseudo_damping, w):
     """Motions of the nodes [m] into w.move and changes of the tensions [N] into w.change (both modified).
 
-    Angular velocity [rad/s], resistance of every node against its motion [N/m]. From the node masses w.mass [kg], the
+    Angular velocity [rad/s], pseudo-damping of every node [N/m]. From the node masses w.mass [kg], the
     residual forces w.force with the tensions as they are [N], and w.records as `newton.linearize` makes them, but with E in
     the place of K and the gap g in that of the damper. w.response, w.transfer, w.offset, w.share get M, Z, m and Z y.
     """
-    gather(spin, resistance, w)
+    gather(spin, pseudo_damping, w)
     n = len(w.tension)
-    put(w.move, n, (0.0, 0.0, 0.0))
-    load = (0.0, 0.0, 0.0)
+    put(w.move, n, ZERO_VECTOR)
+    load = ZERO_VECTOR
     for k in range(n):
         s = n - 1 - k
         record = record_of(s, n, w.records)
@@ -113,5 +106,5 @@ def solve(spin, resistance, w):
         dx = add(get(w.offset, s), apply(get_matrix(w.response, 9 * s), p))
         put(w.move, s, dx)
         slope, h = drag_slopes(record)
-        dr = along(apply(get_matrix(record, segment.K), p), -record[segment.DAMPER], e)
-        load = add(p, along(apply(slope, dr), 2.0, apply(h, dx)))
+        dr = add_scaled(apply(get_matrix(record, segment.K), p), -record[segment.DAMPER], e)
+        load = add(p, add_scaled(apply(slope, dr), 2.0, apply(h, dx)))

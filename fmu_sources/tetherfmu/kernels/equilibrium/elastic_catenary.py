@@ -15,9 +15,9 @@ Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/theory.md, "Ela
 
 from math import asinh, log, log1p, sinh, sqrt
 
-from ..algebra.vectors import add, along, dot, norm, scale
-from ..chain.segment import SHORTEST
 from ..compilation import kernel
+from ..equations.segment import SHORTEST
+from ..linear_algebra.vectors import add, add_scaled, dot, norm, scale
 
 MOST_ITERATIONS = 60  # of Newton's method; it needs about 10
 MOST_HALVINGS = 40  # of one step of it
@@ -151,7 +151,7 @@ def load_frame(a, load):
     size = max(norm(load), LEAST)
     down = scale(1.0 / size, load)
     against = -dot(a, down)
-    across = along(a, against, down)
+    across = add_scaled(a, against, down)
     return size, down, against, across, norm(across)
 
 
@@ -164,7 +164,7 @@ def hang(chord, load, length, axial_stiffness):
     size, down, rise, across, span = load_frame(chord, load)
     horizontal, vertical, iterations = solve(span, rise, size, length, axial_stiffness)
     sideways = scale(horizontal / max(span, SHORTEST), across)
-    return along(sideways, 0.5 * size * length - vertical, down), iterations
+    return add_scaled(sideways, 0.5 * size * length - vertical, down), iterations
 
 
 @kernel
@@ -173,7 +173,7 @@ def point_in_space(ground, tension, load, arc, axial_stiffness):
     size, down, vertical, across, horizontal = load_frame(tension, load)
     out, up = point(arc, horizontal, vertical, size, axial_stiffness)
     sideways = scale(out / max(horizontal, LEAST), across)
-    return along(add(ground, sideways), -up, down)
+    return add_scaled(add(ground, sideways), -up, down)
 
 
 @kernel

@@ -13,11 +13,12 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.vectors import cross, dot, get, norm, put_at, scale, sub
-from ..chain import segment
-from ..chain.properties import property_of, rest_length
 from ..compilation import kernel
+from ..equations import segment
+from ..equations.properties import property_of, rest_length
+from ..linear_algebra.vectors import ZERO_VECTOR, cross, dot, get, norm, put_at, scale, sub
 from . import hanging_chain, newton
+from .rigid_body import NO_PULL, loads, spring
 
 HELD = 1e-6  # error of a tension over the larger one at the ends, up to which positions hold it
 FAINTEST = 1e-9  # eps of `hanging_chain.py` over the larger tension
@@ -48,7 +49,7 @@ def largest_by_positions(body):
     largest = -inf
     for s in range(body.chain.n):
         length, _ = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
-        elongation, k = newton.spring(body.chain, s, length, False)
+        elongation, k = spring(body.chain, s, length, False)
         largest = max(largest, k * elongation)
     return largest
 
@@ -67,7 +68,7 @@ def from_loads(body, w):
     The body is in equilibrium with tensions near w.tension [N]; w.load (modified).
     """
     chain, x = body.chain, body.x
-    newton.node_loads(body, newton.NO_PULL, w.tension, w.mass, w.load)
+    loads(body, NO_PULL, w.tension, w.mass, w.load)
     chord = sub(get(x, chain.n), get(x, 0))
     faintest = FAINTEST * max(w.tension[0], w.tension[chain.n - 1])
     _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
@@ -85,8 +86,8 @@ def from_loads(body, w):
 @kernel
 def forget(state):
     """Leave the tensions at the ends to the positions in the state (modified)."""
-    put_at(state, at.GROUND_TENSION_VECTOR, (0.0, 0.0, 0.0))
-    put_at(state, at.KITE_TENSION_VECTOR, (0.0, 0.0, 0.0))
+    put_at(state, at.GROUND_TENSION_VECTOR, ZERO_VECTOR)
+    put_at(state, at.KITE_TENSION_VECTOR, ZERO_VECTOR)
     state[at.MISSING_TENSION] = 0.0
 
 

@@ -17,9 +17,9 @@ from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.vectors import along, dot, get, norm, put, scale, sub
-from ..chain.properties import property_of, rest_length
 from ..compilation import kernel
+from ..equations.properties import property_of, rest_length
+from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, scale, sub
 
 MOST_ITERATIONS = 60  # of Newton's method
 MOST_HALVINGS = 40  # of one step of it
@@ -60,7 +60,7 @@ def energy(chain, first_tension, eps, chord, load):
         rest = rest_length(chain, s)
         compliance, size = segment_compliance(chain, s, t, eps)
         total += rest * size + 0.5 * (compliance - rest / size) * dot(t, t)
-        gap = along(gap, compliance, t)
+        gap = add_scaled(gap, compliance, t)
         turning = rest / (size * size * size)
         h00 += compliance - turning * t[0] * t[0]
         h01 -= turning * t[0] * t[1]
@@ -101,7 +101,7 @@ def march(chain, first_tension, eps, load, x, tension):
             put(x, s, position)
         compliance, size = segment_compliance(chain, s, t, eps)
         tension[s] = size
-        position = along(position, compliance, t)
+        position = add_scaled(position, compliance, t)
     return position, t
 
 
@@ -119,7 +119,7 @@ def solve(chain, first_tension, eps, chord, load, closed):
         change = solve_symmetric(hessian, scale(-1.0, gap))
         part = 1.0
         for _ in range(MOST_HALVINGS):
-            trial = along(t, part, change)
+            trial = add_scaled(t, part, change)
             then, gap, hessian = energy(chain, trial, eps, chord, load)
             if then <= value + FLAT * abs(value):
                 break

@@ -6,26 +6,27 @@ Source: docs/theory.md, "Elastic catenary".
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
-from ..algebra.vectors import along, cross, dot, norm, put_at, scale, vector_at
-from ..chain import segment
-from ..chain.properties import property_of
-from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
-from ..communication.ends import move_ends
-from ..communication.outputs import away_from_chord, finish, place_along_chord, wave_time, write_direction
 from ..compilation import kernel
+from ..equations import node_loads, segment
+from ..equations.boundary import move_ends
+from ..equations.properties import property_of
 from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
-from .chord import chord_load, chord_of, write_common
+from ..linear_algebra.vectors import add, add_scaled, cross, dot, norm, put_at, scale, vector_at
+from ..step.outputs import away_from_chord, place_along_chord, wave_time, write_direction
+from .chord import chord_load, chord_of, no_work_size, write_common
 
 SAMPLES = 24  # pieces of the catenary in which wave time and sag are found
 HALVINGS = 40  # of the two pieces in which it is farthest from its chord
 LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
+
+work_size = no_work_size
 
 
 @kernel
 def uniform_load(line, state):
     """Weight plus mean drag per unstretched length [N/m]; a slack tether catches the wind with all its length."""
     mean, _ = chord_load(line.parameters, state)
-    return mean[0], mean[1], mean[2] - property_of(line, 0, at.LINE_DENSITY) * line.parameters[at.GRAVITY]
+    return add(mean, node_loads.load(line, property_of(line, 0, at.LINE_DENSITY), None, None, None))
 
 
 @kernel
@@ -37,7 +38,7 @@ def settle(parameters, state):
     if norm(load) * line.length <= LIGHTEST * stiffness:
         _, e = segment.geometry(chord)
         pull = scale(stiffness * max(distance / line.length - 1.0, 0.0), e)
-        put_at(state, at.GROUND_TENSION_VECTOR, along(pull, 0.5 * line.length, load))
+        put_at(state, at.GROUND_TENSION_VECTOR, add_scaled(pull, 0.5 * line.length, load))
         return OK
     tension, iterations = hang(chord, load, line.length, stiffness)
     if iterations < 0:
@@ -48,27 +49,16 @@ def settle(parameters, state):
 
 
 @kernel
-def initialize(n, parameters, inputs, state, work):
-    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE, NO_EQUILIBRIUM or STATE_NOT_FINITE. n is 1."""
-    status = begin(n, parameters, inputs, state)
-    if status == OK:
-        status = settle(parameters, state)
-    return finish_start(n, parameters, status, state)
+def initialize(n, parameters, state, work):
+    """Find the tension in a new state (modified); returns a status: OK or NO_EQUILIBRIUM. n is 1."""
+    return settle(parameters, state)
 
 
 @kernel
-def advance(n, parameters, inputs, step, state, work):
-    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
-
-    Returns a status: that of `acceptance.check_step`, OK, NO_EQUILIBRIUM or STATE_NOT_FINITE. n is 1.
-    """
-    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
-    if status != OK:
-        return status
-    move_ends(n, parameters, inputs, step, trial)
-    remember(parameters, inputs, step, trial)
-    status = settle(parameters, trial)
-    return accept(n, parameters, status, trial, state)
+def advance(n, parameters, given, before, state, work):
+    """Move a state (modified) over a communication step with `StepInputs`; returns a status: OK or NO_EQUILIBRIUM. n is 1."""
+    move_ends(n, given, state)
+    return settle(parameters, state)
 
 
 @kernel
@@ -77,7 +67,7 @@ def farthest_between(low, high, ground, chord, tension, load, stiffness):
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         away = away_from_chord(point_in_space(ground, tension, load, middle, stiffness), ground, chord)
-        if dot(away, along(tension, -middle, load)) > 0.0:
+        if dot(away, add_scaled(tension, -middle, load)) > 0.0:
             low = middle
         else:
             high = middle
@@ -85,7 +75,7 @@ def farthest_between(low, high, ground, chord, tension, load, stiffness):
 
 
 @kernel
-def survey(line, ground, chord, tension, load, outputs):
+def write_curve(line, ground, chord, tension, load, outputs):
     """Wave time and sag into the outputs (modified).
 
     Ground end [m], chord [m], tension vector of the ground end [N], load per unstretched length [N/m].
@@ -107,7 +97,7 @@ def survey(line, ground, chord, tension, load, outputs):
     crossing, longest = 0.0, 0.0
     for k in range(SAMPLES):
         middle = (k + 0.5) * piece
-        pull = norm(along(tension, -middle, load))
+        pull = norm(add_scaled(tension, -middle, load))
         stretched = piece * (1.0 + pull / stiffness)
         longest = max(longest, stretched)
         crossing += wave_time(property_of(line, 0, at.LINE_DENSITY), piece, stretched, pull, stiffness)
@@ -123,21 +113,20 @@ def survey(line, ground, chord, tension, load, outputs):
 
 
 @kernel
-def observe(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified); returns a status: OK or OUTPUT_NOT_FINITE. n is 1."""
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state. n is 1."""
     line, ground, chord, distance = chord_of(parameters, state)
     load = uniform_load(line, state)
     tension = vector_at(state, at.GROUND_TENSION_VECTOR)
-    kite_force = along(scale(-1.0, tension), line.length, load)
+    kite_force = add_scaled(scale(-1.0, tension), line.length, load)
     write_common(line, distance, tension, kite_force, outputs)
     outputs[at.GROUND_TENSION] = norm(tension)
     outputs[at.KITE_TENSION] = norm(kite_force)
     outputs[at.MAX_TENSION] = max(norm(tension), norm(kite_force))
     outputs[at.KITE_END_MASS] = 0.0
     write_direction(tension, outputs)
-    survey(line, ground, chord, tension, load, outputs)
+    write_curve(line, ground, chord, tension, load, outputs)
     for k in range(shape_points):
         arc = line.length * k / max(1, shape_points - 1)
         point = point_in_space(ground, tension, load, arc, property_of(line, 0, at.STIFFNESS))
         put_at(outputs, at.SHAPE + 3 * k, point)
-    return finish(state, outputs)

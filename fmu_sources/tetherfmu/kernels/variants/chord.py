@@ -11,11 +11,11 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from ..algebra.vectors import along, get, put_at, sub
 from ..arrays import positions_and_velocities
-from ..chain import segment
-from ..chain.properties import chain_of, property_of
 from ..compilation import kernel, view
+from ..equations import segment
+from ..equations.properties import chain_of, property_of
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put_at, sub
 
 # Gauss-Legendre points and weights on 0 .. 1: exact to degree 9, so for the turning tether without wind
 POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332))
@@ -33,19 +33,24 @@ def chord_of(parameters, state):
 
 
 @kernel
+def no_work_size(n):
+    """Length of the work array: these tethers need none, but no array is empty."""
+    return 1
+
+
+@kernel
 def chord_load(parameters, state):
     """Mean of f [N/m] along the chord, and its first moment, the mean of xi f [N/m]."""
     line, ground, chord, _ = chord_of(parameters, state)
     _, v = positions_and_velocities(1, state)
     _, e = segment.geometry(chord)
-    mean = (0.0, 0.0, 0.0)
-    moment = (0.0, 0.0, 0.0)
+    mean = moment = ZERO_VECTOR
     for i in range(len(POINTS)):
         xi = POINTS[i]
-        velocity = along(get(v, 0), xi, sub(get(v, 1), get(v, 0)))
+        velocity = add_scaled(get(v, 0), xi, sub(get(v, 1), get(v, 0)))
         half = segment.half_drag(line, 0, 1.0, e, ground[2] + xi * chord[2], velocity)
-        mean = along(mean, 2.0 * WEIGHTS[i], half)
-        moment = along(moment, 2.0 * WEIGHTS[i] * xi, half)
+        mean = add_scaled(mean, 2.0 * WEIGHTS[i], half)
+        moment = add_scaled(moment, 2.0 * WEIGHTS[i] * xi, half)
     return mean, moment
 
 

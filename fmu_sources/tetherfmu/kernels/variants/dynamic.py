@@ -1,87 +1,80 @@
-"""The dynamic tether: first state, one communication step, outputs.
+"""The dynamic tether: first shape, motion within a communication step, outputs.
 
-These kernels join the parts: inputs -> end motion -> chain -> solver -> state. A step works on a copy of the
-state, so a refused step leaves the state of before.
+These kernels join the parts: boundary conditions -> chain -> integrator -> state.
 """
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
-from ..algebra.vectors import get, put
 from ..arrays import positions_and_velocities, shared_arrays
-from ..chain.properties import chain_of
-from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
-from ..communication.drive import drive_of_step, place_ends
-from ..communication.outputs import observe_chain
 from ..compilation import kernel
-from ..equilibrium import end_tensions, newton, slower_motion, strut
-from ..motion import implicit_euler, step_control
-from ..motion.rosenbrock import stages
+from ..equations.boundary import conditions_of_chain, place_ends
+from ..equations.properties import chain_of
+from ..equilibrium import compressed_chain, end_tensions, newton, solve
+from ..equilibrium.rigid_body import Body, rigid_motion, straighten
+from ..integrators import backward_euler, rosenbrock, step_control
+from ..linear_algebra.vectors import ZERO_VECTOR, get, put
+from ..step.outputs import outputs_of_chain
 
 
 @kernel
-def initialize(n, parameters, inputs, state, work):
-    """Fill the state (modified) with the shape that `initial_shape` asks for, between the ends in the inputs.
+def work_size(n):
+    """Length of the work array."""
+    return max(newton.workspace_size(n), rosenbrock.workspace_size(n), backward_euler.workspace_size(n))
 
-    Returns a status: OK, INPUT_NOT_FINITE, NO_EQUILIBRIUM or STATE_NOT_FINITE.
-    """
-    status = begin(n, parameters, inputs, state)
-    if status != OK:
-        return status
+
+@kernel
+def initialize(n, parameters, state, work):
+    """Give a new state (modified) the shape that `initial_shape` asks for; returns a status: OK or NO_EQUILIBRIUM."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
     if parameters[at.INITIAL_SHAPE] == at.STRAIGHT:
-        newton.straighten(chain, x)
-        newton.straighten(chain, v)
-        return finish_start(n, parameters, status, state)
-    ground_velocity = get(v, 0)
-    kite_velocity = get(v, n)
-    spin = (0.0, 0.0, 0.0)
-    stretching = 0.0
+        straighten(chain, x)
+        straighten(chain, v)
+        return OK
+    ground_velocity, kite_velocity = get(v, 0), get(v, n)
+    spin, extension_rate = ZERO_VECTOR, 0.0
     if parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
-        spin, stretching = newton.rigid_motion(n, x, v)
+        spin, extension_rate = rigid_motion(n, x, v)
     else:
-        put(v, 0, spin)
-        put(v, n, spin)
-    body = newton.Body(chain, spin, stretching, x, v)
-    w = newton.balance(n, work)
-    status, iterations = slower_motion.find(body, w)
+        put(v, 0, ZERO_VECTOR)
+        put(v, n, ZERO_VECTOR)
+    body = Body(chain, spin, extension_rate, x, v)
+    w = newton.workspace(n, work)
+    status, iterations = solve.find(body, w)
     state[at.ITERATIONS] = iterations
     if status == OK:
         end_tensions.store(body, state, w)
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
-    return finish_start(n, parameters, status, state)
+    return status
 
 
 @kernel
-def advance(n, parameters, inputs, step, state, work):
-    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
+def advance(n, parameters, given, before, state, work):
+    """Move the chain of a state (modified) over a communication step with `StepInputs`, from the state `before`.
 
-    Returns a status: that of `acceptance.check_step`, OK, STATE_NOT_FINITE or one of the solver's.
+    Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
     """
-    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
+    x, v = positions_and_velocities(n, state)
+    conditions = conditions_of_chain(n, parameters, given, before, x, v)
+    status = OK
+    if conditions.first <= conditions.last:
+        if parameters[at.FIXED_STEP] > 0.0:
+            status = backward_euler.integrate(conditions, given.step, state, x, v, backward_euler.workspace(n, work))
+        else:
+            status = step_control.integrate(conditions, given.step, state, x, v, rosenbrock.workspace(n, work))
     if status != OK:
         return status
-    x, v = positions_and_velocities(n, trial)
-    drive = drive_of_step(n, parameters, inputs, step, trial, x, v)
-    if drive.first <= drive.last:
-        if parameters[at.FIXED_STEP] > 0.0:
-            status = implicit_euler.integrate(drive, step, trial, x, v, implicit_euler.descent(n, work))
-        else:
-            status = step_control.integrate(drive, step, trial, x, v, stages(n, work))
-        if status != OK:
-            return status
-    place_ends(drive, step, x, v)
-    remember(parameters, inputs, step, trial)
-    end_tensions.forget(trial)
-    strut.leave(chain_of(n, parameters, trial), x, v)
-    return accept(n, parameters, status, trial, state)
+    place_ends(conditions, given.step, x, v)
+    end_tensions.forget(state)
+    compressed_chain.leave(chain_of(n, parameters, state), x, v)
+    return OK
 
 
 @kernel
-def observe(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state; returns a status: OK or OUTPUT_NOT_FINITE."""
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
     x, v = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
-    return observe_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)
+    outputs_of_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)

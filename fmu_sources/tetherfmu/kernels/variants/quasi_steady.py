@@ -8,22 +8,23 @@ Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
-from ..algebra.vectors import along, get, put, scale, sub
-from ..arrays import copy, positions_and_velocities, trial_state
-from ..chain.properties import chain_of
-from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
-from ..communication.ends import move_ends
-from ..communication.outputs import observe_chain
+from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..equilibrium import end_tensions, newton, slower_motion
+from ..equations.boundary import move_ends
+from ..equations.properties import chain_of
+from ..equilibrium import end_tensions, newton, solve
+from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
+from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..step.outputs import outputs_of_chain
+
+work_size = newton.workspace_size
 
 
 @view
-def body_of(n, parameters, state):
-    """The `newton.Body` that turns about the ground end with the kite of a state."""
-    x, v = positions_and_velocities(n, state)
-    spin, stretching = newton.rigid_motion(n, x, v)
-    return newton.Body(chain_of(n, parameters, state), spin, stretching, x, v)
+def body_of(n, parameters, state, x, v):
+    """The `Body` of node positions x [m] and velocities v [m/s] that turns about the ground end with the kite of a state."""
+    spin, extension_rate = rigid_motion(n, x, v)
+    return Body(chain_of(n, parameters, state), spin, extension_rate, x, v)
 
 
 @kernel
@@ -32,14 +33,15 @@ def settle(n, parameters, state, warm, w):
 
     warm : whether the inner nodes and the tensions in w.tension are close to it.
     """
-    body = body_of(n, parameters, state)
+    x, v = positions_and_velocities(n, state)
+    body = body_of(n, parameters, state, x, v)
     if warm:
-        found, iterations = newton.follow(body, w)
+        found, iterations = solve.follow(body, w)
         state[at.ITERATIONS] += iterations
         if found:
             end_tensions.store(body, state, w)
             return OK
-    status, iterations = slower_motion.find(body, w)
+    status, iterations = solve.find(body, w)
     state[at.ITERATIONS] += iterations
     if status == OK:
         end_tensions.store(body, state, w)
@@ -47,44 +49,38 @@ def settle(n, parameters, state, warm, w):
 
 
 @kernel
-def initialize(n, parameters, inputs, state, work):
-    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE, NO_EQUILIBRIUM or STATE_NOT_FINITE."""
-    status = begin(n, parameters, inputs, state)
-    if status == OK:
-        status = settle(n, parameters, state, False, newton.balance(n, work))
-    return finish_start(n, parameters, status, state)
+def initialize(n, parameters, state, work):
+    """Give a new state (modified) its shape; returns a status: OK or NO_EQUILIBRIUM."""
+    return settle(n, parameters, state, False, newton.workspace(n, work))
 
 
 @kernel
-def advance(n, parameters, inputs, step, state, work):
-    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
+def advance(n, parameters, given, before, state, work):
+    """Move the shape of a state (modified) over a communication step with `StepInputs`, from the state `before`.
 
     The next shape is sought where the nodes come to if they move on as in the last step; this motion is what the state
-    keeps as velocities of the inner nodes. Returns a status: that of `acceptance.check_step`, OK, NO_EQUILIBRIUM or
-    STATE_NOT_FINITE.
+    keeps as velocities of the inner nodes. Returns a status: OK or NO_EQUILIBRIUM.
     """
-    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
-    if status != OK:
-        return status
-    x, v = positions_and_velocities(n, trial)
-    w = newton.balance(n, work)
-    newton.tensions(chain_of(n, parameters, state), x, w.tension)
+    x, v = positions_and_velocities(n, state)
+    w = newton.workspace(n, work)
+    spring_tensions(chain_of(n, parameters, before), x, w.tension)
     for i in range(1, n):
-        put(x, i, along(get(x, i), step, get(v, i)))
-    move_ends(n, parameters, inputs, step, trial)
-    remember(parameters, inputs, step, trial)
-    status = settle(n, parameters, trial, True, w)
-    last, _ = positions_and_velocities(n, state)
+        put(x, i, add_scaled(get(x, i), given.step, get(v, i)))
+    move_ends(n, given, state)
+    status = settle(n, parameters, state, True, w)
+    last, _ = positions_and_velocities(n, before)
     for i in range(1, n):
-        put(v, i, scale(1.0 / step, sub(get(x, i), get(last, i))))
-    return accept(n, parameters, status, trial, state)
+        put(v, i, scale(1.0 / given.step, sub(get(x, i), get(last, i))))
+    return status
 
 
 @kernel
-def observe(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state; returns a status: OK or OUTPUT_NOT_FINITE."""
-    trial = trial_state(n, work)
-    copy(state, trial)
-    body = body_of(n, parameters, trial)
-    newton.rigid_velocity(body)
-    return observe_chain(body.chain, state, body.x, body.v, shape_points, outputs, newton.balance(n, work).mass)
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state; its nodes move as the body does."""
+    x, v = positions_and_velocities(n, state)
+    w = newton.workspace(n, work)
+    put(w.move, 0, get(v, 0))
+    put(w.move, n, get(v, n))
+    body = body_of(n, parameters, state, x, w.move)
+    rigid_velocity(body)
+    outputs_of_chain(body.chain, state, x, w.move, shape_points, outputs, w.mass)

@@ -7,45 +7,40 @@ about the ground a quarter of rho cd d c v^2/2 comes to the kite. Source: docs/t
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
-from ..algebra.vectors import add, along, dot, put_at, scale, sub
-from ..chain import segment
-from ..chain.properties import property_of
-from ..communication.acceptance import accept, begin, finish_start, remember, trial_of_step
-from ..communication.ends import move_ends
-from ..communication.outputs import finish, wave_time, write_direction
 from ..compilation import kernel
-from .chord import chord_load, chord_of, write_common
+from ..equations import node_loads, segment
+from ..equations.boundary import move_ends
+from ..equations.properties import property_of
+from ..linear_algebra.vectors import add, add_scaled, dot, put_at, scale, sub
+from ..step.outputs import wave_time, write_direction
+from .chord import chord_load, chord_of, no_work_size, write_common
+
+work_size = no_work_size
 
 
 @kernel
-def initialize(n, parameters, inputs, state, work):
-    """Fill the state (modified); returns a status: OK, INPUT_NOT_FINITE or STATE_NOT_FINITE. n is 1."""
-    return finish_start(n, parameters, begin(n, parameters, inputs, state), state)
+def initialize(n, parameters, state, work):
+    """A new state is complete when it has its ends; returns OK. n is 1."""
+    return OK
 
 
 @kernel
-def advance(n, parameters, inputs, step, state, work):
-    """Advance the state (modified) by a communication step of `step` [s]; on any status but OK it is left as it was.
-
-    Returns a status: that of `acceptance.check_step`, OK or STATE_NOT_FINITE. n is 1.
-    """
-    status, trial = trial_of_step(n, parameters, inputs, step, state, work)
-    if status == OK:
-        move_ends(n, parameters, inputs, step, trial)
-        remember(parameters, inputs, step, trial)
-    return accept(n, parameters, status, trial, state)
+def advance(n, parameters, given, before, state, work):
+    """Move a state (modified) over a communication step with `StepInputs`; returns OK. n is 1."""
+    move_ends(n, given, state)
+    return OK
 
 
 @kernel
-def observe(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified); returns a status: OK or OUTPUT_NOT_FINITE. n is 1."""
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state. n is 1."""
     line, ground, chord, distance = chord_of(parameters, state)
     _, e = segment.geometry(chord)
     stiffness = property_of(line, 0, at.STIFFNESS)
     line_density = property_of(line, 0, at.LINE_DENSITY)
     pull = stiffness * max(distance / line.length - 1.0, 0.0)
     mean, moment = chord_load(parameters, state)
-    half_weight = (0.0, 0.0, -0.5 * line_density * line.length * parameters[at.GRAVITY])
+    half_weight = scale(0.5 * line_density * line.length, node_loads.free_acceleration(line))
     ground_force = add(add(scale(pull, e), half_weight), scale(distance, sub(mean, moment)))
     kite_force = add(add(scale(-pull, e), half_weight), scale(distance, moment))
     write_common(line, distance, ground_force, kite_force, outputs)
@@ -57,5 +52,4 @@ def observe(n, parameters, state, shape_points, outputs, work):
     outputs[at.SAG] = 0.0
     write_direction(chord, outputs)
     for k in range(shape_points):
-        put_at(outputs, at.SHAPE + 3 * k, along(ground, k / max(1, shape_points - 1), chord))
-    return finish(state, outputs)
+        put_at(outputs, at.SHAPE + 3 * k, add_scaled(ground, k / max(1, shape_points - 1), chord))

@@ -9,8 +9,8 @@ import shutil
 import casadi
 import numpy as np
 
-from tetherfmu.kernels.chain import segment
-from tetherfmu.kernels.communication.driven_end import curve, position_at, velocity_at
+from tetherfmu.kernels.equations import segment
+from tetherfmu.kernels.equations.end_motion import curve, position_at, velocity_at
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.reference import free_state, right_hand_side
 from tetherfmu.study.scenes.standard import STEP, tether_at_start
@@ -22,7 +22,7 @@ COMPILER = shutil.which("gcc") or shutil.which("cc")  # of C, that CasADi can us
 RANDOM_STATES = 20
 
 
-def along(vectors, directions):
+def add_scaled(vectors, directions):
     """Scalar products of the columns of two (3, count) matrices, as three equal rows."""
     return casadi.repmat(casadi.sum1(vectors * directions), 3, 1)
 
@@ -31,15 +31,15 @@ def segment_forces(x, v, rest, rest_rate, scene):
     """Tension vectors T e and half drags F = 1/4 rho cd d l |w| w [N] of all segments, from the nodes; (3, segments)."""
     tether, air = scene.tether, scene.environment
     r, u = casadi.diff(x, 1, 1), casadi.diff(v, 1, 1)
-    length = casadi.sqrt(along(r, r))
+    length = casadi.sqrt(add_scaled(r, r))
     e, taut = r / length, length > rest
     k = tether.axial_stiffness / rest * casadi.if_else(taut, 1.0, tether.slack_stiffness_ratio)
     c = tether.axial_damping / rest * casadi.if_else(taut, 1.0, tether.slack_damping_ratio)
     strained = length / rest * rest_rate if tether.damping_law == at.STRAIN_RATE else 0.0
-    tension = k * (length - rest) + c * (along(e, u) - strained)
+    tension = k * (length - rest) + c * (add_scaled(e, u) - strained)
     relative = casadi.DM(scene.wind.velocity) - 0.5 * (v[:, :-1] + v[:, 1:])
-    w = relative - along(relative, e) * e
-    speed = casadi.sqrt(along(w, w) + segment.STILLEST)
+    w = relative - add_scaled(relative, e) * e
+    speed = casadi.sqrt(add_scaled(w, w) + segment.STILLEST)
     return tension * e, 0.25 * air.air_density * tether.drag_coefficient * tether.diameter * length * speed * w
 
 

@@ -1,0 +1,83 @@
+"""Wind and air density at a height.
+
+    uniform      f = 1
+    power law    f = (z/h)^alpha
+    logarithmic  f = ln(z/z0) / ln(h/z0)
+    explog       f = log + (log - power)
+    density      rho(z) = rho exp(-z/H),  H = 0: rho(z) = rho
+
+z [m] above z = 0, h reference height [m], z0 surface roughness [m]. The factor f on the reference wind is never
+negative. Theory: docs/theory.md, "Air".
+"""
+
+from math import exp, log
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..linear_algebra.pairs import lanewise
+
+_LOWEST = 1e-3  # the slope of the power law is taken at no less than this part of h: it is infinite at z = 0
+
+
+@kernel
+def power_law(height, parameters):
+    """Factor of the power law [-] and its slope [1/m] at a height [m]."""
+    reference = parameters[at.WIND_REFERENCE_HEIGHT]
+    if height <= 0.0:
+        return 0.0, 0.0
+    exponent = parameters[at.WIND_EXPONENT]
+    factor = (height / reference) ** exponent
+    return factor, exponent * factor / max(height, _LOWEST * reference)
+
+
+@kernel
+def logarithmic(height, parameters):
+    """Factor of the logarithmic law [-] and its slope [1/m] at a height [m]."""
+    roughness = parameters[at.SURFACE_ROUGHNESS]
+    if height <= roughness:
+        return 0.0, 0.0
+    at_reference = log(parameters[at.WIND_REFERENCE_HEIGHT] / roughness)
+    return log(height / roughness) / at_reference, 1.0 / (at_reference * height)
+
+
+@kernel
+def wind_factor(height, parameters):
+    """Wind at a height [m] over wind at the reference height [-], and its slope [1/m]."""
+    profile = parameters[at.WIND_PROFILE]
+    if profile == at.POWER_LAW:
+        return power_law(height, parameters)
+    if profile == at.LOGARITHMIC:
+        return logarithmic(height, parameters)
+    if profile == at.EXPLOG:
+        power, power_slope = power_law(height, parameters)
+        logarithm, logarithm_slope = logarithmic(height, parameters)
+        if 2.0 * logarithm <= power:
+            return 0.0, 0.0
+        return 2.0 * logarithm - power, 2.0 * logarithm_slope - power_slope
+    return 1.0, 0.0  # uniform, or given at the nodes
+
+
+@kernel
+def air_density(height, parameters):
+    """Density of the air at a height [m]: [kg/m3], and its slope [kg/m4]."""
+    density = parameters[at.AIR_DENSITY]
+    scale_height = parameters[at.AIR_DENSITY_SCALE_HEIGHT]
+    if scale_height <= 0.0:
+        return density, 0.0
+    density *= exp(-height / scale_height)
+    return density, -density / scale_height
+
+
+@kernel
+def is_uniform(parameters):
+    """Whether wind and density are the same everywhere, so that nobody needs `varying_air`."""
+    return parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
+
+
+@lanewise
+def varying_air(height, parameters):
+    """Wind factor [-] and density [kg/m3] at a height [m] and their slopes [1/m], [kg/m4]; pairs for a pair of heights."""
+    factor, wind_slope = wind_factor(height, parameters)
+    density, density_slope = air_density(height, parameters)
+    return factor, density, wind_slope, density_slope

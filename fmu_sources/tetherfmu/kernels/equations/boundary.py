@@ -1,0 +1,293 @@
+"""Boundary conditions of one communication step: how its ends move, its length changes, the wind and a load act.
+
+The inputs are interpreted once per step, for all variants (`inputs_of_step`):
+
+    ends      position p, velocity v and acceleration a with which an end is led, see `end_motion.py`. With `end_velocities =
+              given` v is an input; with `derived` it is a difference of positions, and the input is not read
+    reeling   the reel-out speed u goes on at the rate (u - u_last)/max(h_last, h/4), in the first step 0, and with
+              `input_continuation = held` 0; the unstretched length then grows by u t + a t^2/2 within the step
+    load      on a free kite end: goes on like the reel-out speed
+    wind      held
+
+A derivative that the importer gives for the step replaces what the tether would estimate: of a velocity the acceleration, of a
+position the derived velocity, of the wind the rate 0. Given derivatives wait in the state for the step that consumes them.
+
+A chain with waves needs more: the curves of its ends and what moves freely (`BoundaryConditions`).
+
+Theory: docs/theory.md, "Inputs within a step" and "Driven ends".
+"""
+
+from collections import namedtuple
+
+from tetherfmu.runtime import layout as at
+
+from ..arrays import positions_and_velocities
+from ..compilation import kernel, view
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, scale, vector_at
+from .end_motion import (
+    curve,
+    derived_motion,
+    difference,
+    estimated_acceleration,
+    per_last_step,
+    position_at,
+    target,
+    turning_accelerations,
+    velocity_at,
+)
+from .properties import chain_at
+
+StepInputs = namedtuple(
+    "StepInputs",
+    "step ground kite ground_velocity kite_velocity length reel_out_speed reel_acceleration wind wind_rate load load_rate",
+)
+StepInputs.__doc__ = """What the inputs of a communication step mean.
+
+step : its length h [s].
+ground, kite : position [m], velocity [m/s] and acceleration [m/s2] with which each end is led from the start of the step on.
+ground_velocity, kite_velocity : given or derived, without given derivatives [m/s]: the next step compares its own with them.
+length, reel_out_speed, reel_acceleration : unstretched length at the start [m], its rate there [m/s], constant rate of that
+[m/s2].
+wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
+load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
+"""
+
+BoundaryConditions = namedtuple(
+    "BoundaryConditions", "n parameters ground kite first last length reeling reel_acceleration wind load load_rate"
+)
+BoundaryConditions.__doc__ = """A chain and what acts on it during one communication step.
+
+n, parameters : number of segments and flat array of the chain, see `layout.py`.
+ground, kite : curves of the driven ends, see `end_motion.curve`.
+first, last : first and last node that moves freely.
+length, reeling, reel_acceleration : unstretched length at the start [m], its rate there [m/s], constant rate of that [m/s2].
+wind : mean over the step, at the reference height [m/s].
+load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
+"""
+
+
+# --- derivatives that the importer gives
+
+
+@kernel
+def given_derivative(state, place, estimate):
+    """Derivative of the input at a place [unit/s]: the given one, else the estimate."""
+    given = state[at.GIVEN_DERIVATIVES]
+    if given != 0.0 and int(given) >> place & 1 == 1:  # nearly always 0
+        return state[at.INPUT_DERIVATIVES + place]
+    return estimate
+
+
+@kernel
+def given_derivatives(state, place, estimates):
+    """The same of the three inputs from a place on."""
+    if state[at.GIVEN_DERIVATIVES] == 0.0:
+        return estimates
+    return (
+        given_derivative(state, place, estimates[0]),
+        given_derivative(state, place + 1, estimates[1]),
+        given_derivative(state, place + 2, estimates[2]),
+    )
+
+
+@kernel
+def consume_given_derivatives(state):
+    """Forget the given derivatives in the state (modified)."""
+    if state[at.GIVEN_DERIVATIVES] != 0.0:
+        for k in range(at.GIVEN_DERIVATIVES, at.INPUT_DERIVATIVES + at.INPUTS):
+            state[k] = 0.0
+
+
+# --- inputs that go on within a step
+
+
+@kernel
+def is_continued(parameters):
+    """Whether inputs go on linearly within a step, and are not held."""
+    return parameters[at.INPUT_CONTINUATION] != at.HELD
+
+
+@kernel
+def reel_acceleration(parameters, inputs, step, state):
+    """Rate [m/s2] at which the reel-out speed goes on in a step [s]."""
+    estimate = 0.0
+    if is_continued(parameters) and state[at.LAST_STEP] > 0.0:
+        change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
+        estimate = change * per_last_step(state[at.LAST_STEP], step)
+    return given_derivative(state, at.REEL_OUT_SPEED, estimate)
+
+
+@kernel
+def load_rate(parameters, inputs, step, state):
+    """Rate [N/s] at which the load of a free kite end goes on in a step [s]."""
+    estimate = ZERO_VECTOR
+    if is_continued(parameters):
+        last = vector_at(state, at.LAST_KITE_LOAD)
+        estimate = estimated_acceleration(vector_at(inputs, at.KITE_LOAD), last, state[at.LAST_STEP], step)
+    return given_derivatives(state, at.KITE_LOAD, estimate)
+
+
+@kernel
+def reeled(length, speed, acceleration, time):
+    """Unstretched length [m] after a time [s], from the length [m], speed [m/s] and its rate [m/s2] at the start."""
+    return length + speed * time + 0.5 * acceleration * time * time
+
+
+@kernel
+def shortest_reeled(length, speed, acceleration, step):
+    """Least unstretched length [m] during a step [s]: at its end, or where the reeling turns round."""
+    least = reeled(length, speed, acceleration, step)
+    if speed < 0.0 and speed + acceleration * step > 0.0:
+        least = min(least, reeled(length, speed, acceleration, -speed / acceleration))
+    return least
+
+
+# --- ends
+
+
+@kernel
+def are_derived(parameters):
+    """Whether the velocities of the ends come from their positions."""
+    return parameters[at.END_VELOCITIES] == at.DERIVED
+
+
+@kernel
+def velocity_of_end(parameters, inputs, state, position, velocity, last_position):
+    """Velocity [m/s] of an end: its input, or that over the last step; places of its inputs and of its last position."""
+    if are_derived(parameters):
+        return difference(vector_at(inputs, position), vector_at(state, last_position), state[at.LAST_STEP])
+    return vector_at(inputs, velocity)
+
+
+@kernel
+def end_velocities(parameters, inputs, state):
+    """Velocities [m/s] of the ground end and of the kite end, given or derived."""
+    return (
+        velocity_of_end(parameters, inputs, state, at.GROUND_POSITION, at.GROUND_VELOCITY, at.LAST_GROUND_POSITION),
+        velocity_of_end(parameters, inputs, state, at.KITE_POSITION, at.KITE_VELOCITY, at.LAST_KITE_POSITION),
+    )
+
+
+@kernel
+def motion_of_end(parameters, inputs, place, velocity, last_velocity, step, state):
+    """Position [m], velocity [m/s] and acceleration [m/s2] with which an end is led in a step [s].
+
+    place : of its position among the inputs; its velocity stands behind.  velocity, last_velocity : of `end_velocities` [m/s].
+    """
+    position, last_step = vector_at(inputs, place), state[at.LAST_STEP]
+    if are_derived(parameters):
+        motion = derived_motion(position, velocity, last_velocity, last_step, state[at.STEP_BEFORE], step)
+        position, velocity, acceleration = motion
+        velocity = given_derivatives(state, place, velocity)
+    else:
+        acceleration = estimated_acceleration(velocity, last_velocity, last_step, step)
+    return position, velocity, given_derivatives(state, place + 3, acceleration)
+
+
+@kernel
+def put_ends(n, state, ground, kite):
+    """Write position [m] and velocity [m/s] of both ends to a state (modified)."""
+    x, v = positions_and_velocities(n, state)
+    put(x, 0, ground[0])
+    put(v, 0, ground[1])
+    put(x, n, kite[0])
+    put(v, n, kite[1])
+
+
+@kernel
+def place_at_start(n, parameters, inputs, state):
+    """Put both ends of a new state (modified, all 0) where the inputs say; a free kite end has its velocity from them."""
+    ground, kite = end_velocities(parameters, inputs, state)
+    if parameters[at.KITE_IS_FREE] != 0.0:
+        kite = vector_at(inputs, at.KITE_VELOCITY)
+    ground_position, kite_position = vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.KITE_POSITION)
+    put_ends(n, state, (ground_position, ground), (kite_position, kite))
+
+
+@kernel
+def move_ends(n, given, state):
+    """Put both ends of a state (modified) where `StepInputs` lead them by the end of the step; for variants without waves."""
+    put_ends(n, state, target(*given.ground, given.step), target(*given.kite, given.step))
+
+
+# --- the step as a whole
+
+
+@view
+def inputs_of_step(parameters, inputs, step, state):
+    """`StepInputs` of a communication step of `step` [s] from a state."""
+    ground, kite = end_velocities(parameters, inputs, state)
+    last_ground, last_kite = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
+    return StepInputs(
+        step,
+        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, last_ground, step, state),
+        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, last_kite, step, state),
+        ground,
+        kite,
+        state[at.LENGTH],
+        inputs[at.REEL_OUT_SPEED],
+        reel_acceleration(parameters, inputs, step, state),
+        vector_at(inputs, at.WIND_VELOCITY),
+        given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
+        vector_at(inputs, at.KITE_LOAD),
+        load_rate(parameters, inputs, step, state),
+    )
+
+
+@view
+def conditions_of_chain(n, parameters, given, state, x, v):
+    """`BoundaryConditions` of a chain from `StepInputs`, in a state with node positions x [m] and node velocities v [m/s]."""
+    ground, kite, step = given.ground, given.kite, given.step
+    if state[at.LAST_STEP] <= 0.0 and parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
+        ground_turns, kite_turns = turning_accelerations(ground, kite, step)
+        ground = ground[0], ground[1], given_derivatives(state, at.GROUND_VELOCITY, ground_turns)
+        kite = kite[0], kite[1], given_derivatives(state, at.KITE_VELOCITY, kite_turns)
+    kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
+    return BoundaryConditions(
+        n,
+        parameters,
+        curve(get(x, 0), get(v, 0), *ground, step),
+        curve(get(x, n), get(v, n), *kite, step),
+        0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
+        n if kite_is_free else n - 1,
+        given.length,
+        given.reel_out_speed,
+        given.reel_acceleration,
+        add_scaled(given.wind, 0.5 * step, given.wind_rate),
+        scale(1.0 if kite_is_free else 0.0, given.load),
+        scale(1.0 if kite_is_free else 0.0, given.load_rate),
+    )
+
+
+@view
+def chain_during(conditions, time):
+    """The `Chain` at a time [s] of the communication step."""
+    length = reeled(conditions.length, conditions.reeling, conditions.reel_acceleration, time)
+    reeling = conditions.reeling + conditions.reel_acceleration * time
+    return chain_at(conditions.n, conditions.parameters, length, reeling, conditions.wind)
+
+
+@kernel
+def load_during(conditions, time):
+    """Load [N] on a free kite end at a time [s] of the communication step, else 0."""
+    return add_scaled(conditions.load, time, conditions.load_rate)
+
+
+@kernel
+def place_ends(conditions, time, x, v):
+    """Put the driven ends into x [m] and v [m/s] (both modified) at a time [s] of the communication step."""
+    if conditions.first == 1:
+        put(x, 0, position_at(conditions.ground, time))
+        put(v, 0, velocity_at(conditions.ground, time))
+    if conditions.last == conditions.n - 1:
+        put(x, conditions.n, position_at(conditions.kite, time))
+        put(v, conditions.n, velocity_at(conditions.kite, time))
+
+
+@kernel
+def hold_ends(conditions, a):
+    """Set the vectors of the driven ends to zero in an array of node vectors (modified)."""
+    if conditions.first == 1:
+        put(a, 0, ZERO_VECTOR)
+    if conditions.last == conditions.n - 1:
+        put(a, conditions.n, ZERO_VECTOR)

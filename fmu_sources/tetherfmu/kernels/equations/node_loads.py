@@ -1,0 +1,63 @@
+"""Loads of the nodes: what acts on a lumped mass beside its segments. Today its weight; whoever needs node loads calls this.
+
+    f = -m (g e_z + a)                                    weight, and inertia where the acceleration a of the node is given
+    df/dx = m (|omega|^2 - omega omega) - c               with a = omega x (omega x r), and a damping c of pseudo-time
+    potential energy m g z
+
+Kernels take numbers and pairs (`linear_algebra.pairs`) alike. A load that depends on where the node is, and how it moves, finds
+both among the arguments. Theory: docs/theory.md, "The chain" and "Quasi-steady".
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..linear_algebra.matrices import add_to_diagonal, symmetric
+from ..linear_algebra.pairs import broadcast
+from ..linear_algebra.vectors import dot, scale
+
+
+@kernel
+def load(chain, mass, x, v, acceleration):
+    """Load [N] on a node of this mass [kg] at x [m] with the velocity v [m/s]: its weight, which depends on neither.
+
+    acceleration : of the node [m/s2] if its inertia counts as a load, None in equations of motion.
+    """
+    gravity = chain.parameters[at.GRAVITY]
+    if acceleration is None:
+        nothing = broadcast(-0.0, mass)  # to add -0 changes nothing, not even the sign of a zero
+        return nothing, nothing, -(gravity * mass)
+    return scale(-mass, (acceleration[0], acceleration[1], acceleration[2] + gravity))
+
+
+@kernel
+def load_rate(chain, mass_rate):
+    """Rate of the load [N/s] of a node whose mass changes at this rate [kg/s]."""
+    return load(chain, mass_rate, None, None, None)
+
+
+@kernel
+def free_acceleration(chain):
+    """Acceleration [m/s2] of a node that is on no segment."""
+    return 0.0, 0.0, -chain.parameters[at.GRAVITY]
+
+
+@kernel
+def potential(chain, x):
+    """Potential energy of the loads per mass of a node at x [m]: [J/kg]."""
+    return chain.parameters[at.GRAVITY] * x[2]
+
+
+@kernel
+def slope(mass, spin, pseudo_damping):
+    """df/dx [N/m] of a node of this mass [kg] that turns with omega [rad/s], less its damping in pseudo-time c [N/m]."""
+    return add_to_diagonal(symmetric(-mass, spin), mass * dot(spin, spin) - pseudo_damping)
+
+
+@kernel
+def subtract_slope(mass, spin, pseudo_damping, block):
+    """Subtract `slope` from a 3x3 block of a matrix (modified), number by number."""
+    square = dot(spin, spin)
+    for j in range(3):
+        for k in range(3):
+            block[3 * j + k] += mass * spin[j] * spin[k]
+        block[4 * j] += pseudo_damping - mass * square

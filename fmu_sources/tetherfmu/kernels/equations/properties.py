@@ -1,0 +1,89 @@
+"""A chain at an instant: the properties of its segments, the point masses of its nodes, its unstretched length, the wind."""
+
+from collections import namedtuple
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel, view
+from ..linear_algebra.pairs import number_at
+from ..linear_algebra.vectors import vector_at
+from .air import is_uniform
+
+Chain = namedtuple(
+    "Chain", "n parameters length reeling growth seen_growth slack_stiffness_ratio slack_damping_ratio wind air_is_uniform"
+)
+Chain.__doc__ = """A chain at an instant.
+
+n : number of segments.  parameters : flat array, see `layout.py`.
+length, reeling : unstretched length L of the tether [m] and its rate [m/s].  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
+seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
+slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].
+wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
+air_is_uniform : whether wind and density are the same everywhere.
+
+What is in `parameters` too stands here because a loop that writes to arrays would load it anew for each segment.
+"""
+
+
+@kernel
+def sees_reeling(parameters):
+    """Whether a damper sees the strain, and so the rate of the unstretched length: by the strain_rate law."""
+    return parameters[at.DAMPING_LAW] == at.STRAIN_RATE
+
+
+@view
+def chain_at(n, parameters, length, reeling, wind):
+    """`Chain` of this unstretched length [m] and its rate [m/s] in a wind [m/s]."""
+    growth = reeling / length
+    seen_growth = growth if sees_reeling(parameters) else 0.0
+    ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
+    return Chain(n, parameters, length, reeling, growth, seen_growth, *ratios, wind, is_uniform(parameters))
+
+
+@view
+def chain_of(n, parameters, state):
+    """`Chain` with the length, the reeling and the wind of a state."""
+    return chain_at(n, parameters, state[at.LENGTH], state[at.REELING], vector_at(state, at.WIND))
+
+
+@kernel
+def property_of(chain, s, which):
+    """One of the properties `layout.SHARE`, ... of segment s, or of two segments, as a pair."""
+    return number_at(chain.parameters, at.PARAMETER_SCALARS + which * chain.n, s)
+
+
+@kernel
+def has_drag(chain):
+    """Whether the air exerts any force on the chain."""
+    if chain.parameters[at.AIR_DENSITY] != 0.0:
+        for s in range(chain.n):
+            if property_of(chain, s, at.DRAG_WIDTH) != 0.0:
+                return True
+    return False
+
+
+@kernel
+def rest_length(chain, s):
+    """Unstretched length l0 [m] of segment s, or of two segments, as a pair."""
+    return property_of(chain, s, at.SHARE) * chain.length
+
+
+@kernel
+def point_mass(chain, i):
+    """Mass [kg] that node i carries beside its share of the tether."""
+    return chain.parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + i]
+
+
+@kernel
+def has_node_winds(chain):
+    """Whether the wind is given at the nodes; `chain` may be a `BoundaryConditions`."""
+    return chain.parameters[at.WIND_PROFILE] == at.AT_NODES
+
+
+@kernel
+def node_wind(chain, s, above):
+    """Wind [m/s] that is given at node s + above; for two s, the winds at two nodes, as pairs; `chain` may be a `BoundaryConditions`."""
+    count = chain.n + 1
+    x = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + count + above
+    y, z = x + count, x + 2 * count
+    return number_at(chain.parameters, x, s), number_at(chain.parameters, y, s), number_at(chain.parameters, z, s)

@@ -1,0 +1,100 @@
+"""A compressed chain, which stands on its end: found by its shape, and left sideways.
+
+Where all segments are parallel, each is a spring T/l across them, in series between the held ends. Such springs with one
+negative one among them are stable only if it is softer than all others together, with two never. So the chain is in
+equilibrium but unstable if
+
+    all segments are parallel, and T < 0 in two segments, or in one and sum_s l/T > 0.
+
+It leaves to the side, in a direction that depends on nothing but its own: towards x, or towards y if it stands along x.
+Source: docs/numerics.md, "Compressed chains".
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..equations import node_loads, segment
+from ..equations.properties import has_node_winds, rest_length
+from ..linear_algebra.vectors import add_scaled, cross, dot, get, norm, put, scale, sub
+
+PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
+PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as straight
+NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one pressed segment is held by the others
+EXACTLY = 1e-6  # angle [rad] up to which a chain in motion is straight, and nothing moves it sideways
+NUDGE = 1e-4  # how far it is then moved sideways, over the length of a segment: the default tolerance of its solver
+
+
+@kernel
+def is_along(e, a, angle):
+    """Whether a vector is parallel to the direction e to within a small angle [rad], or zero."""
+    return norm(cross(e, a)) <= angle * norm(a)
+
+
+@kernel
+def is_pressed(chain, x):
+    """Whether any segment of the chain with its nodes at x [m] is pressed."""
+    for s in range(chain.n):
+        r = sub(get(x, s + 1), get(x, s))
+        shortest = (1.0 - PRESSED) * rest_length(chain, s)
+        if dot(r, r) < shortest * shortest:
+            return True
+    return False
+
+
+@kernel
+def is_unstable(chain, x, angle):
+    """Whether the chain with its nodes at x [m] is compressed and unstable, parallel to within an angle [rad]."""
+    if not is_pressed(chain, x):
+        return False
+    first = sub(get(x, 1), get(x, 0))
+    pressed = 0
+    compliance = 0.0  # across, of all segments in series [m/N]
+    size = 0.0
+    for s in range(chain.n):
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        if not is_along(e, first, angle):
+            return False
+        rest = rest_length(chain, s)
+        k, _ = segment.stiffness(chain, s, length - rest, rest)
+        pull = k * (length - rest)
+        compliance += length / pull
+        size += length / abs(pull)
+        if length - rest < -PRESSED * rest and pull < 0.0:
+            pressed += 1
+    return pressed > 1 or (pressed == 1 and compliance > NEUTRAL * size)
+
+
+@kernel
+def sideways(a):
+    """Direction across a vector: that of the x axis as far as it can be, or of the y axis if the vector is along x."""
+    _, e = segment.geometry(a)
+    axis = (0.0, 1.0, 0.0) if e[0] * e[0] > 0.9 else (1.0, 0.0, 0.0)
+    across = add_scaled(axis, -dot(axis, e), e)
+    return scale(1.0 / norm(across), across)
+
+
+@kernel
+def is_moved_along(n, e, v):
+    """Whether the velocities v [m/s] of all nodes are along the direction e, or zero."""
+    for i in range(n + 1):
+        velocity = get(v, i)
+        if not is_along(e, velocity, EXACTLY):
+            return False
+    return True
+
+
+@kernel
+def leave(chain, x, v):
+    """Move the inner nodes of x [m] (modified) a little sideways if the chain is compressed and nothing else moves it there.
+
+    That is where its weight, the wind and the velocities of its nodes v [m/s] are along it, or zero.
+    """
+    _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
+    weight = node_loads.free_acceleration(chain)
+    wind = scale(chain.parameters[at.AIR_DENSITY], chain.wind)
+    if has_node_winds(chain) or not (is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)):
+        return
+    if is_unstable(chain, x, EXACTLY) and is_moved_along(chain.n, e, v):
+        side = sideways(e)
+        for i in range(1, chain.n):
+            put(x, i, add_scaled(get(x, i), NUDGE * chain.length / chain.n, side))

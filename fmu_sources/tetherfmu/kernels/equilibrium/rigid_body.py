@@ -1,0 +1,109 @@
+"""A chain that moves as a rigid body about its ground end: its motion, and the forces on its nodes.
+
+Every node turns with omega and moves away with the extension rate s; in static equilibrium both are zero:
+
+    v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
+
+There is no damping: nothing changes but the direction. Source: docs/theory.md, "Quasi-steady".
+"""
+
+from collections import namedtuple
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..equations import node_loads, segment
+from ..equations.properties import property_of, rest_length
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, put, scale, sub
+
+NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
+
+Body = namedtuple("Body", "chain spin extension_rate x v")
+Body.__doc__ = """A chain that moves as a body about its ground end.
+
+chain : `Chain`.  spin : angular velocity omega [rad/s].  extension_rate : s [1/s].
+x, v : positions [m] and velocities [m/s] of all nodes; those of the ends are given, those of the inner nodes modified.
+"""
+
+
+@kernel
+def straighten(chain, x):
+    """Put the inner nodes of x (modified) on the straight line between its ends, at equal strain."""
+    ground = get(x, 0)
+    chord = sub(get(x, chain.n), ground)
+    part = 0.0
+    for i in range(1, chain.n):
+        part += property_of(chain, i - 1, at.SHARE)
+        put(x, i, add_scaled(ground, part, chord))
+
+
+@kernel
+def rigid_motion(n, x, v):
+    """Angular velocity [rad/s] and rate of stretch [1/s] of a body about the ground end that carries the kite.
+
+    omega = r x u/|r|^2, s = r . u/|r|^2 with the vector r from the ground end to the kite and its rate u, from the ends that
+    x [m] and v [m/s] hold.
+    """
+    r = sub(get(x, n), get(x, 0))
+    u = sub(get(v, n), get(v, 0))
+    square = max(dot(r, r), segment.SHORTEST**2)
+    return scale(1.0 / square, cross(r, u)), dot(r, u) / square
+
+
+@kernel
+def rigid_velocity(body):
+    """Velocities [m/s] of the inner nodes of the body (modified): v_0 + omega x r + s r at their positions."""
+    x, v = body.x, body.v
+    ground = get(x, 0)
+    for i in range(1, body.chain.n):
+        r = sub(get(x, i), ground)
+        put(v, i, add(get(v, 0), add_scaled(cross(body.spin, r), body.extension_rate, r)))
+
+
+@kernel
+def spring(chain, s, length, is_taut):
+    """Elongation l - l0 [m] and stiffness k [N/m] of a segment of this length [m], as if it were taut if `is_taut`."""
+    rest = rest_length(chain, s)
+    k, _ = segment.stiffness(chain, s, segment.TAUT if is_taut else length - rest, rest)
+    return length - rest, k
+
+
+@kernel
+def spring_tensions(chain, x, tension):
+    """Tensions of the taut springs [N] into `tension` (modified, n numbers) at the positions x [m]."""
+    for s in range(chain.n):
+        length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        tension[s] = property_of(chain, s, at.STIFFNESS) * (length / rest_length(chain, s) - 1.0)
+
+
+@kernel
+def load_of(body, mass, x, v):
+    """Load of a node of this mass [kg] at x [m] with the velocity v [m/s], weight and inertia [N]."""
+    acceleration = cross(body.spin, cross(body.spin, sub(x, get(body.x, 0))))
+    return node_loads.load(body.chain, mass, x, v, acceleration)
+
+
+@kernel
+def loads(body, pulls, tension, mass, load):
+    """Drag, weight and inertia f of all nodes [N] into `load` (modified); the body gets the velocities of its inner nodes.
+
+    pulls : what is added to make `load` the residual: NO_PULL, that of the SPRINGS, or the TENSIONS [N].
+    """
+    rigid_velocity(body)
+    chain = body.chain
+    x_p, v_p = get(body.x, 0), get(body.v, 0)
+    from_below = ZERO_VECTOR
+    for s in range(chain.n):
+        x_q, v_q = get(body.x, s + 1), get(body.v, s + 1)
+        length, e = segment.geometry(sub(x_q, x_p))
+        drag = segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q)
+        pull = ZERO_VECTOR
+        if pulls == SPRINGS:
+            elongation, k = spring(chain, s, length, False)
+            pull = scale(k * elongation, e)
+        elif pulls == TENSIONS:
+            pull = scale(tension[s], e)
+        put(load, s, add(add(from_below, load_of(body, mass[s], x_p, v_p)), add(drag, pull)))
+        from_below = sub(drag, pull)
+        x_p, v_p = x_q, v_q
+    put(load, chain.n, add(from_below, load_of(body, mass[chain.n], x_p, v_p)))

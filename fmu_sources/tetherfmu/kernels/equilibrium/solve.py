@@ -1,0 +1,103 @@
+"""Stable equilibrium of a chain between two given ends: the ladder of methods, numbered as in docs/numerics.md.
+
+1. First guess: the hanging chain under the mean load (`first_guess.py`, `hanging_chain.py`).
+2. Newton's method with the stiffnesses of the segments (`newton.py`).
+3. Newton's method with their compliances (`compliance.py`).
+4. Pseudo-transient continuation, with stiffnesses, then with compliances.
+5. Steps 1 to 4 again with a perturbation load from the side, if what was found is a compressed chain (`compressed_chain.py`)
+   or nothing was found and the chain has no load.
+6. Load continuation from the equilibrium under smaller loads (`load_continuation.py`).
+7. Rotation about the chord (`chord_rotation.py`).
+
+Each method starts from the first guess, not from where the last one failed.
+"""
+
+from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
+
+from ..compilation import kernel
+from ..equations import assembly
+from ..linear_algebra.vectors import get
+from . import chord_rotation, compressed_chain, load_continuation, newton
+from .first_guess import guess, is_loaded
+
+FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
+
+
+@kernel
+def is_stable(body):
+    """Whether the body in equilibrium is no compressed chain."""
+    return not compressed_chain.is_unstable(body.chain, body.x, compressed_chain.PARALLEL)
+
+
+@kernel
+def by_newton(body, perturbed, w):
+    """Steps 1 to 4: what they come to, and the number of Newton iterations.
+
+    perturbed : whether under a load from the side, too. Without it the first compressed chain ends the search.
+    """
+    iterations = 0
+    load_stiffness = 0.0
+    for pseudo_transient in (False, True):
+        for compliant in (False, True):
+            load_stiffness = guess(body, perturbed, w)
+            found, more = newton.relax(body, compliant, pseudo_transient, load_stiffness, w)
+            iterations += more
+            if found and is_stable(body):
+                return FOUND, iterations
+            if found and not perturbed:
+                return COMPRESSED, iterations
+    return NOTHING if is_loaded(body.chain, load_stiffness) else UNLOADED, iterations
+
+
+@kernel
+def at_once(body, w):
+    """Steps 1 to 5: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    assembly.node_masses(body.chain, w.mass)
+    result, iterations = by_newton(body, False, w)
+    if result == COMPRESSED or result == UNLOADED:
+        result, more = by_newton(body, True, w)
+        iterations += more
+    return OK if result == FOUND else NO_EQUILIBRIUM, iterations
+
+
+@kernel
+def by_load_continuation(body, w):
+    """Step 6: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    ground, kite = get(body.v, 0), get(body.v, body.chain.n)
+    iterations = 0
+    reached = 0.0
+    level = 0.5
+    while reached == 0.0 and level >= load_continuation.LOWEST:
+        load_continuation.put_end_velocities(body, level, ground, kite)
+        status, more = at_once(load_continuation.at_level(body, level), w)
+        iterations += more
+        if status == OK:
+            reached, more = load_continuation.raise_level(body, level, ground, kite, w)
+            iterations += more
+        level *= 0.5
+    load_continuation.put_end_velocities(body, 1.0, ground, kite)
+    return OK if reached == 1.0 and is_stable(body) else NO_EQUILIBRIUM, iterations
+
+
+@kernel
+def find(body, w):
+    """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
+
+    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
+    """
+    status, iterations = at_once(body, w)
+    if status != OK:
+        status, more = by_load_continuation(body, w)
+        iterations += more
+    if status != OK:
+        status, more = chord_rotation.find(body, w)
+        iterations += more
+    return status, iterations
+
+
+@kernel
+def follow(body, w):
+    """Stable equilibrium from positions [m] and w.tension [N] that are close (both modified): (found, iterations)."""
+    assembly.node_masses(body.chain, w.mass)
+    found, iterations = newton.relax(body, False, False, 0.0, w)
+    return found and is_stable(body), iterations

@@ -1,0 +1,353 @@
+"""Backward Euler with a fixed step: bounded at any step and in bounded work, for real time.
+
+The positions x after a step of h make the incremental potential as small as a bounded number of Newton iterations can:
+
+    Phi(x) = sum_i m_i |x_i - y_i|^2/(2 h^2) + sum_s (k (l - l0)^2/2 + h c s^2/(2 b)) + drag,   v1 = (x - x0)/h
+    y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
+    s = (b l - e . r0)/h,  b = 1 - h (dl0/dt)/l0          the rate that the damper sees; r0: r before the step
+    drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
+
+Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
+Euler. Its matrix is made positive definite (no negative tension across a segment), so that iterations descend; one that
+would not is shortened, or left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
+A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
+not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS`.
+
+k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
+at the start of the iteration. A driven end is where its curve is; its old position counts as x - h v, so that the damper
+sees its exact velocity.
+
+Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and
+Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (incremental potential).
+"""
+
+from collections import namedtuple
+from math import ceil, inf, sqrt
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
+
+from ..arrays import copy, node_arrays, shared_arrays, shared_size
+from ..compilation import kernel, part, view
+from ..equations import node_loads, segment
+from ..equations.assembly import longest_part, node_masses
+from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
+from ..equations.properties import property_of, rest_length
+from ..linear_algebra.block_tridiagonal import Matrix, factorize, solve
+from ..linear_algebra.matrices import (
+    ZERO_MATRIX,
+    add_matrices,
+    add_to_diagonal,
+    apply,
+    get_matrix,
+    put_matrix,
+    scale_matrix,
+    subtract,
+    symmetric,
+)
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
+
+MOST_ITERATIONS = 8  # of a step and of its coarser parts
+LAST_ITERATIONS = 32  # of the finest parts
+PARTS = 4  # into which a step is divided, and each of them again
+FINEST = PARTS**2  # parts of the finest kind in a step
+WORST_WORK = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations for one fixed step
+MOST_HALVINGS = 8  # of a move that does not go down
+CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
+ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
+SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
+Attempt = namedtuple("Attempt", "conditions chain h v")
+Attempt.__doc__ = """A step that is attempted: `BoundaryConditions`, `Chain` at the end of the step, length of the step [s], velocities before [m/s]."""
+
+Workspace = namedtuple("Workspace", "x trial old free drag slope move matrix mass modes")
+Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
+
+x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
+free : y, where the nodes would fly freely [m].  drag : half drags F of the segments [N].  slope : their slopes A [N s/m],
+9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
+`arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
+"""
+
+
+@kernel
+def workspace_size(n):
+    """Length of the work array that `workspace` needs."""
+    return shared_size(n) + 6 * 3 * (n + 1) + 9 * (n + 1) + n
+
+
+@view
+def workspace(n, work):
+    """Cut the work array into the arrays of `Workspace`."""
+    blocks, _, mass, room = shared_arrays(n, work)
+    x, trial, old, free, drag, move, room = node_arrays(n, room)
+    slope, modes = part(room, 0, 9 * (n + 1)), part(room, 9 * (n + 1), n)
+    return Workspace(x, trial, old, free, drag, slope, move, Matrix(*blocks), mass, modes)
+
+
+@kernel
+def segment_at(attempt, s, x, w):
+    """Length l [m], direction, l0 [m], spring k [N/m], damper c [N s/m], rate that it sees [m/s], old vector r0 [m].
+
+    Of segment s; the mode of k is that of the positions x [m], that of c stands in w.modes.
+    """
+    chain = attempt.chain
+    r0 = sub(get(w.old, s + 1), get(w.old, s))
+    length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    rest = rest_length(chain, s)
+    k, _ = segment.stiffness(chain, s, length - rest, rest)
+    _, c = segment.stiffness(chain, s, w.modes[s], rest)
+    rate = segment.seen_rate(chain, length, (length - dot(e, r0)) / attempt.h)
+    return length, e, rest, k, c, rate, r0
+
+
+@kernel
+def shrinkage(attempt):
+    """b = 1 - h (dl0/dt)/l0 [-] as far as the damper sees it: above 0, the part of the unstretched length that is old."""
+    return 1.0 - attempt.h * attempt.chain.seen_growth
+
+
+@kernel
+def moved(s, x, w):
+    """Sum of the moves [m] of the nodes of a segment that are at x [m] after the step."""
+    return add(sub(get(x, s), get(w.old, s)), sub(get(x, s + 1), get(w.old, s + 1)))
+
+
+@kernel
+def velocity_change(attempt, s, x, w):
+    """Mean velocity change u [m/s] of the nodes of a segment that are at x [m] after the step."""
+    before = add(get(attempt.v, s), get(attempt.v, s + 1))
+    return scale(0.5, sub(scale(1.0 / attempt.h, moved(s, x, w)), before))
+
+
+@kernel
+def potential(attempt, x, w):
+    """Phi [J] at the positions x [m], and its error of rounding [J]."""
+    h, b = attempt.h, shrinkage(attempt)
+    total = 0.0
+    size = 0.0
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        away = sub(get(x, i), get(w.free, i))
+        total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
+    for s in range(attempt.chain.n):
+        length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, w)
+        total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c / b * rate * rate
+        size += (k * abs(length - rest) + c * abs(rate)) * (norm(get(x, s)) + length)
+        u = velocity_change(attempt, s, x, w)
+        work = dot(get(w.drag, s), moved(s, x, w))
+        total += h * dot(u, apply(get_matrix(w.slope, 9 * s), u)) - work
+        size += abs(work)
+    return total, ROUNDING * (size + abs(total))
+
+
+@kernel
+def linearize(attempt, x, w):
+    """Matrix of the iteration into w.matrix, minus the gradient of Phi into w.move (both modified)."""
+    n = attempt.chain.n
+    h, b = attempt.h, shrinkage(attempt)
+    diagonal, lower, upper = w.matrix
+    for i in range(n + 1):
+        m = w.mass[i] / (h * h)
+        put_matrix(diagonal, 9 * i, add_to_diagonal(ZERO_MATRIX, m))
+        put(w.move, i, scale(m, sub(get(w.free, i), get(x, i))))
+    for s in range(n):
+        length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
+        turned = add_scaled(r0, -dot(e, r0), e)
+        slant = add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
+        spring = k * (length - rest)
+        across = max(spring + c * rate, 0.0) / length
+        air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
+        pull = add(scale(spring, e), scale(c * rate, slant))
+        put(w.move, s, add(get(w.move, s), add(air, pull)))
+        put(w.move, s + 1, add(get(w.move, s + 1), sub(air, pull)))
+        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(b * c / h, slant)), across)
+        both = scale_matrix(0.5 / h, get_matrix(w.slope, 9 * s))
+        put_matrix(upper, 9 * s, subtract(both, stiff))
+        put_matrix(lower, 9 * s + 9, subtract(both, stiff))
+        for i in (s, s + 1):
+            put_matrix(diagonal, 9 * i, add_matrices(get_matrix(diagonal, 9 * i), add_matrices(stiff, both)))
+
+
+@kernel
+def direction(attempt, x, w):
+    """Move of all nodes [m] by Newton's method from the positions x [m] into w.move (modified).
+
+    Returns the part of it in which no segment changes by more than its length, 0 where the matrix is singular.
+    """
+    conditions = attempt.conditions
+    linearize(attempt, x, w)
+    if not factorize(conditions.first, conditions.last, w.matrix):
+        return 0.0
+    solve(conditions.first, conditions.last, w.matrix, w.move)
+    hold_ends(conditions, w.move)
+    return longest_part(attempt.chain, w.move)
+
+
+@kernel
+def descend(attempt, before, w):
+    """One iteration from the positions w.x [m] (modified) whose Phi is `before` [J].
+
+    Returns Phi [J] and the largest move of a node [m]: -1 where no part of the step goes down, inf where the matrix is
+    singular.
+    """
+    n = attempt.chain.n
+    taken = direction(attempt, w.x, w)
+    if taken == 0.0:
+        return before, inf
+    for _ in range(MOST_HALVINGS + 1):
+        for k in range(3 * (n + 1)):
+            w.trial[k] = w.x[k] + taken * w.move[k]
+        now, rounding = potential(attempt, w.trial, w)
+        if now <= before + rounding:
+            square = 0.0
+            for i in range(n + 1):
+                move = get(w.move, i)
+                square = max(square, dot(move, move))
+            copy(w.trial, w.x)
+            return now, taken * sqrt(square)
+        taken *= 0.5
+    return before, -1.0
+
+
+@kernel
+def start(attempt, time, x, w):
+    """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
+
+    No drag yet.
+    """
+    conditions, chain, h, v = attempt
+    n = chain.n
+    node_masses(chain, w.mass)
+    falling = node_loads.free_acceleration(chain)
+    place_ends(conditions, time + h, w.old, w.free)  # w.free holds the velocities of the ends for the moment
+    for i in range(n + 1):
+        if conditions.first <= i <= conditions.last:
+            put(w.old, i, get(x, i))
+            put(w.free, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, falling))
+        else:
+            end = get(w.old, i)
+            put(w.old, i, add_scaled(end, -h, get(w.free, i)))
+            put(w.free, i, end)
+    if conditions.last == n:
+        put(w.free, n, add_scaled(get(w.free, n), h * h / w.mass[n], load_during(conditions, time + h)))
+    start = chain_during(conditions, time)
+    for s in range(n):
+        taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)
+        w.modes[s] = segment.TAUT if taut else segment.SLACK
+        put(w.drag, s, ZERO_VECTOR)
+        put_matrix(w.slope, 9 * s, ZERO_MATRIX)
+
+
+@kernel
+def guess(attempt, x, w):
+    """Positions [m] to start from into w.x (modified): free flight from x [m], or carried along by the ends.
+
+    The one with the lower potential. A flight of many segment lengths in a step tears the chain; so does, where it swings,
+    a chain that keeps its shape.
+    """
+    conditions, chain, _, _ = attempt
+    n = chain.n
+    ground = sub(get(w.free, 0), get(x, 0)) if conditions.first == 1 else ZERO_VECTOR
+    kite = sub(get(w.free, n), get(x, n)) if conditions.last == n - 1 else ground
+    share = 0.0
+    for i in range(n + 1):
+        put(w.x, i, get(w.free, i))
+        put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
+        if i < n:
+            share += property_of(chain, i, at.SHARE)
+    put(w.trial, n, add(get(x, n), kite))
+    carried, _ = potential(attempt, w.trial, w)
+    flying, _ = potential(attempt, w.x, w)
+    if carried < flying:
+        copy(w.trial, w.x)
+
+
+@kernel
+def add_drag(attempt, x, w):
+    """Half drags F [N] and slopes A [N s/m] of all segments into w, at the positions x [m] and the old velocities."""
+    chain, v = attempt.chain, attempt.v
+    for s in range(chain.n):
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        ends = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
+        put(w.drag, s, segment.half_drag_between(chain, s, length, e, *ends))
+        _, by_velocity, _ = segment.linearize_drag_between(chain, s, length, e, *ends)
+        put_matrix(w.slope, 9 * s, by_velocity)
+
+
+@kernel
+def step(conditions, time, h, in_any_case, x, v, w):
+    """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
+
+    in_any_case : whether to iterate longer, and to take a result that has not come to rest. Returns whether it was taken,
+    and the number of iterations, negative where the matrix is singular.
+    """
+    attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
+    start(attempt, time, x, w)
+    guess(attempt, x, w)
+    add_drag(attempt, w.x, w)
+    phi, _ = potential(attempt, w.x, w)
+    goal = CLOSE * conditions.length / conditions.n
+    iterations = 0
+    farthest = inf
+    most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
+    while iterations < most and farthest > goal:
+        phi, farthest = descend(attempt, phi, w)
+        iterations += 1
+        if not farthest < inf:
+            return False, -1
+    if not (in_any_case or 0.0 <= farthest <= goal):
+        return False, iterations
+    for k in range(3 * conditions.first, 3 * conditions.last + 3):
+        v[k] = (w.x[k] - x[k]) / h
+        x[k] = w.x[k]
+    place_ends(conditions, time + h, x, v)
+    return True, iterations
+
+
+@kernel
+def careful_step(conditions, time, h, x, v, w):
+    """One step of h [s] of (x, v) (modified), in parts where it does not come to rest as a whole.
+
+    Returns the number of iterations, at most `WORST_WORK`; negative where the matrix is singular.
+    """
+    iterations = 0
+    done = 0  # in parts of the finest kind
+    size = FINEST
+    while done < FINEST:
+        start = time + h * done / FINEST
+        taken, more = step(conditions, start, h * size / FINEST, size == 1, x, v, w)
+        if more < 0:
+            return more
+        iterations += more
+        if not taken:
+            size //= PARTS
+            continue
+        done += size
+        while size < FINEST and done % (size * PARTS) == 0:
+            size *= PARTS
+    return iterations
+
+
+@kernel
+def integrate(conditions, duration, state, x, v, w):
+    """Advance (x, v) (modified) over a communication step of `duration` [s] with steps of `fixed_step`.
+
+    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` are
+    modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
+    """
+    wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
+    budget = at.WORK_BUDGET // conditions.n
+    if not wanted <= budget:
+        return FIXED_STEPS_TOO_MANY
+    count = max(1, ceil(wanted))
+    h = duration / count
+    spent = 0
+    for i in range(count):
+        if spent > budget:
+            return FIXED_STEPS_TOO_MANY
+        iterations = careful_step(conditions, i * h, h, x, v, w)
+        if iterations < 0:
+            return STATE_NOT_FINITE
+        spent += iterations
+    state[at.STEPS] += count
+    state[at.ITERATIONS] += spent
+    return OK

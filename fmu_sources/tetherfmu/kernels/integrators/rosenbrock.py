@@ -1,0 +1,308 @@
+"""One step of the Rosenbrock method Rodas4P (`rodas4p.py`) for the chain, y = (x, v), f = (v, F/m).
+
+The positions are eliminated, with d = h gamma, U = (d q, V) and q = V + r:
+
+    x_i = x0 + h (alpha_i v0 + sum_j P_ij V_j),   v_i = v0 + sum_j a_ij V_j
+    r_i = (gamma_i v0 + sum_j R_ij V_j)/gamma
+    (M/d - B - d K) q_i = F(x_i, v_i) + M (sum_j c_ij V_j/h + r_i/d) - B r_i + gamma_i h dF/dt
+
+one block tridiagonal system with 3x3 blocks per stage. F at a stage is multiplied by the mass of the start over that of the
+stage.
+
+Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
+smooth equations; a step that goes too far beyond the transition is rejected (`taut_slack.transition_error`). See
+docs/numerics.md, "Rosenbrock step".
+"""
+
+from collections import namedtuple
+
+from ..arrays import behind, copy, shared_arrays, shared_size, split
+from ..compilation import kernel, part, view
+from ..equations import assembly
+from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
+from ..equations.end_motion import acceleration_at, position_at, velocity_at
+from ..equations.properties import point_mass
+from ..linear_algebra.block_tridiagonal import Matrix, factorize, solve
+from ..linear_algebra.both_ends import (
+    deinterleave,
+    get_interleaved,
+    get_two,
+    interleave,
+    interleaved_size,
+    next_interleaved,
+    put_interleaved,
+    put_two,
+)
+from ..linear_algebra.pairs import first, number_at, pair, second, select
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
+from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
+
+Workspace = namedtuple(
+    "Workspace",
+    "x v q velocity_error start_x start_v stage_x stage_v r inertia_velocity force force_rate "
+    "velocities matrix segments records mass stage_mass modes",
+)
+Workspace.__doc__ = """Scratch arrays of a step.
+
+Flat arrays of 3 (n + 1) numbers:
+x, v : result of the step [m], [m/s].  q : the solution q of a stage; after the step the error estimate of x over d [m/s].
+velocity_error : the error estimate of v [m/s].
+
+Interleaved arrays (`linear_algebra.both_ends`):
+start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, inertia_velocity : what
+`combine` adds up [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
+velocities : V of all stages [m/s], those of two nodes beside each other: number STAGES k + stage.
+
+matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `assembly.find_segments`.
+stage_mass : node masses at the stage [kg], n + 1.  modes : n, which stiffness each segment has, see `segment.TAUT`.
+"""
+NEUTRAL = (-0.0, -0.0, -0.0)  # to add -0 changes nothing, not even the sign of a zero
+
+
+@kernel
+def workspace_size(n):
+    """Length of the work array that `workspace` needs."""
+    vectors = (8 + STAGES) * interleaved_size(n) + 4 * 3 * (n + 1)
+    return shared_size(n) + vectors + assembly.segments_size(n) + 2 * n + 1
+
+
+@view
+def workspace(n, work):
+    """Cut the work array into the arrays of `Workspace`."""
+    blocks, records, mass, room = shared_arrays(n, work)
+    flat, interleaved, segments = 3 * (n + 1), interleaved_size(n), assembly.segments_size(n)
+    start_x, start_v, stage_x, room = split(interleaved, room)
+    stage_v, r, inertia_velocity, room = split(interleaved, room)
+    force, force_rate, room = part(room, 0, interleaved), part(room, interleaved, interleaved), behind(2 * interleaved, room)
+    velocities, room = part(room, 0, STAGES * interleaved), behind(STAGES * interleaved, room)
+    segments, room = part(room, 0, segments), behind(segments, room)
+    x, v, q, room = split(flat, room)
+    error, stage_mass, modes = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
+    vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, inertia_velocity, force, force_rate, velocities
+    return Workspace(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, modes)
+
+
+@kernel
+def prepare(conditions, time, h, x, v, w):
+    """Matrix of the step, factorized, and the explicit time derivative of forces [N/s] into w.q; False if it is singular.
+
+    Modifies w.start_x, w.start_v, w.mass, w.modes, w.records, w.q and w.matrix.
+    """
+    n = conditions.n
+    chain = chain_during(conditions, time)
+    interleave(n, x, w.start_x)
+    interleave(n, v, w.start_v)
+    assembly.node_masses(chain, w.mass)
+    assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
+    assembly.add_rate_from_acceleration(chain, conditions.reel_acceleration, x, w.records, w.q)
+    put(w.q, n, add(get(w.q, n), conditions.load_rate))
+    if conditions.first == 1:
+        end, rate = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
+        assembly.add_end_motion(n, False, end, rate, w.records, w.q)
+    if conditions.last == n - 1:
+        end, rate = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
+        assembly.add_end_motion(n, True, end, rate, w.records, w.q)
+    d = GAMMA * h
+    assembly.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
+    return factorize(conditions.first, conditions.last, w.matrix)
+
+
+@kernel
+def is_reeling(conditions):
+    """Whether the unstretched length changes in the communication step, and with it the masses of the nodes."""
+    return conditions.reeling != 0.0 or conditions.reel_acceleration != 0.0
+
+
+@kernel
+def stage_masses(conditions, stage, time, w):
+    """Node masses at a stage [kg] into w.stage_mass (modified), which has those of the stage before."""
+    if stage == 0:
+        copy(w.mass, w.stage_mass)
+    elif is_reeling(conditions) and ALPHA[stage] != ALPHA[stage - 1]:
+        assembly.node_masses(chain_during(conditions, time), w.stage_mass)
+
+
+@kernel
+def stage_force(conditions, time, w):
+    """Forces at a stage [N] into w.force (modified)."""
+    assembly.node_forces(chain_during(conditions, time), w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
+    put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL, load_during(conditions, time))))
+
+
+@kernel
+def take_force_rate(conditions, time, w):
+    """Explicit time derivative of M v' [N/s] into w.force_rate (modified): that of the forces, from w.q, and of the masses.
+
+    d(F/m)/dt = (dF/dt - F/m dm/dt)/m; w.force holds F at the start of the step.
+    """
+    n = conditions.n
+    interleave(n, w.q, w.force_rate)
+    if not is_reeling(conditions):
+        return
+    chain = chain_during(conditions, time)
+    for k in range(n // 2 + 1):
+        mass = number_at(w.mass, 0, (k, n - k))
+        of_tether = mass - pair(point_mass(chain, k), point_mass(chain, n - k))
+        rate = of_tether / mass * chain.reeling / chain.length
+        put_interleaved(w.force_rate, k, sub(get_interleaved(w.force_rate, k), scale(rate, get_interleaved(w.force, k))))
+
+
+@kernel
+def add_up(start, factors, k, w):
+    """start + sum_j factors_j V_j of the nodes k and n - k, as pairs."""
+    for j in range(len(factors)):
+        start = add_scaled(start, factors[j], get_interleaved(w.velocities, STAGES * k + j))
+    return start
+
+
+@kernel
+def place_argument(in_position, in_velocity, alpha, h, w):
+    """x_i and v_i of a stage into w.stage_x, w.stage_v (modified): factors of V_j in both, alpha_i."""
+    for k in range(len(w.r) // 6):
+        start = get_interleaved(w.start_v, k)
+        put_interleaved(
+            w.stage_x, k, add_scaled(get_interleaved(w.start_x, k), h, add_up(scale(alpha, start), in_position, k, w))
+        )
+        put_interleaved(w.stage_v, k, add_up(start, in_velocity, k, w))
+
+
+@kernel
+def place_right(in_r, in_inertia, gamma, w):
+    """r_i and inertia_velocity of a stage into w.r, w.inertia_velocity (modified): factors of V_j in both, gamma_i/gamma of the stage."""
+    for k in range(len(w.r) // 6):
+        start = scale(gamma, get_interleaved(w.start_v, k))
+        put_interleaved(w.r, k, add_up(start, in_r, k, w))
+        put_interleaved(w.inertia_velocity, k, add_up(scale(1.0 / GAMMA, start), in_inertia, k, w))
+
+
+@kernel
+def combine(stage, h, w):
+    """Add up the stages before this one into w.stage_x, w.stage_v, w.r and w.inertia_velocity (modified).
+
+    The last stage finds its argument in w.stage_x, w.stage_v, where `add_stage` has put U of the one before.
+    """
+    alpha = ALPHA[stage]
+    gamma = GAMMA_I[stage] / GAMMA
+    if stage == 0:
+        for k in range(len(w.r) // 6):
+            start = get_interleaved(w.start_v, k)
+            put_interleaved(w.stage_x, k, get_interleaved(w.start_x, k))
+            put_interleaved(w.stage_v, k, start)
+            put_interleaved(w.r, k, start)
+            put_interleaved(w.inertia_velocity, k, (start[0] / GAMMA, start[1] / GAMMA, start[2] / GAMMA))
+    elif stage == 1:
+        place_argument(P[0], A_ROWS[0], alpha, h, w)
+        place_right(R_BY_GAMMA[0], INERTIA[0], gamma, w)
+    elif stage == 2:
+        place_argument(P[1], A_ROWS[1], alpha, h, w)
+        place_right(R_BY_GAMMA[1], INERTIA[1], gamma, w)
+    elif stage == 3:
+        place_argument(P[2], A_ROWS[2], alpha, h, w)
+        place_right(R_BY_GAMMA[2], INERTIA[2], gamma, w)
+    elif stage == 4:
+        place_argument(P[3], A_ROWS[3], alpha, h, w)
+        place_right(R_BY_GAMMA[3], INERTIA[3], gamma, w)
+    else:
+        place_right(R_BY_GAMMA[4], INERTIA[4], gamma, w)
+
+
+@kernel
+def select_end(sign, a, b):
+    """Vector of pairs with the number of a where `sign` > 0, with that of b elsewhere."""
+    return select(sign, a[0], b[0]), select(sign, a[1], b[1]), select(sign, a[2], b[2])
+
+
+@kernel
+def curves_of(conditions):
+    """Curves of both ends (`end_motion.curve`), as pairs; and a pair that is above 0 where an end is driven."""
+    ground, kite = conditions.ground, conditions.kite
+    ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
+    return ends, pair(1.0 if conditions.first == 1 else 0.0, 1.0 if conditions.last == conditions.n - 1 else 0.0)
+
+
+@kernel
+def lead_ends(ends, driven, time, w):
+    """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
+    put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
+    put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
+    put_interleaved(w.r, 0, select_end(driven, pair(ZERO_VECTOR, ZERO_VECTOR), get_interleaved(w.r, 0)))
+
+
+@kernel
+def without_damping(n, stage, h, k, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 inertia_velocity/h of the nodes k and n - k [N], as pairs; w.force holds F."""
+    mass = number_at(w.mass, 0, (k, n - k))
+    force = scale(mass / number_at(w.stage_mass, 0, (k, n - k)), get_interleaved(w.force, k))
+    force = add_scaled(force, GAMMA_I[stage] * h, get_interleaved(w.force_rate, k))
+    return add_scaled(force, 1.0 / h * mass, get_interleaved(w.inertia_velocity, k))
+
+
+@kernel
+def right_hand_side(n, stage, h, w):
+    """F m_0/m + gamma_i h dF/dt + m_0 inertia_velocity/h - B r of all nodes [N] into w.q (modified), from both ends at once."""
+    from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
+    r_p = get_interleaved(w.r, 0)
+    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+        r_q = next_interleaved(n, s, w.r)
+        axial, drag = assembly.damping_product(s, -1.0, r_p, r_q, w.records)
+        change = add(from_outside, add(drag, axial))
+        put_two(w.q, s, n - s, add(without_damping(n, stage, h, s, w), change))
+        from_outside = sub(drag, axial)
+        r_p = r_q
+    if n % 2 == 0:
+        rest = first(without_damping(n, stage, h, n // 2, w))
+        put(w.q, n // 2, add(rest, add(first(from_outside), second(from_outside))))
+
+
+@kernel
+def solve_stage(conditions, stage, h, w):
+    """Solve for q into w.q and V into its place in w.velocities (both modified); w.force holds F."""
+    n = conditions.n
+    right_hand_side(n, stage, h, w)
+    solve(conditions.first, conditions.last, w.matrix, w.q)
+    hold_ends(conditions, w.q)
+    for k in range(n // 2 + 1):
+        put_interleaved(w.velocities, STAGES * k + stage, sub(get_two(w.q, k, n - k), get_interleaved(w.r, k)))
+
+
+@kernel
+def add_stage(n, stage, h, w):
+    """Add U = (d q, V) of a stage to w.stage_x, w.stage_v (modified): the argument of the last stage, and its result."""
+    for k in range(n // 2 + 1):
+        put_interleaved(w.stage_x, k, add_scaled(get_interleaved(w.stage_x, k), GAMMA * h, get_two(w.q, k, n - k)))
+        put_interleaved(w.stage_v, k, add(get_interleaved(w.stage_v, k), get_interleaved(w.velocities, STAGES * k + stage)))
+
+
+@kernel
+def take_result(conditions, time, w):
+    """Result of the step that ends at a time [s] of the communication step into w.x, w.v, w.velocity_error (modified)."""
+    n = conditions.n
+    deinterleave(n, w.stage_x, w.x)
+    deinterleave(n, w.stage_v, w.v)
+    place_ends(conditions, time, w.x, w.v)
+    for k in range(n // 2 + 1):
+        put_two(w.velocity_error, k, n - k, get_interleaved(w.velocities, STAGES * (k + 1) - 1))
+
+
+@kernel
+def step(conditions, time, h, x, v, w):
+    """One step of h [s] from (x, v) at a time [s] of the communication step; False if the matrix is singular.
+
+    The result stands in w.x, w.v, its error estimate U in w.q = U_x/d and in w.velocity_error.
+    """
+    if not prepare(conditions, time, h, x, v, w):
+        return False
+    ends, driven = curves_of(conditions)
+    for stage in range(STAGES):
+        combine(stage, h, w)
+        now = time + ALPHA[stage] * h
+        lead_ends(ends, driven, now, w)
+        stage_masses(conditions, stage, now, w)
+        stage_force(conditions, now, w)
+        if stage == 0:
+            take_force_rate(conditions, time, w)
+        solve_stage(conditions, stage, h, w)
+        if stage >= STAGES - 2:
+            add_stage(conditions.n, stage, h, w)
+    take_result(conditions, time + h, w)
+    return True

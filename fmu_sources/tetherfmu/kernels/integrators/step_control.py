@@ -1,0 +1,184 @@
+"""Error of a Rosenbrock step, and the steps that it allows within a communication step.
+
+The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
+transition may have got wrong (`transition_error`), and the error of the tension of the dampers (`damper_error`), each over
+what is allowed (`allowed_errors`). See docs/numerics.md, "Rosenbrock step".
+"""
+
+from math import ceil, inf, sqrt
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+
+from ..arrays import copy
+from ..compilation import kernel
+from ..equations import segment
+from ..equations.boundary import chain_during
+from ..equations.properties import has_node_winds, node_wind, rest_length
+from ..linear_algebra.vectors import dot, get, sub
+from .rodas4p import GAMMA
+from .rosenbrock import step
+from .taut_slack import keep_energy, lighter_free_node, transition_error
+
+# PI rule of a method whose error estimate has order 4: h_new/h = SAFETY error^(-0.7/4) last_error^(0.4/4)
+# Source: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2
+SAFETY = 0.9  # of the step that the estimate allows
+EXPONENT, LAST_EXPONENT = 0.7 / 4, 0.4 / 4  # of the last error and of the one before
+LEAST_ERROR, LEAST_LAST_ERROR = 1e-10, 1e-4  # an error counts as at least so much
+LARGEST_GROWTH = 5.0  # of a step over the one before
+STRONGEST_CUT = 0.2  # the same, downwards
+CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no number
+WEAKEST_CUT = 0.9  # of a step that is rejected
+SMALLEST_STEP = 1e-10  # part of the communication step
+DAMPER = 0.01  # part of the largest tension; see `damper_error`
+TINY = 1e-200  # what keeps a quotient from 0/0
+
+
+@kernel
+def error_norm(conditions, h, position_scale, velocity_scale, w):
+    """Root mean square of the error estimate of a step over the allowed error of positions [m] and velocities [m/s]."""
+    squares = 0.0
+    velocity_squares = 0.0
+    for k in range(3 * (conditions.n + 1)):
+        squares += w.q[k] * w.q[k]
+        velocity_squares += w.velocity_error[k] * w.velocity_error[k]
+    squares = squares * (GAMMA * h / position_scale) ** 2 + velocity_squares / velocity_scale**2
+    return sqrt(squares / (6 * (conditions.last - conditions.first + 1)))
+
+
+@kernel
+def damper_error(conditions, chain, w):
+    """Largest error estimate of a damper's tension in the last step as a velocity [m/s]: c |e.dv|/sqrt(k m).
+
+    dv is the difference of the error estimates of the two nodes, sqrt(k m) the impedance of the taut segment with the mass
+    of the lighter free node. A step in which it is more than the velocity error allowed is rejected if this tension is also
+    more than DAMPER times the largest one (`relative_damper_error`). Without it the velocities of a stiff damper are allowed
+    errors that, times c, are kilonewtons. `chain` is that at the end of the step.
+    """
+    worst = 0.0  # squared
+    for s in range(chain.n):
+        r = sub(get(w.x, s + 1), get(w.x, s))
+        rest = rest_length(chain, s)
+        k, _ = segment.stiffness(chain, s, segment.TAUT, 1.0)  # times l0
+        _, c = segment.stiffness(chain, s, w.modes[s], 1.0)  # times l0
+        wrong = c * dot(r, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))  # times l0 l
+        worst = max(worst, wrong * wrong / (k * rest * lighter_free_node(s, conditions, w) * dot(r, r) + TINY))
+    return sqrt(worst)
+
+
+@kernel
+def relative_damper_error(chain, w):
+    """Largest error estimate of a damper's tension in the last step, see `damper_error`, over the largest tension [-]."""
+    worst = 0.0
+    largest = TINY
+    for s in range(chain.n):
+        stretched, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
+        rest = rest_length(chain, s)
+        k, c = segment.stiffness(chain, s, w.modes[s], rest)
+        rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
+        largest = max(largest, abs(segment.tension(chain, stretched, rate, rest, k, c)))
+        worst = max(worst, c * abs(dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))))
+    return worst / largest
+
+
+@kernel
+def square_of_wind(conditions):
+    """Square of the wind at the reference height [m2/s2], or of the largest one that is given at a node."""
+    if not has_node_winds(conditions):
+        return dot(conditions.wind, conditions.wind)
+    square = 0.0
+    for i in range(conditions.n + 1):
+        wind = node_wind(conditions, i, 0)
+        square = max(square, dot(wind, wind))
+    return square
+
+
+@kernel
+def allowed_errors(conditions, v):
+    """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
+
+    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed and the speed
+    after falling freely over one segment.
+    """
+    tolerance = conditions.parameters[at.RELATIVE_TOLERANCE]
+    segment_length = conditions.length / conditions.n
+    square = max(2.0 * conditions.parameters[at.GRAVITY] * segment_length, square_of_wind(conditions))
+    for i in range(conditions.n + 1):
+        square = max(square, dot(get(v, i), get(v, i)))
+    return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
+
+
+@kernel
+def error_of_step(conditions, time, h, v, w):
+    """Error of the step of h [s] that `rosenbrock.step` has made from the velocities v [m/s] over what is allowed [-].
+
+    The result of the step, in w, is put right where segments went over the transition, see `taut_slack.keep_energy`.
+    """
+    position_scale, velocity_scale = allowed_errors(conditions, v)
+    error = error_norm(conditions, h, position_scale, velocity_scale, w)
+    chain = chain_during(conditions, time + h)
+    damper = damper_error(conditions, chain, w) / velocity_scale
+    if damper > 1.0:
+        damper = min(damper, relative_damper_error(chain, w) / DAMPER)
+    error = max(error, damper)
+    transition = transition_error(conditions, chain, h, w) / velocity_scale
+    if transition > 0.0:
+        keep_energy(conditions, chain, w)
+    if transition > 1.0:
+        error = max(error, transition * transition)  # it falls with h^2, the other estimate with h^4
+    return error
+
+
+@kernel
+def step_factor(error, last_error):
+    """Factor for the next step [-] from the error estimates of the last two accepted steps (PI rule)."""
+    factor = SAFETY * max(error, LEAST_ERROR) ** -EXPONENT * max(last_error, LEAST_LAST_ERROR) ** LAST_EXPONENT
+    return min(LARGEST_GROWTH, max(STRONGEST_CUT, factor))
+
+
+@kernel
+def integrate(conditions, duration, state, x, v, w):
+    """Advance (x, v) (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
+
+    Solver memory and counters in `state` are modified. Returns a status: OK, STEP_BUDGET_SPENT or STEP_TOO_SMALL.
+    """
+    time = 0.0
+    h = state[at.SOLVER_STEP]
+    last_error = state[at.SOLVER_ERROR]
+    if h <= 0.0:
+        h = duration
+        last_error = 1.0
+    budget = at.WORK_BUDGET // conditions.n
+    tried = 0
+    rejected_before = False
+    while time < duration:
+        if tried >= budget:
+            return STEP_BUDGET_SPENT
+        if h < SMALLEST_STEP * duration:
+            return STEP_TOO_SMALL
+        tried += 1
+        rest = duration - time
+        left = ceil(rest / h - 1e-6)
+        h_now = rest / left if left > 1.0 else rest
+        error = inf
+        if step(conditions, time, h_now, x, v, w):
+            error = error_of_step(conditions, time, h_now, v, w)
+        if error <= 1.0:
+            time = time + h_now if left > 1.0 else duration
+            copy(w.x, x)
+            copy(w.v, v)
+            proposal = h_now * step_factor(error, last_error)
+            if rejected_before:
+                proposal = min(proposal, h_now)
+            h = max(proposal, h) if h_now < h and not rejected_before else proposal
+            last_error = error
+            rejected_before = False
+            state[at.STEPS] += 1.0
+        else:
+            rejected_before = True
+            cut = CUT_WITHOUT_ESTIMATE if not error < inf else max(STRONGEST_CUT, SAFETY * error ** (-1 / 4))
+            h = h_now * min(cut, WEAKEST_CUT)
+            state[at.REJECTIONS] += 1.0
+    state[at.SOLVER_STEP] = h
+    state[at.SOLVER_ERROR] = last_error
+    return OK

@@ -1,0 +1,87 @@
+"""The taut-slack transition of segments in a Rosenbrock step: what it may cost, and the energy that it would create.
+
+All stages of a step hold the stiffness k that a segment has at its start, so the step keeps the sum of kinetic energy and
+k (l - l0)^2/2. Where the segment ends a distance |l - l0| beyond the transition, with the stiffness k', this is
+
+    (k - k') (l - l0)^2/2
+
+too much (it went slack) or too little (it became taut) in the spring, and `keep_energy` moves it from or to the speed along
+the segment. Without it steps create energy where segments become taut and lose some where they go slack. The two do not
+balance, since slack segments allow longer steps: an undamped tether swung itself up. Source: docs/numerics.md,
+"Rosenbrock step".
+"""
+
+from math import copysign, inf, sqrt
+
+from ..compilation import kernel
+from ..equations import segment
+from ..equations.properties import rest_length
+from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, sub
+
+TRANSITION = 0.05  # measured: 0.2 costs more rejections for the same error; with 0.01 an undamped tether may gain energy
+
+
+@kernel
+def lighter_free_node(s, conditions, w):
+    """Smaller mass [kg] of the two nodes of a segment, of those that are free."""
+    return min(w.mass[s] if s >= conditions.first else inf, w.mass[s + 1] if s + 1 <= conditions.last else inf)
+
+
+@kernel
+def went_over(s, chain, w):
+    """Whether segment s ended the step on the other side of the transition."""
+    r = sub(get(w.x, s + 1), get(w.x, s))
+    rest = rest_length(chain, s)
+    return (dot(r, r) - rest * rest) * w.modes[s] < 0.0
+
+
+@kernel
+def excess_stiffness(s, chain, w):
+    """Stiffness of segment s that the step held minus that on the other side of the transition [N/m]."""
+    rest = rest_length(chain, s)
+    held, _ = segment.stiffness(chain, s, w.modes[s], rest)
+    present, _ = segment.stiffness(chain, s, -w.modes[s], rest)
+    return held - present
+
+
+@kernel
+def transition_error(conditions, chain, h, w):
+    """Estimate of the velocity error [m/s] of a step of h [s] in which segments went over the transition; 0 if none did.
+
+    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part TRANSITION of the step;
+    `chain` is that at the end of the step.
+    """
+    worst = 0.0
+    for s in range(chain.n):
+        if went_over(s, chain, w):
+            over = abs(norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(chain, s))
+            worst = max(
+                worst, TRANSITION * h * abs(excess_stiffness(s, chain, w)) * over / lighter_free_node(s, conditions, w)
+            )
+    return worst
+
+
+@kernel
+def keep_energy(conditions, chain, w):
+    """Correct the velocities in w.v (modified) of the nodes of segments that went over the transition, see the head of this file.
+
+    With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would turn
+    round becomes 0. A segment that is on its way back already is left alone. All rates are those before the correction, so
+    that it does not matter at which end one begins. `chain` is that at the end of the step.
+    """
+    below = get(w.v, 0)  # before the correction
+    for s in range(chain.n):
+        above = get(w.v, s + 1)
+        if went_over(s, chain, w):
+            length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
+            over = length - rest_length(chain, s)
+            rate = dot(e, sub(above, below))
+            if rate * over > 0.0:
+                mobility_p = 1.0 / w.mass[s] if s >= conditions.first else 0.0
+                mobility_q = 1.0 / w.mass[s + 1] if s + 1 <= conditions.last else 0.0
+                mobility = mobility_p + mobility_q
+                square = rate * rate + mobility * excess_stiffness(s, chain, w) * over * over
+                impulse = (copysign(sqrt(max(square, 0.0)), rate) - rate) / mobility
+                put(w.v, s, add_scaled(get(w.v, s), -impulse * mobility_p, e))
+                put(w.v, s + 1, add_scaled(above, impulse * mobility_q, e))
+        below = above

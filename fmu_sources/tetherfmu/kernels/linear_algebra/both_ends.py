@@ -1,0 +1,154 @@
+"""Loads and stores of pairs: numbers, vectors and blocks of both halves of a chain at once.
+
+A interleaved array holds the vectors of n + 1 nodes as pairs, those of node k and of its mirror image side by side:
+
+    x_k x_(n-k) y_k y_(n-k) z_k z_(n-k),   k = 0 .. n // 2
+
+The node in the middle of an even n stands there twice. A flat array holds one vector after the other.
+"""
+
+import numpy as np
+
+from ..compilation import kernel
+from .pairs import first, load_pair, pair, second, store_pair, swapped, unzip
+
+TWO, FOUR, SIX, EIGHT = np.uint64(2), np.uint64(4), np.uint64(6), np.uint64(8)
+
+
+@kernel
+def get_two(array, i, j):
+    """Three-vectors number i and j of a flat array, as pairs."""
+    p = np.uint64(3 * i)
+    q = np.uint64(3 * j)
+    x, y = unzip(load_pair(array, p), load_pair(array, q))
+    return x, y, pair(array[p + TWO], array[q + TWO])
+
+
+@kernel
+def put_two(array, i, j, a):
+    """Write a vector of pairs to the three-vectors number i and j of a flat array (modified)."""
+    p = np.uint64(3 * i)
+    q = np.uint64(3 * j)
+    at_i, at_j = unzip(a[0], a[1])
+    store_pair(array, p, at_i)
+    store_pair(array, q, at_j)
+    array[p + TWO] = first(a[2])
+    array[q + TWO] = second(a[2])
+
+
+@kernel
+def get_vector_of_pairs(array, place):
+    """Three-vector of pairs from a place of a flat array on."""
+    k = np.uint64(place)
+    return load_pair(array, k), load_pair(array, k + TWO), load_pair(array, k + np.uint64(4))
+
+
+@kernel
+def get_matrix_of_pairs(array, place):
+    """3x3 matrix of pairs, row by row, from a place of a flat array on."""
+    k = np.uint64(place)
+    rows = get_vector_of_pairs(array, k) + get_vector_of_pairs(array, k + np.uint64(6))
+    return rows + get_vector_of_pairs(array, k + np.uint64(12))
+
+
+@kernel
+def put_pairs(array, place, pairs):
+    """Write a tuple of pairs from a place of a flat array on (modified)."""
+    k = np.uint64(place)
+    for i in range(len(pairs)):
+        store_pair(array, k + np.uint64(2 * i), pairs[i])
+
+
+@kernel
+def interleaved_size(n):
+    """Length of an interleaved array of n + 1 vectors."""
+    return 6 * (n // 2 + 1)
+
+
+@kernel
+def get_interleaved(array, k):
+    """Vectors number k and n - k of an interleaved array, as pairs."""
+    return get_vector_of_pairs(array, 6 * k)
+
+
+@kernel
+def put_interleaved(array, k, a):
+    """Write a vector of pairs to the vectors number k and n - k of an interleaved array (modified)."""
+    put_pairs(array, 6 * k, a)
+
+
+@kernel
+def next_interleaved(n, k, array):
+    """Vectors number k + 1 and n - k - 1 of an interleaved array, as pairs, up to the middle and one beyond."""
+    if 2 * (k + 1) <= n:
+        return get_interleaved(array, k + 1)
+    return swapped(get_interleaved(array, k))
+
+
+@kernel
+def interleave(n, flat, interleaved):
+    """Copy the vectors of a flat array into an interleaved one (modified)."""
+    for k in range(n // 2 + 1):
+        put_interleaved(interleaved, k, get_two(flat, k, n - k))
+
+
+@kernel
+def deinterleave(n, interleaved, flat):
+    """Copy the vectors of an interleaved array into a flat one (modified)."""
+    for k in range(n // 2 + 1):
+        put_two(flat, k, n - k, get_interleaved(interleaved, k))
+
+
+@kernel
+def put_side_by_side(a, p, b, q, numbers):
+    """Write a tuple of pairs: the first numbers to an array from place p on, the second ones to another (both modified)."""
+    p = np.uint64(p)
+    q = np.uint64(q)
+    for k in range(0, len(numbers) - 1, 2):
+        at_p, at_q = unzip(numbers[k], numbers[k + 1])
+        store_pair(a, p + np.uint64(k), at_p)
+        store_pair(b, q + np.uint64(k), at_q)
+    if len(numbers) % 2 == 1:
+        last = np.uint64(len(numbers) - 1)
+        a[p + last] = first(numbers[-1])
+        b[q + last] = second(numbers[-1])
+
+
+@kernel
+def four_pairs(array, k):
+    """Four pairs from place k of a flat array on."""
+    return load_pair(array, k), load_pair(array, k + TWO), load_pair(array, k + FOUR), load_pair(array, k + SIX)
+
+
+@kernel
+def get_blocks(a, i, b, j):
+    """Block i of an array and block j of another one, as pairs."""
+    p = np.uint64(9 * i)
+    q = np.uint64(9 * j)
+    x = four_pairs(a, p)
+    y = four_pairs(b, q)
+    both = unzip(x[0], y[0]) + unzip(x[1], y[1]) + unzip(x[2], y[2]) + unzip(x[3], y[3])
+    return (*both, pair(a[p + EIGHT], b[q + EIGHT]))
+
+
+@kernel
+def pack_blocks(a, i, b, j, m):
+    """Write a matrix of pairs into block i of an array and block j of another one (modified), four pairs into each.
+
+    The two numbers of the ninth pair stand at the ends of the blocks.
+    """
+    p = np.uint64(9 * i)
+    q = np.uint64(9 * j)
+    for k in range(4):
+        store_pair(a, p + np.uint64(2 * k), m[k])
+        store_pair(b, q + np.uint64(2 * k), m[k + 4])
+    a[p + EIGHT] = first(m[8])
+    b[q + EIGHT] = second(m[8])
+
+
+@kernel
+def get_packed_blocks(a, i, b, j):
+    """Matrix of pairs that `pack_blocks` wrote."""
+    p = np.uint64(9 * i)
+    q = np.uint64(9 * j)
+    return (*four_pairs(a, p), *four_pairs(b, q), pair(a[p + EIGHT], b[q + EIGHT]))

@@ -1,0 +1,87 @@
+"""Three-vectors as tuples of numbers, or of pairs: they live in registers, so nothing is allocated."""
+
+from math import sqrt
+
+import numpy as np
+
+from ..compilation import kernel
+
+ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
+ZERO_VECTOR = (0.0, 0.0, 0.0)
+
+
+@kernel
+def neighbours(array, k):
+    """Three-vector from place k (unsigned: numba then leaves out the look at negative places) of a flat array."""
+    return array[k], array[k + ONE], array[k + TWO]
+
+
+@kernel
+def get(array, index):
+    """Three-vector number `index` of a flat array."""
+    return neighbours(array, np.uint64(3 * index))
+
+
+@kernel
+def put(array, index, a):
+    """Write three-vector number `index` of a flat array (modified)."""
+    k = np.uint64(3 * index)
+    array[k] = a[0]
+    array[k + ONE] = a[1]
+    array[k + TWO] = a[2]
+
+
+@kernel
+def vector_at(array, first):
+    """Three-vector from place `first` of a flat array."""
+    return neighbours(array, np.uint64(first))
+
+
+@kernel
+def put_at(array, first, a):
+    """Write a three-vector to place `first` of a flat array (modified)."""
+    array[first] = a[0]
+    array[first + 1] = a[1]
+    array[first + 2] = a[2]
+
+
+@kernel
+def add(a, b):
+    """a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@kernel
+def sub(a, b):
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@kernel
+def scale(factor, a):
+    """factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@kernel
+def add_scaled(a, factor, b):
+    """a + factor b."""
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+@kernel
+def dot(a, b):
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a, b):
+    """a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def norm(a):
+    """|a|."""
+    return sqrt(dot(a, a))

@@ -1,0 +1,157 @@
+"""Outputs of a tether: of a chain of nodes, the pieces that tethers without nodes share, and what all have."""
+
+from math import atan2, inf, sqrt
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK, OUTPUT_NOT_FINITE
+
+from ..compilation import kernel
+from ..equations import segment
+from ..equations.assembly import end_force, node_masses
+from ..equations.properties import point_mass, property_of, rest_length
+from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, sub, vector_at
+
+SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
+
+
+@kernel
+def wave_time(line_density, rest_length, length, tension, axial_stiffness):
+    """Travel time [s] of a transverse wave over a piece of tether: sqrt(mu l0 l/T).
+
+    Mass per unstretched length [kg/m], unstretched and present length [m], tension [N], EA [N]. A slack piece would
+    never be crossed: its tension counts as at least 1e-9 EA.
+    """
+    return sqrt(line_density * rest_length * length / max(tension, SLACKEST * axial_stiffness))
+
+
+@kernel
+def write_direction(leaving, outputs):
+    """Elevation and azimuth [rad] of the direction in which the tether leaves the ground, into the outputs (modified)."""
+    outputs[at.GROUND_ELEVATION] = atan2(leaving[2], sqrt(leaving[0] ** 2 + leaving[1] ** 2))
+    outputs[at.GROUND_AZIMUTH] = atan2(leaving[1], leaving[0])
+
+
+@kernel
+def place_along_chord(point, start, chord):
+    """Where along the chord a point [m] is: 0 at its start [m], 1 at its end, beyond them less or more."""
+    square = dot(chord, chord)
+    return dot(sub(point, start), chord) / square if square > 0.0 else 0.0
+
+
+@kernel
+def away_from_chord(point, start, chord):
+    """Vector [m] to a point from the nearest one of the straight line between the ends of the chord."""
+    part = min(1.0, max(0.0, place_along_chord(point, start, chord)))
+    return add_scaled(sub(point, start), -part, chord)
+
+
+@kernel
+def write_segments(chain, x, v, outputs):
+    """Outputs that look at every segment (modified): largest tension, slack segments, stiffness, wave time, sag."""
+    largest = -inf
+    slack = 0
+    crossing = 0.0
+    compliance = 0.0  # 1/k of all segments in series, taut [m/N]
+    mobility = 0.0  # 1/c of the same [m/(N s)]
+    sag = 0.0
+    ground = get(x, 0)
+    chord = sub(get(x, chain.n), ground)
+    for s in range(chain.n):
+        rest = rest_length(chain, s)
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rate = dot(e, sub(get(v, s + 1), get(v, s)))
+        tension = segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
+        largest = max(largest, tension)
+        if length < rest:
+            slack += 1
+        stiffness = property_of(chain, s, at.STIFFNESS)
+        crossing += wave_time(property_of(chain, s, at.LINE_DENSITY), rest, length, tension, stiffness)
+        compliance += rest / stiffness
+        mobility += rest / property_of(chain, s, at.DAMPING)
+        sag = max(sag, norm(away_from_chord(get(x, s), ground, chord)))
+    outputs[at.MAX_TENSION] = largest
+    outputs[at.SLACK_SEGMENTS] = slack
+    outputs[at.KITE_STIFFNESS] = 1.0 / compliance
+    outputs[at.KITE_DAMPING] = 1.0 / mobility
+    outputs[at.WAVE_TIME] = crossing
+    outputs[at.SAG] = sag
+
+
+@kernel
+def write_shape(chain, x, shape_points, outputs):
+    """Points [m] at equal unstretched length along the tether, ground first, into the outputs (modified)."""
+    s = 0
+    passed = 0.0
+    for k in range(shape_points):
+        part = k / max(1, shape_points - 1)
+        while s < chain.n - 1 and part > passed + property_of(chain, s, at.SHARE):
+            passed += property_of(chain, s, at.SHARE)
+            s += 1
+        within = (part - passed) / property_of(chain, s, at.SHARE)
+        start = get(x, s)
+        put_at(outputs, at.SHAPE + 3 * k, add_scaled(start, within, sub(get(x, s + 1), start)))
+
+
+@kernel
+def missing_tension(chain, s, x, held):
+    """What the spring of segment s lacks with its nodes at x [m]: as a vector, and in size [N].
+
+    Its tension vector [N] as the state keeps it.
+    """
+    length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    rest = rest_length(chain, s)
+    k, _ = segment.stiffness(chain, s, length - rest, rest)
+    pull = k * (length - rest)
+    return add_scaled(held, -pull, e), norm(held) - pull
+
+
+@kernel
+def correct_end_forces(chain, state, x, outputs):
+    """Forces and tensions at the ends and the largest tension in the outputs (modified), where positions do not hold them.
+
+    Source: docs/numerics.md, "Stiff tethers".
+    """
+    held = vector_at(state, at.GROUND_TENSION_VECTOR)
+    if dot(held, held) == 0.0:
+        return
+    pull, tension = missing_tension(chain, 0, x, held)
+    put_at(outputs, at.GROUND_FORCE, add(vector_at(outputs, at.GROUND_FORCE), pull))
+    outputs[at.GROUND_TENSION] += tension
+    pull, tension = missing_tension(chain, chain.n - 1, x, vector_at(state, at.KITE_TENSION_VECTOR))
+    put_at(outputs, at.KITE_FORCE, sub(vector_at(outputs, at.KITE_FORCE), pull))
+    outputs[at.KITE_TENSION] += tension
+    largest = outputs[at.MAX_TENSION] + state[at.MISSING_TENSION]
+    outputs[at.MAX_TENSION] = max(largest, outputs[at.GROUND_TENSION], outputs[at.KITE_TENSION])
+
+
+@kernel
+def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
+    """Write all outputs (modified) of a chain in a state with positions x [m] and velocities v [m/s].
+
+    `mass` (modified) holds n + 1 numbers.
+    """
+    node_masses(chain, mass)
+    ground_force, ground_tension = end_force(chain, False, x, v, mass)
+    kite_force, kite_tension = end_force(chain, True, x, v, mass)
+    put_at(outputs, at.GROUND_FORCE, ground_force)
+    put_at(outputs, at.KITE_FORCE, kite_force)
+    outputs[at.GROUND_TENSION] = ground_tension
+    outputs[at.KITE_TENSION] = kite_tension
+    outputs[at.TETHER_LENGTH] = chain.length
+    write_direction(sub(get(x, 1), get(x, 0)), outputs)
+    outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
+    write_segments(chain, x, v, outputs)
+    correct_end_forces(chain, state, x, outputs)
+    write_shape(chain, x, shape_points, outputs)
+
+
+@kernel
+def complete(state, outputs):
+    """Write what all variants read from a state into the outputs (modified); returns OK, or OUTPUT_NOT_FINITE if one is not."""
+    outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
+    outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
+    outputs[at.SOLVER_ITERATIONS] = min(state[at.ITERATIONS], at.LARGEST_INTEGER)
+    for k in range(len(outputs)):
+        if not abs(outputs[k]) < inf:
+            return OUTPUT_NOT_FINITE
+    return OK

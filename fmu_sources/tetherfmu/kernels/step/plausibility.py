@@ -1,0 +1,122 @@
+"""What no tether and no kite does is noted in the state, once since the start; nothing else changes.
+
+    stretch        max l/l0 of the segments
+    acceleration   2 |x1 - x0 - v0 h|/h^2   mean of the end in a step, from where it was (x0, v0) to where it is led (x1)
+    speed          |v1| of the end
+    contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
+
+The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
+between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
+sums go on until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must contradict:
+a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper sum.
+
+Limits: runtime/plausibility.py. Theory: docs/theory.md, "Plausibility".
+"""
+
+from math import sqrt
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
+
+from ..arrays import positions_and_velocities
+from ..compilation import kernel
+from ..equations.boundary import are_derived
+from ..equations.properties import chain_of, rest_length
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
+
+WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
+
+
+@kernel
+def note(state, kind, square, limit):
+    """Keep the first value beyond a limit in the state (modified); `square` is that of the value."""
+    if square > limit * limit and state[at.WARNED_VALUES + kind] == 0.0:
+        state[at.WARNED_VALUES + kind] = sqrt(square)
+        state[at.WARNINGS] += 1 << kind
+
+
+@kernel
+def note_shape(n, parameters, state):
+    """Note the largest stretch l/l0 of the segments, if too large, and the speeds of the ends in the state (modified)."""
+    x, v = positions_and_velocities(n, state)
+    chain = chain_of(n, parameters, state)
+    largest = limits.LARGEST_STRETCH**2
+    start = get(x, 0)
+    for s in range(n):
+        end, rest = get(x, s + 1), rest_length(chain, s)
+        r = sub(end, start)
+        if dot(r, r) > largest * rest * rest:
+            largest = dot(r, r) / (rest * rest)
+        start = end
+    note(state, limits.STRETCH, largest, limits.LARGEST_STRETCH)
+    ground_velocity, kite_velocity = get(v, 0), get(v, n)
+    note(state, limits.GROUND_SPEED, dot(ground_velocity, ground_velocity), limits.FASTEST)
+    note(state, limits.KITE_SPEED, dot(kite_velocity, kite_velocity), limits.FASTEST)
+
+
+@kernel
+def note_acceleration(position, velocity, reached, step, kind, state):
+    """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m]."""
+    acceleration = scale(2.0 / (step * step), add_scaled(sub(reached, position), -step, velocity))
+    note(state, kind, dot(acceleration, acceleration), limits.LARGEST_ACCELERATION)
+
+
+@kernel
+def unexplained(way, last_velocity, velocity, step):
+    """The part r [m] of a way d [m] in a step [s] that no velocity between the last and the present one [m/s] explains."""
+    first = scale(step, last_velocity)
+    change = sub(scale(step, velocity), first)
+    square = dot(change, change)
+    part = 0.0
+    if square > 0.0:
+        part = min(1.0, max(0.0, dot(sub(way, first), change) / square))
+    return sub(way, add_scaled(first, part, change))
+
+
+@kernel
+def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
+    """Go on with the sums of an end in the state (modified), and judge them at the end of a way.
+
+    way, step : since its last input [m, s].  last_velocity, velocity : given with both [m/s].  place : of its sums,
+    `layout.KITE_RESIDUE`, ...
+    """
+    r = unexplained(way, last_velocity, velocity, step)
+    explained = sub(way, r)
+    total = add(vector_at(state, place), r)
+    longer = state[place + WAY] + sqrt(max(dot(way, way), dot(explained, explained)))
+    if longer > limits.JUDGED_WAY:
+        square = dot(total, total) / (longer * longer)
+        note(state, kind, min(square, state[place + SQUARE_BEFORE]), limits.LARGEST_RESIDUE)
+        state[place + SQUARE_BEFORE] = square
+        total, longer = (0.0, 0.0, 0.0), 0.0
+    put_at(state, place, total)
+    state[place + WAY] = longer
+
+
+@kernel
+def note_step(n, parameters, before, state):
+    """Note what is implausible in a communication step from the state `before` to the state (modified).
+
+    Driven ends are judged from the second step on (with derived velocities from the third): the first one begins where the
+    initialization was, wherever the ends are then.
+    """
+    note_shape(n, parameters, state)
+    derived = are_derived(parameters)
+    last_step = before[at.LAST_STEP]
+    if last_step <= 0.0 or (derived and before[at.STEP_BEFORE] <= 0.0):
+        return
+    x, v = positions_and_velocities(n, before)
+    reached, _ = positions_and_velocities(n, state)
+    step = state[at.LAST_STEP]
+    if parameters[at.GROUND_IS_FREE] == 0.0:
+        note_acceleration(get(x, 0), get(v, 0), get(reached, 0), step, limits.GROUND_ACCELERATION, state)
+        if not derived:
+            way = sub(vector_at(state, at.LAST_GROUND_POSITION), vector_at(before, at.LAST_GROUND_POSITION))
+            last, now = vector_at(before, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_GROUND_VELOCITY)
+            note_contradiction(way, last, now, last_step, at.GROUND_RESIDUE, limits.GROUND_RESIDUE, state)
+    if parameters[at.KITE_IS_FREE] == 0.0:
+        note_acceleration(get(x, n), get(v, n), get(reached, n), step, limits.KITE_ACCELERATION, state)
+        if not derived:
+            way = sub(vector_at(state, at.LAST_KITE_POSITION), vector_at(before, at.LAST_KITE_POSITION))
+            last, now = vector_at(before, at.LAST_KITE_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
+            note_contradiction(way, last, now, last_step, at.KITE_RESIDUE, limits.KITE_RESIDUE, state)

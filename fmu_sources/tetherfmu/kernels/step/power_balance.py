@@ -1,0 +1,71 @@
+"""Energies of a chain and the powers that change them. Source: docs/theory.md, "Energy"."""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK
+
+from ..arrays import positions_and_velocities, shared_arrays
+from ..compilation import kernel
+from ..equations import node_loads, segment
+from ..equations.assembly import end_force, node_masses
+from ..equations.properties import chain_at, point_mass, rest_length
+from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
+
+# the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N]
+KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
+ENERGIES = 10
+
+
+@kernel
+def balance(n, parameters, state, inputs, energies, work):
+    """Energies [J], powers [W] and tensions [N] of a state into `energies` (modified), see `ENERGIES`; returns a status.
+
+    inputs : its reel-out speed, wind and load of a free kite end count.  work (modified) : for node masses.
+    """
+    chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], vector_at(inputs, at.WIND_VELOCITY))
+    x, v = positions_and_velocities(n, state)
+    _, _, mass, _ = shared_arrays(n, work)
+    node_masses(chain, mass)
+    kinetic = potential = new_material = 0.0
+    for i in range(n + 1):
+        free = 1.0
+        if i == 0:
+            free = parameters[at.GROUND_IS_FREE]
+        elif i == n:
+            free = parameters[at.KITE_IS_FREE]
+        per_mass = node_loads.potential(chain, get(x, i))
+        moving = 0.5 * free * dot(get(v, i), get(v, i))
+        tether = mass[i] - point_mass(chain, i)
+        kinetic += mass[i] * moving
+        potential += (tether + free * point_mass(chain, i)) * per_mass
+        new_material += tether * (moving + per_mass)
+    elastic = winch = wind = damping = friction = 0.0
+    for s in range(n):
+        x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
+        length, e = segment.geometry(sub(x_q, x_p))
+        rest = rest_length(chain, s)
+        rate = dot(e, sub(v_q, v_p))
+        k, c = segment.stiffness(chain, s, length - rest, rest)
+        drag = scale(2.0, segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
+        air_velocity, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
+        elastic += 0.5 * k * (length - rest) ** 2
+        tension = segment.tension(chain, length, rate, rest, k, c)
+        energies[ENERGIES + s] = tension
+        winch -= tension * length * chain.growth
+        wind += dot(drag, air_velocity)
+        damping += c * segment.seen_rate(chain, length, rate) * (rate - chain.growth * length)
+        friction += dot(drag, sub(air_velocity, segment.mean_velocity(v_p, v_q)))
+    ground_force, _ = end_force(chain, False, x, v, mass)
+    kite_force, _ = end_force(chain, True, x, v, mass)
+    kite_is_free = parameters[at.KITE_IS_FREE]
+    energies[KINETIC] = kinetic
+    energies[ELASTIC] = elastic
+    energies[POTENTIAL] = potential
+    energies[GROUND_POWER] = (parameters[at.GROUND_IS_FREE] - 1.0) * dot(ground_force, get(v, 0))
+    load = sub(scale(kite_is_free, vector_at(inputs, at.KITE_LOAD)), scale(1.0 - kite_is_free, kite_force))
+    energies[KITE_POWER] = dot(load, get(v, n))
+    energies[WINCH] = winch
+    energies[MATERIAL] = chain.growth * (elastic + new_material)
+    energies[WIND] = wind
+    energies[DAMPING_LOSS] = damping
+    energies[DRAG_LOSS] = friction
+    return OK

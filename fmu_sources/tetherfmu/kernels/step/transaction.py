@@ -1,0 +1,112 @@
+"""The transaction of a start or a step: check the inputs, let the variant work on the state, then commit or roll back.
+
+The state is copied once, before a step; a refused step gets it back, bit for bit.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
+
+from ..arrays import copy, state_size
+from ..compilation import kernel
+from ..equations.boundary import consume_given_derivatives, place_at_start, reeled, shortest_reeled
+from ..equations.properties import chain_at, rest_length
+from ..linear_algebra.vectors import add_scaled, put_at, vector_at
+from .plausibility import note_shape, note_step
+
+
+@kernel
+def check_inputs(inputs):
+    """OK, or INPUT_NOT_FINITE with the place of the first input that is no finite number or a huge one."""
+    for i in range(at.INPUTS):
+        if not abs(inputs[i]) <= at.LARGEST_INPUT:
+            return INPUT_NOT_FINITE | i << 8
+    return OK
+
+
+@kernel
+def check_state(n, state):
+    """OK, or STATE_NOT_FINITE."""
+    finite = 0
+    for k in range(state_size(n)):  # a sum, since a way out of the loop would keep it from being done in pairs
+        finite += abs(state[k]) < inf
+    return OK if finite == state_size(n) else STATE_NOT_FINITE
+
+
+@kernel
+def start(n, parameters, inputs, state):
+    """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
+    status = check_inputs(inputs)
+    if status != OK:
+        return status
+    for k in range(state_size(n)):
+        state[k] = 0.0
+    place_at_start(n, parameters, inputs, state)
+    state[at.LENGTH] = parameters[at.INITIAL_LENGTH]
+    state[at.REELING] = inputs[at.REEL_OUT_SPEED]
+    put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
+    return OK
+
+
+@kernel
+def commit_start(n, parameters, status, state):
+    """Check a new state if the status is OK, and note in it (modified) what is implausible; returns the status."""
+    if status == OK:
+        status = check_state(n, state)
+    if status == OK:
+        note_shape(n, parameters, state)
+    return status
+
+
+@kernel
+def check_step(inputs, step):
+    """OK, or why a communication step of `step` [s] cannot be: INPUT_NOT_FINITE or STEP_NOT_POSITIVE."""
+    status = check_inputs(inputs)
+    if status == OK and not (step > 0.0 and step <= at.LONGEST_STEP):
+        return STEP_NOT_POSITIVE
+    return status
+
+
+@kernel
+def check_reeling(n, parameters, given):
+    """OK, or REELED_TOO_SHORT if `StepInputs` reel in so far that a segment becomes too short."""
+    least = shortest_reeled(given.length, given.reel_out_speed, given.reel_acceleration, given.step)
+    shortest = chain_at(n, parameters, least, 0.0, given.wind)
+    for s in range(n):
+        if rest_length(shortest, s) < at.MIN_SEGMENT_LENGTH:
+            return REELED_TOO_SHORT
+    return OK
+
+
+@kernel
+def remember(inputs, given, state):
+    """Header of the state (modified) after a communication step with `StepInputs`."""
+    speed, acceleration, step = given.reel_out_speed, given.reel_acceleration, given.step
+    state[at.LENGTH] = reeled(given.length, speed, acceleration, step)
+    state[at.REELING] = speed + acceleration * step
+    state[at.LAST_REEL_OUT_SPEED] = speed
+    put_at(state, at.LAST_KITE_LOAD, given.load)
+    state[at.STEP_BEFORE] = state[at.LAST_STEP]
+    state[at.LAST_STEP] = step
+    put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))
+    put_at(state, at.LAST_KITE_VELOCITY, given.kite_velocity)
+    put_at(state, at.LAST_GROUND_VELOCITY, given.ground_velocity)
+    put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
+    put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
+    consume_given_derivatives(state)
+
+
+@kernel
+def commit(n, parameters, status, before, state):
+    """End a step: note what is implausible in it if the status is OK and all of the state is finite, else roll it back.
+
+    state (modified) : after the step.  before : the same before it.  Returns the status.
+    """
+    if status == OK:
+        status = check_state(n, state)
+    if status == OK:
+        note_step(n, parameters, before, state)
+    else:
+        copy(before, state)
+    return status
