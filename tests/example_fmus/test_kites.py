@@ -7,7 +7,6 @@ import pytest
 
 from example_fmus.example_slaves import Model
 from tetherfmu.export.example_fmus import slave  # noqa: F401 (finds the package of the examples)
-from tetherfmu.kernels.equations import air
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment
 
@@ -17,7 +16,7 @@ NO_WEIGHT = {"turning_by_weight": 0.0}
 def lift_and_drag(load, felt):
     """Components along the apparent wind and across it (a vector)."""
     along = np.dot(load, felt) / np.linalg.norm(felt)
-    return add_scaled, load - along * np.array(felt) / np.linalg.norm(felt)
+    return along, load - along * np.array(felt) / np.linalg.norm(felt)
 
 
 @pytest.mark.parametrize("depower", [0.0, 0.4, 1.0])

@@ -4,8 +4,8 @@ import numpy as np
 
 from tetherfmu.kernels.equations import end_motion
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
-from tetherfmu.kernels.integrators.backward_euler import descent
-from tetherfmu.kernels.integrators.rosenbrock import stages
+from tetherfmu.kernels.integrators import backward_euler, rosenbrock
+from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
@@ -37,8 +37,9 @@ class ChainProblem:
         nodes[1:-1] += [[0.3, -0.5, -0.9], [0.8, 0.2, -1.0], [-0.2, 0.4, -0.7]]
         self.x = nodes.ravel()
         self.v = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
-        self.memory = np.zeros(at.work_size(n))
-        self.stages, self.descent = stages(n, self.memory), descent(n, self.memory)
+        self.memory = np.zeros(work_size(n))
+        self.of_rosenbrock = rosenbrock.workspace(n, self.memory)
+        self.of_euler = backward_euler.workspace(n, self.memory)
         still = (0.0, 0.0, 0.0)
         kite_is_free = load_rate is not None
         self.conditions = BoundaryConditions(

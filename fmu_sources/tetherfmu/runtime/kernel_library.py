@@ -1,8 +1,8 @@
 """The entry points of a variant as ctypes functions, and the compiled library that has them.
 
-work_size(n), initialize(n, parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step, state,
-before, shape_points, outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API also fly
-and energy. Arrays are passed by addresses. See `kernels/entry_points.py`.
+work_size(n), initialize(n, parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step,
+state, before, shape_points, outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API
+also fly and energy. Arrays are passed by addresses. See `kernels/entry_points.py`.
 """
 
 import platform

@@ -6,8 +6,7 @@ import pytest
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_at
-from tetherfmu.kernels.equilibrium import newton
-from tetherfmu.runtime import layout as at
+from tetherfmu.kernels.equilibrium import newton, rigid_body
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
 
 N = 7
@@ -22,21 +21,21 @@ def linear_problem(axial_stiffness):
     positions = np.stack([40.0 * part, 3.0 * part**2, 10.0 * part - 60.0 * part * (1.0 - part)], axis=1)
     lengths = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     positions *= 60.0 / lengths.sum()  # so that the segments are about as long as they should be
-    spin, stretching = (0.05, -0.1, 0.02), 0.01
+    spin, extension_rate = (0.05, -0.1, 0.02), 0.01
     x = positions.ravel().copy()
     chain = chain_at(N, parameters, 60.0, 0.0, WIND)
-    w = newton.balance(N, np.zeros(at.work_size(N)))
+    w = newton.workspace(N, np.zeros(newton.workspace_size(N)))
     assembly.node_masses(chain, w.mass)
     distances = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     w.tension[:] = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
-    return newton.Body(chain, spin, stretching, x, np.zeros_like(x)), w
+    return rigid_body.Body(chain, spin, extension_rate, x, np.zeros_like(x)), w
 
 
 @pytest.mark.parametrize("pseudo_damping", [0.0, 0.7])
 def test_equal_to_stiffnesses(pseudo_damping):
     """The same motions and tensions from both systems, in a chain soft enough that both are well conditioned."""
     body, w = linear_problem(500.0)
-    newton.node_loads(body, newton.SPRINGS, w.tension, w.mass, w.force)
+    rigid_body.loads(body, rigid_body.SPRINGS, w.tension, w.mass, w.force)
     newton.linearize(body, w)
     assert newton.factorize(body, pseudo_damping, w)
     newton.step_by_stiffness(body, w)

@@ -71,8 +71,8 @@ def test_tension_and_weight(length):
     assert np.allclose(outputs.kite_force, -tension * ALONG + half_weight, rtol=1e-12, atol=1e-9)
     # 0.8 of half the weight is along the line: it pulls at the upper end, and rests on the lower one if there is no tension
     along = 0.8 * half_weight[2]
-    assert outputs.ground_tension == pytest.approx(tension + add_scaled, rel=1e-12, abs=1e-9)
-    assert outputs.kite_tension == pytest.approx(tension - add_scaled, rel=1e-12, abs=1e-9)
+    assert outputs.ground_tension == pytest.approx(tension + along, rel=1e-12, abs=1e-9)
+    assert outputs.kite_tension == pytest.approx(tension - along, rel=1e-12, abs=1e-9)
     assert outputs.slack_segments == (length > 500.0)
     assert outputs.sag == 0.0
 

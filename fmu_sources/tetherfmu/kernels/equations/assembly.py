@@ -7,8 +7,8 @@ the drag of a segment sits on each of its nodes:
     F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i,   f_i: loads of the node (`node_loads.py`)
 
 The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
-only. Flat arrays of node vectors have 3 (n + 1) numbers, interleaved ones are those of `linear_algebra.both_ends`; `mass` has
-n + 1.
+only. Flat arrays of node vectors have 3 (n + 1) numbers, interleaved ones are those of `linear_algebra.both_ends`; `mass`
+has n + 1.
 Theory: docs/theory.md, "The chain".
 """
 
@@ -57,7 +57,7 @@ def node_masses(chain, mass):
 
 @kernel
 def lower_and_upper(n, s, a):
-    """Vectors of an interleaved array at the lower ends of segment s and of its mirror image, as pairs; at their upper ends."""
+    """Vectors of an interleaved array at the lower ends of segment s and its mirror image, as pairs; at their upper ends."""
     outer, inner = get_interleaved(a, s), next_interleaved(n, s, a)
     return pair(first(outer), second(inner)), pair(first(inner), second(outer))
 

@@ -9,8 +9,8 @@ The inputs are interpreted once per step, for all variants (`inputs_of_step`):
     load      on a free kite end: goes on like the reel-out speed
     wind      held
 
-A derivative that the importer gives for the step replaces what the tether would estimate: of a velocity the acceleration, of a
-position the derived velocity, of the wind the rate 0. Given derivatives wait in the state for the step that consumes them.
+A derivative that the importer gives for the step replaces what the tether would estimate: of a velocity the acceleration, of
+a position the derived velocity, of the wind the rate 0. Given derivatives wait in the state for the step that consumes them.
 
 A chain with waves needs more: the curves of its ends and what moves freely (`BoundaryConditions`).
 
@@ -172,7 +172,7 @@ def end_velocities(parameters, inputs, state):
 def motion_of_end(parameters, inputs, place, velocity, last_velocity, step, state):
     """Position [m], velocity [m/s] and acceleration [m/s2] with which an end is led in a step [s].
 
-    place : of its position among the inputs; its velocity stands behind.  velocity, last_velocity : of `end_velocities` [m/s].
+    place : of its position among the inputs; its velocity stands behind.  velocity, last_velocity : of `end_velocities`.
     """
     position, last_step = vector_at(inputs, place), state[at.LAST_STEP]
     if are_derived(parameters):
@@ -206,7 +206,7 @@ def place_at_start(n, parameters, inputs, state):
 
 @kernel
 def move_ends(n, given, state):
-    """Put both ends of a state (modified) where `StepInputs` lead them by the end of the step; for variants without waves."""
+    """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
     put_ends(n, state, target(*given.ground, given.step), target(*given.kite, given.step))
 
 
@@ -236,7 +236,7 @@ def inputs_of_step(parameters, inputs, step, state):
 
 @view
 def conditions_of_chain(n, parameters, given, state, x, v):
-    """`BoundaryConditions` of a chain from `StepInputs`, in a state with node positions x [m] and node velocities v [m/s]."""
+    """`BoundaryConditions` of a chain from `StepInputs`, in a state with node positions x [m] and velocities v [m/s]."""
     ground, kite, step = given.ground, given.kite, given.step
     if state[at.LAST_STEP] <= 0.0 and parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
         ground_turns, kite_turns = turning_accelerations(ground, kite, step)

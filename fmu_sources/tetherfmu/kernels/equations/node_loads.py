@@ -1,11 +1,11 @@
-"""Loads of the nodes: what acts on a lumped mass beside its segments. Today its weight; whoever needs node loads calls this.
+"""Loads of the nodes: what acts on a lumped mass beside its segments, which is its weight.
 
     f = -m (g e_z + a)                                    weight, and inertia where the acceleration a of the node is given
     df/dx = m (|omega|^2 - omega omega) - c               with a = omega x (omega x r), and a damping c of pseudo-time
     potential energy m g z
 
-Kernels take numbers and pairs (`linear_algebra.pairs`) alike. A load that depends on where the node is, and how it moves, finds
-both among the arguments. Theory: docs/theory.md, "The chain" and "Quasi-steady".
+The Rosenbrock step, Newton's method, backward Euler, the outputs and the power balance all call this file. `load` takes
+numbers and pairs (`linear_algebra.pairs`) alike. Theory: docs/theory.md, "The chain" and "Quasi-steady".
 """
 
 from tetherfmu.runtime import layout as at

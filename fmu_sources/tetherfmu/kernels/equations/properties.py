@@ -82,7 +82,10 @@ def has_node_winds(chain):
 
 @kernel
 def node_wind(chain, s, above):
-    """Wind [m/s] that is given at node s + above; for two s, the winds at two nodes, as pairs; `chain` may be a `BoundaryConditions`."""
+    """Wind [m/s] that is given at node s + above; for two s, the winds at two nodes, as pairs.
+
+    `chain` may be a `BoundaryConditions`.
+    """
     count = chain.n + 1
     x = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + count + above
     y, z = x + count, x + 2 * count

@@ -46,7 +46,10 @@ def first_tension_guess(chain, chord, load):
 
 @kernel
 def perturbation_load(chain, chord, load):
-    """Load per unstretched length [N/m] from the side of a compressed chain: across its mean load [N/m], without load its chord [m]."""
+    """Load per unstretched length [N/m] from the side of a compressed chain.
+
+    Across its mean load [N/m], without load across its chord [m].
+    """
     least = LEAST_PERTURBATION / (chain.length * axial_compliance(chain))
     size = norm(load)
     return scale(max(PERTURBATION * size, least), sideways(load if size > least else chord))

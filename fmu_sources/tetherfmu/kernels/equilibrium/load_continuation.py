@@ -2,9 +2,9 @@
 
 Where drag stretches a tether, it sweeps more air with nodes that are farther out and faster, so that drag grows again. The
 first guess knows the loads of the straight line only, and Newton's method does not get there from it. At a load level p the
-wind, the velocities of the ends, omega and s are p times the given ones, and drag and inertia p^2 times. From the equilibrium
-at a lower level (`solve.find` looks for one at 1/2, 1/4, 1/8) the level is raised to 1, and each equilibrium is the start of
-the next one.
+wind, the velocities of the ends, omega and s are p times the given ones, and drag and inertia p^2 times. From the
+equilibrium at a lower level (`solve.find` looks for one at 1/2, 1/4, 1/8) the level is raised to 1, and each equilibrium is
+the start of the next one.
 
 Where the equilibria end at a level below 1, however fine its steps, there is none: drag that grows with the square of the
 distance from the ground end outgrows tension, which grows linearly.

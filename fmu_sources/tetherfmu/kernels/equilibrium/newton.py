@@ -201,9 +201,8 @@ def residual_norm(n, force):
 def relax(body, compliant, pseudo_transient, load_stiffness, w):
     """Newton's method from the positions of the body [m] and w.tension [N] (both modified).
 
-    compliant, pseudo_transient : as the head of this file says. The matrix of a chain that is not compliant is kept while the
-    residual falls fast.  load_stiffness : stiffness [N/m] that the loads alone give a node, the first pseudo-damping (0 where
-    it is not known).
+    compliant, pseudo_transient : as the head of this file says. Unless compliant, the matrix is kept while the residual
+    falls fast.  load_stiffness : stiffness [N/m] that the loads alone give a node, the first pseudo-damping (0: not known).
     Returns (True, iterations) or (False, iterations).
     """
     most = MOST_PSEUDO_STEPS if pseudo_transient else MOST_ITERATIONS

@@ -54,7 +54,7 @@ def at_once(body, w):
     """Steps 1 to 5: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     assembly.node_masses(body.chain, w.mass)
     result, iterations = by_newton(body, False, w)
-    if result == COMPRESSED or result == UNLOADED:
+    if result in (COMPRESSED, UNLOADED):
         result, more = by_newton(body, True, w)
         iterations += more
     return OK if result == FOUND else NO_EQUILIBRIUM, iterations

@@ -57,7 +57,11 @@ CLOSE = 1e-6  # largest move of a node over the length of a segment in the last 
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
 Attempt = namedtuple("Attempt", "conditions chain h v")
-Attempt.__doc__ = """A step that is attempted: `BoundaryConditions`, `Chain` at the end of the step, length of the step [s], velocities before [m/s]."""
+Attempt.__doc__ = """A step that is attempted.
+
+conditions : `BoundaryConditions`.  chain : `Chain` at the end of the step.  h : length of the step [s].
+v : velocities before it [m/s].
+"""
 
 Workspace = namedtuple("Workspace", "x trial old free drag slope move matrix mass modes")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.

@@ -168,7 +168,10 @@ def place_argument(in_position, in_velocity, alpha, h, w):
 
 @kernel
 def place_right(in_r, in_inertia, gamma, w):
-    """r_i and inertia_velocity of a stage into w.r, w.inertia_velocity (modified): factors of V_j in both, gamma_i/gamma of the stage."""
+    """r_i and the inertia velocity of a stage into w.r, w.inertia_velocity (modified).
+
+    in_r, in_inertia : factors of V_j in both.  gamma : gamma_i/gamma of the stage.
+    """
     for k in range(len(w.r) // 6):
         start = scale(gamma, get_interleaved(w.start_v, k))
         put_interleaved(w.r, k, add_up(start, in_r, k, w))
@@ -239,7 +242,7 @@ def without_damping(n, stage, h, k, w):
 
 @kernel
 def right_hand_side(n, stage, h, w):
-    """F m_0/m + gamma_i h dF/dt + m_0 inertia_velocity/h - B r of all nodes [N] into w.q (modified), from both ends at once."""
+    """`without_damping` - B r of all nodes [N] into w.q (modified), from both ends at once."""
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     r_p = get_interleaved(w.r, 0)
     for s in range((n + 1) // 2):  # a segment in the middle is met twice

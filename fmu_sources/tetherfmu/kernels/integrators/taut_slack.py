@@ -48,8 +48,8 @@ def excess_stiffness(s, chain, w):
 def transition_error(conditions, chain, h, w):
     """Estimate of the velocity error [m/s] of a step of h [s] in which segments went over the transition; 0 if none did.
 
-    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part TRANSITION of the step;
-    `chain` is that at the end of the step.
+    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part TRANSITION of the
+    step; `chain` is that at the end of the step.
     """
     worst = 0.0
     for s in range(chain.n):
@@ -63,7 +63,7 @@ def transition_error(conditions, chain, h, w):
 
 @kernel
 def keep_energy(conditions, chain, w):
-    """Correct the velocities in w.v (modified) of the nodes of segments that went over the transition, see the head of this file.
+    """Correct the velocities in w.v (modified) of the nodes of segments that went over the transition.
 
     With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would turn
     round becomes 0. A segment that is on its way back already is left alone. All rates are those before the correction, so

@@ -147,7 +147,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 
 @kernel
 def complete(state, outputs):
-    """Write what all variants read from a state into the outputs (modified); returns OK, or OUTPUT_NOT_FINITE if one is not."""
+    """Write what all variants read from a state into the outputs (modified); returns OK or OUTPUT_NOT_FINITE."""
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_ITERATIONS] = min(state[at.ITERATIONS], at.LARGEST_INTEGER)

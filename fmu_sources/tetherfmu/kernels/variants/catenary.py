@@ -56,7 +56,7 @@ def initialize(n, parameters, state, work):
 
 @kernel
 def advance(n, parameters, given, before, state, work):
-    """Move a state (modified) over a communication step with `StepInputs`; returns a status: OK or NO_EQUILIBRIUM. n is 1."""
+    """Move a state (modified) over a communication step with `StepInputs`; returns OK or NO_EQUILIBRIUM. n is 1."""
     move_ends(n, given, state)
     return settle(parameters, state)
 

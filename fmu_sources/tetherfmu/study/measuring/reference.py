@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from tetherfmu.kernels.linear_algebra.both_ends import interleave, interleaved_size, deinterleave
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_at
+from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, interleave, interleaved_size
 from tetherfmu.runtime.parameters import Solver, pack
 from tetherfmu.study.scenes.standard import tether_at_start
 
@@ -18,11 +18,11 @@ def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
     """Node accelerations [m/s2] into `force` (modified); `mass` is modified."""
     chain = chain_at(n, parameters, length, reeling, wind)
     assembly.node_masses(chain, mass)
-    folded_x, folded_v, folded_force = np.zeros((3, interleaved_size(n)))
-    interleave(n, x, folded_x)
-    interleave(n, v, folded_v)
-    assembly.node_forces(chain, np.zeros(n), folded_x, folded_v, mass, np.zeros(assembly.segments_size(n)), folded_force)
-    deinterleave(n, folded_force, force)
+    pairs_x, pairs_v, pairs_force = np.zeros((3, interleaved_size(n)))
+    interleave(n, x, pairs_x)
+    interleave(n, v, pairs_v)
+    assembly.node_forces(chain, np.zeros(n), pairs_x, pairs_v, mass, np.zeros(assembly.segments_size(n)), pairs_force)
+    deinterleave(n, pairs_force, force)
     force /= np.repeat(mass, 3)
 
 

@@ -5,11 +5,11 @@ import pytest
 from numba import njit
 
 from kernels.interleaved import interleaved
-from tetherfmu.kernels.linear_algebra.both_ends import next_interleaved, deinterleave
-from tetherfmu.kernels.linear_algebra.pairs import first, larger, pair, second
 from tetherfmu.kernels.arrays import copy
-from tetherfmu.kernels.step.transaction import check_state
 from tetherfmu.kernels.compilation import part
+from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, next_interleaved
+from tetherfmu.kernels.linear_algebra.pairs import first, larger, pair, second
+from tetherfmu.kernels.step.transaction import check_state
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STATE_NOT_FINITE
 
@@ -52,7 +52,7 @@ def test_vectors_of_mirror_images_stand_beside_each_other(n):
 
 
 @every_length
-def test_unfolded_is_what_was_folded(n):
+def test_deinterleaved_is_what_was_interleaved(n):
     found = np.zeros(3 * (n + 1))
     deinterleave(n, interleaved(flat(n)), found)
     np.testing.assert_array_equal(found, flat(n))

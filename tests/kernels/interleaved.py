@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tetherfmu.kernels.linear_algebra.both_ends import interleave, interleaved_size, deinterleave
 from tetherfmu.kernels.equations import assembly
+from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, interleave, interleaved_size
 
 
 def interleaved(flat):

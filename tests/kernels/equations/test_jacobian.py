@@ -41,7 +41,7 @@ def differences(function, point):
 
 def dense(problem, factors):
     """The block tridiagonal matrix of `assembly.assemble` as a full one."""
-    n, w = problem.n, problem.stages
+    n, w = problem.n, problem.of_rosenbrock
     assembly.assemble(n, *factors, w.mass, w.records, w.matrix)
     full = np.zeros((3 * (n + 1), 3 * (n + 1)))
     for i in range(n + 1):
@@ -60,7 +60,7 @@ def dense(problem, factors):
 def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
     length = 60.0 if slack else problem.length
-    w = problem.stages
+    w = problem.of_rosenbrock
     chain = chain_of_length(problem, length)
     assembly.node_masses(chain, w.mass)
     force_rate = linearize(chain, problem.x, problem.v, w)
@@ -78,7 +78,7 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
 
 def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     problem = ChainProblem()
-    n, w = problem.n, problem.stages
+    n, w = problem.n, problem.of_rosenbrock
     assembly.node_masses(problem.chain, w.mass)
     linearize(problem.chain, problem.x, problem.v, w)
     stiffness = dense(problem, (0.0, 0.0, -1.0))
@@ -99,7 +99,7 @@ def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
 def test_still_air_has_a_derivative():
     """At rest in still air the drag's derivative is zero, not NaN."""
     problem = ChainProblem()
-    w = problem.stages
+    w = problem.of_rosenbrock
     still = np.zeros_like(problem.v)
     calm = chain_at(problem.n, problem.parameters, 38.0, 0.0, (0.0, 0.0, 0.0))
     linearize(calm, problem.x, still, w)

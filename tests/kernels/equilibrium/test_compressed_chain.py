@@ -31,13 +31,13 @@ def straight_chain(seed, pressed):
 
 
 @pytest.mark.parametrize("pressed", [0, 1, 2, 6])
-def test_strut_is_what_has_a_negative_eigenvalue(pressed):
+def test_unstable_is_what_has_a_negative_eigenvalue(pressed):
     verdicts = []
     for seed in range(200):
         positions, lowest = straight_chain(seed, pressed)
         if abs(lowest) > 1e-5:  # neither neutral nor rounding
             verdicts.append(lowest < 0.0)
-            assert compressed_chain.is_compressed_chain(CHAIN, positions.ravel(), 1e-6) == verdicts[-1]
+            assert compressed_chain.is_unstable(CHAIN, positions.ravel(), 1e-6) == verdicts[-1]
     assert len(verdicts) > 100
     assert pressed != 1 or 10 < sum(verdicts) < len(verdicts) - 10  # both kinds
 
@@ -45,7 +45,7 @@ def test_strut_is_what_has_a_negative_eigenvalue(pressed):
 def test_bent_chain_is_none():
     positions, _ = straight_chain(1, 6)
     positions[3] += (0.1, 0.2, 0.3)
-    assert not compressed_chain.is_compressed_chain(CHAIN, positions.ravel(), compressed_chain.PARALLEL)
+    assert not compressed_chain.is_unstable(CHAIN, positions.ravel(), compressed_chain.PARALLEL)
 
 
 @pytest.mark.parametrize(

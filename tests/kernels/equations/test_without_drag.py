@@ -33,8 +33,10 @@ def forces(problem):
 
 def derivatives(problem):
     """Records and modes of all segments."""
-    w, rate = problem.stages, np.zeros_like(problem.x)
-    assembly.linearize(chain_of(problem), interleaved(problem.x), interleaved(problem.v), w.modes, w.segments, w.records, rate)
+    w, rate = problem.of_rosenbrock, np.zeros_like(problem.x)
+    assembly.linearize(
+        chain_of(problem), interleaved(problem.x), interleaved(problem.v), w.modes, w.segments, w.records, rate
+    )
     return np.concatenate([w.records, w.modes, rate])
 
 

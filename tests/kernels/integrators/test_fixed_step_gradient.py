@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import Environment, Solver, Tether
-from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_step
+from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_chain, inputs_of_step
 from tetherfmu.kernels.integrators import backward_euler
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import pack
@@ -19,7 +19,7 @@ def attempt_of(reel_out_speed, law, slack):
     tether = Tether(segments=N, initial_length=LENGTH, axial_stiffness=5e4, damping_law=law)
     solver = Solver(fixed_step=STEP)
     parameters = np.array(pack((tether,), Environment(), solver, 1e-4, (), (False, True)))
-    state, work = np.zeros(at.state_size(N)), np.zeros(at.work_size(N))
+    state, work = np.zeros(at.state_size(N)), np.zeros(backward_euler.workspace_size(N))
     inputs = np.zeros(at.INPUTS)
     inputs[at.KITE_POSITION : at.KITE_POSITION + 6] = *KITE, *KITE_VELOCITY
     inputs[at.REEL_OUT_SPEED], inputs[at.WIND_VELOCITY] = reel_out_speed, 8.0
@@ -30,10 +30,11 @@ def attempt_of(reel_out_speed, law, slack):
     x, v = nodes.ravel(), random.normal(0.0, 2.0, 3 * (N + 1))
     v[:3] = 0.0
     state[at.STATE_HEADER : at.STATE_HEADER + 3 * (N + 1)] = x
-    conditions = conditions_of_step(N, parameters, inputs, STEP, state, x, v)
-    w = backward_euler.descent(N, work)
+    given = inputs_of_step(parameters, inputs, STEP, state)
+    conditions = conditions_of_chain(N, parameters, given, state, x, v)
+    w = backward_euler.workspace(N, work)
     attempt = backward_euler.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
-    backward_euler.begin(attempt, 0.0, x, w)
+    backward_euler.start(attempt, 0.0, x, w)
     backward_euler.add_drag(attempt, x, w)
     # where the step may end, with segments turned by some degrees
     there = x + STEP * v + random.normal(0.0, 0.1, len(x))

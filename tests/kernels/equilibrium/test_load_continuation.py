@@ -11,13 +11,13 @@ import pytest
 
 from kernels.variants.balance import residual
 from tetherfmu import StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import newton, load_continuation
+from tetherfmu.kernels.equilibrium import load_continuation, newton
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.stability.points import kite, point
 
-MOST_WORK = (  # iterations of the searches at the paces 1, 1/2, 1/4, 1/8 (struts make two of each), and of the way back to 1
-    4 * 2 * 2 * (newton.MOST_ITERATIONS + newton.MOST_PSEUDO_STEPS) + load_continuation.MOST_PACES * 2 * newton.MOST_ITERATIONS
-)
+# iterations of the searches at the levels 1, 1/2, 1/4, 1/8 (two of each, the second with a perturbation), and of the rise to 1
+SEARCH = 2 * (newton.MOST_ITERATIONS + newton.MOST_PSEUDO_STEPS)
+MOST_WORK = 4 * 2 * SEARCH + load_continuation.MOST_LEVELS * 2 * newton.MOST_ITERATIONS
 
 
 def start(number):

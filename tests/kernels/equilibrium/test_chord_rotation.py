@@ -87,7 +87,7 @@ def test_a_turn_keeps_lengths_and_heights_over_the_chord():
     turned = positions.ravel().copy()
     body = type("Body", (), {"x": turned, "chain": type("Chain", (), {"n": 3})})
     for _ in range(chord_rotation.DIRECTIONS // 4):
-        chord_rotation.turn_by.py_func(body, chord_rotation.COSINE, chord_rotation.SINE)
+        chord_rotation.rotate.py_func(body, chord_rotation.COSINE, chord_rotation.SINE)
     x, y, z = positions.T
     expected = np.transpose([1.0 - (y - 2.0), 2.0 + (x - 1.0), z])  # about the vertical through (1, 2), anti-clockwise
     np.testing.assert_allclose(turned.reshape(-1, 3), expected, rtol=0.0, atol=1e-14)

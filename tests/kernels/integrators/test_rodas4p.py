@@ -95,8 +95,8 @@ def march(steps, **motion):
     h = 0.4 / steps
     x, v = problem.x.copy(), problem.v.copy()
     for k in range(steps):
-        assert rosenbrock.step(problem.conditions, k * h, h, x, v, problem.stages)
-        x[:], v[:] = problem.stages.x, problem.stages.v
+        assert rosenbrock.step(problem.conditions, k * h, h, x, v, problem.of_rosenbrock)
+        x[:], v[:] = problem.of_rosenbrock.x, problem.of_rosenbrock.v
     return np.concatenate([x, v])
 
 
@@ -126,7 +126,7 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         h = 0.4 / steps
         for k in range(steps):
-            iterations = backward_euler.careful_step(problem.conditions, k * h, h, problem.x, problem.v, problem.descent)
+            iterations = backward_euler.careful_step(problem.conditions, k * h, h, problem.x, problem.v, problem.of_euler)
             assert 1 <= iterations <= backward_euler.WORST_WORK
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)
