@@ -3,8 +3,8 @@
 A slack chain between ends one above the other hangs in a fold, and a faint wind alone says to which side: the fold is
 almost neutrally stable about the chord. Newton's method then asks for rotations far beyond what its linear equations are
 good for, and pseudo-transient continuation rotates the chain too slowly. But a rotation of the inner nodes about the chord,
-by an angle phi, leaves lengths and tensions as they are. So the angle is found by itself, from the torque of the loads about the
-chord, of the direction c,
+by an angle phi, leaves lengths and tensions as they are. So the angle is found by itself, from the torque of the loads about
+the chord, of the direction c,
 
     M(phi) = sum_i c . (r_i x f_i) = 0,    dM/dphi < 0,
 
