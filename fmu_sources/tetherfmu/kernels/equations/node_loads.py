@@ -8,8 +8,6 @@ The Rosenbrock step, Newton's method, backward Euler, the outputs and the power 
 numbers and pairs (`linear_algebra.pairs`) alike. Theory: docs/theory.md, "The chain" and "Quasi-steady".
 """
 
-from tetherfmu.runtime import layout as at
-
 from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, symmetric
 from ..linear_algebra.pairs import broadcast
@@ -22,11 +20,10 @@ def load(chain, mass, x, v, acceleration):
 
     acceleration : of the node [m/s2] if its inertia counts as a load, None in equations of motion.
     """
-    gravity = chain.parameters[at.GRAVITY]
     if acceleration is None:
         nothing = broadcast(-0.0, mass)  # to add -0 changes nothing, not even the sign of a zero
-        return nothing, nothing, -(gravity * mass)
-    return scale(-mass, (acceleration[0], acceleration[1], acceleration[2] + gravity))
+        return nothing, nothing, -(chain.gravity * mass)
+    return scale(-mass, (acceleration[0], acceleration[1], acceleration[2] + chain.gravity))
 
 
 @kernel
@@ -38,13 +35,13 @@ def load_rate(chain, mass_rate):
 @kernel
 def free_acceleration(chain):
     """Acceleration [m/s2] of a node that is on no segment."""
-    return 0.0, 0.0, -chain.parameters[at.GRAVITY]
+    return 0.0, 0.0, -chain.gravity
 
 
 @kernel
 def potential(chain, x):
     """Potential energy of the loads per mass of a node at x [m]: [J/kg]."""
-    return chain.parameters[at.GRAVITY] * x[2]
+    return chain.gravity * x[2]
 
 
 @kernel

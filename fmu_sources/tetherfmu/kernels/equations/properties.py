@@ -10,14 +10,15 @@ from ..linear_algebra.vectors import vector_at
 from .air import is_uniform
 
 Chain = namedtuple(
-    "Chain", "n parameters length reeling growth seen_growth slack_stiffness_ratio slack_damping_ratio wind air_is_uniform"
+    "Chain",
+    "n parameters length reeling growth seen_growth slack_stiffness_ratio slack_damping_ratio gravity wind air_is_uniform",
 )
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling : unstretched length L of the tether [m] and its rate [m/s].  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
 seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
-slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].
+slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
 wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
 air_is_uniform : whether wind and density are the same everywhere.
 
@@ -37,7 +38,8 @@ def chain_at(n, parameters, length, reeling, wind):
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
-    return Chain(n, parameters, length, reeling, growth, seen_growth, *ratios, wind, is_uniform(parameters))
+    gravity = parameters[at.GRAVITY]
+    return Chain(n, parameters, length, reeling, growth, seen_growth, *ratios, gravity, wind, is_uniform(parameters))
 
 
 @view

@@ -182,7 +182,7 @@ def smallest_residual(body, w):
     size = 0.0
     rounding = 0.0
     for s in range(chain.n):
-        size = max(size, w.tension[s] + w.mass[s] * chain.parameters[at.GRAVITY])
+        size = max(size, w.tension[s] + w.mass[s] * chain.gravity)
         rest = rest_length(chain, s)
         rounding = max(rounding, property_of(chain, s, at.STIFFNESS) / rest * ROUNDING * (reach + rest))
     return ACCURACY * size + 4.0 * sqrt(chain.n) * rounding
