@@ -1,6 +1,6 @@
 """The tables of a native FMU as a C header, made from the declarations that the PythonFMU slave runs with.
 
-Places in the flat arrays, variables, parameters with their ranges, sentences: `runtime/native/tether.h` includes the result.
+Places in the flat arrays, variables, parameters with their ranges, sentences: the headers in `runtime/native` include the result.
 """
 
 import re
@@ -150,13 +150,15 @@ def _with(sentence, known):
 
 
 def _sentences():
-    """What an FMU says; {name} and {name:format} are filled in by messages.c."""
+    """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
+    limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
     own |= {name: getattr(quantities, name) for name in ("OUT_OF_RANGE", "NOT_WHOLE")}
     own |= {name: getattr(parameters, name) for name in ("ROUGHNESS_TOO_LARGE", "SEGMENTS_TOO_SHORT")}
     kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]
     warnings = [_with(plausibility.SENTENCES[kind], plausibility.facts(kind)) for kind in sorted(plausibility.SENTENCES)]
     return [
+        *(f"#define {name} {value!r}" for name, value in limits.items()),
         *(f"#define {name} {c_text(_with(sentence, {}))}" for name, sentence in own.items()),
         _texts("KERNEL_SENTENCE", kernel),
         _texts("WARNING_SENTENCE", warnings),

@@ -143,7 +143,8 @@ class BaseSlave(Fmi2Slave):
             return None
         if not isfinite(time):
             return refusals.TIME_NOT_FINITE.format(time=time)
-        if abs(time - self.time) > 1e-3 * abs(step) + 1e-9 * abs(time) and not self._warned_of_time:
+        allowed = refusals.JUMP_OF_STEP * abs(step) + refusals.JUMP_OF_TIME * abs(time)
+        if abs(time - self.time) > allowed and not self._warned_of_time:
             self._warned_of_time = True
             self.say(refusals.TIME_JUMPS.format(time=time, end=self.time), WARNING)
         return None
