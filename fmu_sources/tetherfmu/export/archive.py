@@ -11,18 +11,18 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import NamedTuple
 from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.runtime.kernel_library import file_name, this_platform
+from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
 from . import osp
+from .build_options import BuildOptions
 from .documents import OSP_FOLDER, documents
 
 SCRIPTS = Path(__file__).with_name("slaves")
@@ -37,56 +37,30 @@ DATE, GENERATED = (2026, 1, 1, 0, 0, 0), "2026-01-01T00:00:00Z"
 DESCRIPTION = "modelDescription.xml"
 
 
-class Purpose(NamedTuple):
-    """What an FMU for one purpose, a scene or a system, has of its own."""
-
-    name: str
-    starts: list  # pairs (input or parameter, start value)
-    left_out: list  # names of inputs and outputs
-    about: str  # sentence that is added to the description
-    step: float  # communication step of the default experiment [s]
-    page: str  # documentation, HTML
-
-
-def build(name, folder, segments=20, shape_points=21, platforms=None, purpose=None, starts=()):
+def build(name, folder, options=None):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
-    Platform are written beside it (`osp.py`).  segments : start value of the parameter `segments`.  shape_points : points of
-    the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in; None for
-    that of this machine.
-    purpose : `Purpose` of an FMU that is for one scene or one system; None for all others.
-    starts : pairs (parameter of the tether, start value) of an FMU without a `Purpose`, where it is not the default.
+    Platform are written beside it (`osp.py`).  options : `BuildOptions`; None for the defaults.
     """
-    folder, platforms = Path(folder), platforms or [this_platform()]
+    folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
     library = library_of(variant)
-    compiled = ready.folders([library], platforms)[library]
-    kernels = [compiled / file_name(library, platform) for platform in platforms]
+    compiled = ready.folders([library], options.platforms)[library]
+    kernels = [compiled / file_name(library, platform) for platform in options.platforms]
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
         shipped = write_package(resources, name, SCRIPTS / script, kernels)
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
-        options = build_options(segments, shape_points, purpose, starts)
-        (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
+        (resources / OPTIONS_FILE).write_text(json.dumps(options.as_dict(), sort_keys=True))
         files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    files.update(documents(name, variant, description, options, platforms, purpose.page if purpose else None))
+    files.update(documents(name, variant, description, options))
     seal(files)
-    return write(files, folder, name, purpose)
-
-
-def build_options(segments, shape_points, purpose, starts):
-    """The options of `build` as `runtime.resources.options_in` gives them."""
-    options = {"segments": segments, "shape_points": shape_points}
-    if starts:
-        options["starts"] = [list(each) for each in starts]
-    if purpose:
-        options |= {"starts": purpose.starts, "left_out": purpose.left_out, "about": purpose.about, "step": purpose.step}
-    return options
+    return write(files, folder, name, options.purpose)
 
 
 def guid_of(description, files):
@@ -107,7 +81,7 @@ def seal(files):
 def write(files, folder, name, purpose):
     """Write a tether FMU, and beside it what libcosim looks for; returns its path.
 
-    files : dict of path in the archive to bytes.
+    files : dict of path in the archive to bytes.  purpose : `build_options.Purpose` or None.
     """
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     if osp_file in files and not purpose:

@@ -3,7 +3,8 @@
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import structure, types, units, variables
+from tetherfmu.runtime.model_description import STOP_TIME, number_text, structure, types, units, variables
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.runtime.variables import references
 
 from .archive import GENERATED
@@ -60,7 +61,9 @@ def facts(name, about):
 
 def experiment(step):
     """DefaultExperiment; step : of communication [s]."""
-    return Element("DefaultExperiment", startTime="0", stopTime="10", tolerance="1e-4", stepSize=repr(step))
+    tolerance = f"{DEFAULT_TOLERANCE:.0e}".replace("e-0", "e-")
+    times = {"startTime": "0", "stopTime": number_text(STOP_TIME)}
+    return Element("DefaultExperiment", **times, tolerance=tolerance, stepSize=repr(step))
 
 
 def categories():

@@ -1,9 +1,8 @@
 """Model description of a native FMU for FMI 3.0, with vectors as arrays, and its terminals."""
 
-from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.model_description import INITIAL, UNITS, number_text, units, variability
+from tetherfmu.runtime.model_description import attributes, items, units
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import Variable
 
@@ -67,38 +66,13 @@ def _types(table):
     element = Element("TypeDefinitions")
     for variable in table:
         if variable.kind == "Enumeration":
-            enumeration = SubElement(element, "EnumerationType", name=variable.name)
-            for value, name in enumerate(variable.quantity.choices, start=1):
-                SubElement(enumeration, "Item", name=name, value=str(value))
+            SubElement(element, "EnumerationType", name=variable.name).extend(items(variable))
     return element
 
 
 def _variable(array):
-    first = array.variables[0]
-    declared = first.quantity
-    attributes = {
-        "name": array.name,
-        "valueReference": str(array.reference),
-        "description": meaning(array.variables),
-        "causality": first.causality,
-        "variability": variability(first),
-    }
-    if first.causality in INITIAL:
-        attributes["initial"] = INITIAL[first.causality]
-    if first.kind == "Enumeration":
-        attributes["declaredType"] = first.name
-    if first.kind == "Real" and declared.unit:
-        attributes |= {"quantity": UNITS[declared.unit][0], "unit": declared.unit}
-        if declared.display:
-            attributes["displayUnit"] = declared.display[0]
-        if first.causality in ("input", "output"):
-            attributes["nominal"] = repr(UNITS[declared.unit][2])
-    for name, value in (("min", declared.minimum), ("max", declared.maximum)):
-        if abs(value) < inf:
-            attributes[name] = number_text(value)
-    if first.start is not None:
-        attributes["start"] = " ".join(number_text(variable.start) for variable in array.variables)
-    element = Element(TYPES[first.kind], attributes)
+    of_it = attributes(array.name, array.reference, meaning(array.variables), array.variables)
+    element = Element(TYPES[array.variables[0].kind], of_it)
     for size in array.dimensions:
         SubElement(element, "Dimension", start=str(size))
     return element

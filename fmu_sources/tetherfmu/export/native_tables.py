@@ -1,6 +1,6 @@
 """The tables of a native FMU as a C header, made from the declarations that the PythonFMU slave runs with.
 
-Places in the flat arrays, variables, parameters with their ranges, sentences: the headers in `runtime/native` include the result.
+Places in the flat arrays, variables, parameters with their ranges, sentences: what the headers in `runtime/native` include.
 """
 
 import re
