@@ -35,6 +35,8 @@ hold(globals())
 """
 DATE, GENERATED = (2026, 1, 1, 0, 0, 0), "2026-01-01T00:00:00Z"
 DESCRIPTION = "modelDescription.xml"
+GUID_DIGITS, PACKAGE_DIGITS = 32, 12  # hexadecimal, of hashes: as many as a guid has, and enough to tell packages apart
+FILE_MODE = 0o644 << 16  # of an entry of an archive: rw-r--r--, where Unix has it
 
 
 def build(name, folder, options=None):
@@ -68,7 +70,7 @@ def guid_of(description, files):
     digest = hashlib.sha256(description.encode("utf-8"))
     for name in sorted(files):
         digest.update(name.encode("utf-8") + files[name])
-    return f"{{{digest.hexdigest()[:32]}}}"
+    return f"{{{digest.hexdigest()[:GUID_DIGITS]}}}"
 
 
 def seal(files):
@@ -97,7 +99,7 @@ def write_archive(files, target):
             for name in sorted(files):
                 item = zipfile.ZipInfo(name, DATE)
                 item.compress_type = zipfile.ZIP_DEFLATED
-                item.external_attr = 0o644 << 16
+                item.external_attr = FILE_MODE
                 archive.writestr(item, files[name])
         return partial.replace(target)
     finally:
@@ -117,7 +119,7 @@ def write_package(resources, name, script, kernels=(), modules=()):
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
     content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
     content += b"".join(each.read_bytes() for each in kernels)
-    digest = hashlib.sha256(content).hexdigest()[:12]
+    digest = hashlib.sha256(content).hexdigest()[:PACKAGE_DIGITS]
     package, module = resources / f"tetherfmu_{digest}", script.stem
     package.mkdir(parents=True)
     for file, text in sources.items():
@@ -150,5 +152,6 @@ def _unpacked(archive):
 
 def _replace_attribute(description, name, value):
     """The description with another value of the first attribute of this name."""
-    start = description.index(f' {name}="') + len(name) + 3
+    opening = f' {name}="'
+    start = description.index(opening) + len(opening)
     return description[:start] + value + description[description.index('"', start) :]

@@ -1,6 +1,6 @@
 """Model description of a native FMU for FMI 2.0: the variables of the PythonFMU slave, and what the shell is capable of."""
 
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import STOP_TIME, number_text, structure, types, units, variables
@@ -8,6 +8,7 @@ from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.runtime.variables import references
 
 from .archive import GENERATED
+from .xml_text import xml_text
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -42,7 +43,7 @@ def text(name, about, table, shape_points, step, token):
     root.append(experiment(step))
     root.append(variables(table, references(table, shape_points)))
     root.append(structure(table))
-    return as_text(root)
+    return xml_text(root)
 
 
 def facts(name, about):
@@ -72,9 +73,3 @@ def categories():
     for name, meaning in CATEGORIES.items():
         SubElement(element, "Category", name=name, description=meaning)
     return element
-
-
-def as_text(root):
-    """Text of an XML file."""
-    indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"

@@ -8,8 +8,9 @@ from tetherfmu.runtime.variables import Variable
 
 from .documents import meaning
 from .native_arrays import Array, arrays
-from .native_description import as_text, categories, experiment, facts
+from .native_description import categories, experiment, facts
 from .native_tables import count_of_values
+from .xml_text import xml_text
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -44,7 +45,7 @@ def text(name, about, table, shape_points, step, token):
     for array in (*listed, Array(TIME.name, count_of_values(table, shape_points), (), (TIME,))):
         variables.append(_variable(array))
     root.append(_structure(listed))
-    return as_text(root)
+    return xml_text(root)
 
 
 def terminals(table):
@@ -59,7 +60,7 @@ def terminals(table):
                 SubElement(terminal, "TerminalMemberVariable", variableName=vector, memberName=member, variableKind="signal")
         if len(terminal):
             listed.append(terminal)
-    return as_text(root)
+    return xml_text(root)
 
 
 def _types(table):

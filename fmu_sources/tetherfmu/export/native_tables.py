@@ -12,6 +12,7 @@ from tetherfmu.runtime.variants import FREE, WITHOUT_NODES, WITHOUT_WAVES, libra
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
+NUMBERS_IN_A_LINE = 12
 _SIZES = ("parameters_size", "state_size", "work_size")  # linear in the number of segments
 
 
@@ -136,7 +137,8 @@ def _variables(table, shape_points, widths):
 
 
 def _numbers(name, numbers):
-    lines = [", ".join(map(repr, numbers[i : i + 12])) for i in range(0, len(numbers), 12)]
+    starts = range(0, len(numbers), NUMBERS_IN_A_LINE)
+    lines = [", ".join(map(repr, numbers[i : i + NUMBERS_IN_A_LINE])) for i in starts]
     return f"static const {name}[] = {{\n    " + ",\n    ".join(lines) + "};"
 
 

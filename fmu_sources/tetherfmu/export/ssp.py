@@ -8,7 +8,7 @@ one that is called SystemStructure.ssd is what importers open.
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from fmpy import read_model_description
 
@@ -17,6 +17,7 @@ from tetherfmu.runtime.model_description import number_text
 
 from . import archive, example_fmus
 from .build_options import BuildOptions, Purpose
+from .xml_text import xml_text
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
@@ -53,8 +54,9 @@ def write(name, fmus, start, fidelities, folder, options):
         files = {_source(fmus[each]): path.read_bytes() for each, path in paths.items()}
     for fidelity, values in fidelities.items():
         ending = "" if fidelity == "standard" else f"_{fidelity}"
-        files[f"SystemStructure{ending}.ssd"] = _text(_structure(name, fidelity, fmus, variables, values))
-        files |= {_set(each, fidelity): _text(_parameters(fidelity, given)) for each, given in values.items()}
+        texts = {f"SystemStructure{ending}.ssd": _structure(name, fidelity, fmus, variables, values)}
+        texts |= {_set(each, fidelity): _parameters(fidelity, given) for each, given in values.items()}
+        files |= {path: xml_text(root).encode("utf-8") for path, root in texts.items()}
     return archive.write_archive(files, folder / f"{name}.ssp")
 
 
@@ -115,8 +117,3 @@ def _parameters(name, values):
         parameter = SubElement(parameters, "ssv:Parameter", name=each)
         SubElement(parameter, "ssv:Integer" if isinstance(value, int) else "ssv:Real", value=number_text(value))
     return root
-
-
-def _text(root):
-    indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"

@@ -90,12 +90,14 @@ static void pack(double *flat, int64_t n, const double *values, double tolerance
 #endif
 }
 
+enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
+
 /* The arrays for values whose parameters `check_parameters` allows, in one block; NULL without memory. */
 Arrays *make_arrays(const double *values, double importer_tolerance)
 {
     int64_t n = effective_segments(values);
     size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = WORK_SIZE(n);
-    Arrays *arrays = calloc(1, sizeof *arrays + (parameters + 3 * state + work + VALUES) * sizeof(double));
+    Arrays *arrays = calloc(1, sizeof *arrays + (parameters + STATES_HELD * state + work + VALUES) * sizeof(double));
     if (!arrays) return NULL;
     arrays->segments = n;
     arrays->parameters = (double *)(arrays + 1);
@@ -144,8 +146,8 @@ int32_t observe(const Arrays *arrays, double *values)
 void read_free_kite(const Arrays *arrays, double *values)
 {
     if (!FREE_KITE) return;
-    const double *velocity = arrays->state + STATE_SIZE(arrays->segments) - 3;
-    const double *position = velocity - 3 * (arrays->segments + 1);
-    memcpy(values + AT_KITE_POSITION, position, 3 * sizeof(double));
-    memcpy(values + AT_KITE_VELOCITY, velocity, 3 * sizeof(double));
+    const double *velocity = arrays->state + STATE_SIZE(arrays->segments) - COMPONENTS;
+    const double *position = velocity - COMPONENTS * (arrays->segments + 1);
+    memcpy(values + AT_KITE_POSITION, position, COMPONENTS * sizeof(double));
+    memcpy(values + AT_KITE_VELOCITY, velocity, COMPONENTS * sizeof(double));
 }

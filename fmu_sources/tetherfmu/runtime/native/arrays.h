@@ -7,7 +7,8 @@
 
 #include "tables.h"
 
-enum { KITE_MOTION = 6 }; /* numbers of the position and the velocity of the kite end, which follow each other */
+enum { COMPONENTS = 3 };                /* of a vector */
+enum { KITE_MOTION = 2 * COMPONENTS }; /* position and velocity of the kite end, which follow each other */
 
 typedef struct {
     int64_t segments;

@@ -146,10 +146,8 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
 Status say(const Instance *instance, Status status, const char *sentence, const Fact *facts)
 {
     char text[LONGEST_TEXT];
-    size_t length = strlen(instance->call);
-    memcpy(text, instance->call, length); /* the name of an FMI function is short */
-    memcpy(text + length, ": ", 2);
-    fill_in(text + length + 2, sizeof text - length - 2, sentence, facts);
+    size_t length = (size_t)print(text, sizeof text, "%s: ", instance->call); /* the name of an FMI function is short */
+    fill_in(text + length, sizeof text - length, sentence, facts);
     if (instance->importer_log) instance->log(instance, status, text);
     return status;
 }

@@ -15,7 +15,7 @@ typedef struct { /* header and facts of saved_state.py; all platforms are little
     double tolerance, time;
 } Head;
 
-enum { HEADER = 16 }; /* bytes before what the checksum is of */
+enum { HEADER = offsetof(Head, variant) }; /* bytes before what the checksum is of */
 
 /* CRC-32 of zlib, four bits at a time. */
 static uint32_t crc32(const unsigned char *bytes, size_t size)
