@@ -9,16 +9,14 @@ not explain appeared from nowhere; `EnergyAudit` follows that residual along a r
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import address
 
-if TYPE_CHECKING:
-    from .models import TetherDynamic
-    from .results import Outputs
+WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load")  # inputs that powers depend on, beside the motion of the ends
 
 
 @dataclass(frozen=True)
@@ -99,16 +97,26 @@ def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
     return found
 
 
+class Audited(Protocol):
+    """What can be audited: it knows its `Energy`, and its step takes inputs by name."""
+
+    def step(self, step: float, **inputs) -> Any:
+        """Advance by `step` [s]."""
+
+    def energy(self, **inputs) -> Energy:
+        """Energies and powers of the present state, with other values of inputs in `WITH_POWER` where they are given."""
+
+
 class EnergyAudit:
-    """Steps a tether and integrates the powers of `Energy`, so that energy from nowhere is seen.
+    """Steps what is `Audited`, such as a tether, and integrates its powers, so that energy from nowhere is seen.
 
     The trapezoidal rule over the communication steps: its error falls with the square of the step, so take steps that are
     short against the shortest vibration of interest. The run itself is the same as without the audit.
 
     Parameters
     ----------
-    model : TetherDynamic
-        Initialized. Do not step it elsewhere while the audit runs.
+    model : Audited
+        Such as an initialized `TetherDynamic`. Do not step it elsewhere while the audit runs.
 
     Attributes
     ----------
@@ -128,16 +136,15 @@ class EnergyAudit:
     True
     """
 
-    def __init__(self, model: TetherDynamic):
+    def __init__(self, model: Audited):
         self._model = model
         self.start = self.now = model.energy()
         self.work = dict.fromkeys(POWERS, 0.0)
 
-    def step(self, step: float, *, reel_out_speed=None, wind_velocity=None, kite_load=None, **motion) -> Outputs:
-        """Advance the tether; arguments and result as `TetherModel.step`."""
-        held = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
-        before = self._model.energy(**held)
-        outputs = self._model.step(step, **held, **motion)
+    def step(self, step: float, **inputs) -> Any:
+        """Advance the model by `step` [s]; inputs and result are those of its own `step`."""
+        before = self._model.energy(**{name: value for name, value in inputs.items() if name in WITH_POWER})
+        outputs = self._model.step(step, **inputs)
         self.now = self._model.energy()
         for name in POWERS:
             self.work[name] += 0.5 * step * (getattr(before, name) + getattr(self.now, name))

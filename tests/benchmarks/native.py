@@ -23,11 +23,12 @@ from native import programs
 from runtime.host import Host
 from scenes import circle, kite_at_start
 from tetherfmu.export import archive, native
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries import ready
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 
 NAME, STEP, STEPS, ROUNDS = "TetherDynamic", 0.02, 500, 15
-SEGMENTS, SHAPE_POINTS = 20, 21
+OPTIONS = BuildOptions()
 
 
 def rows():
@@ -38,7 +39,8 @@ def rows():
 def in_c(path, folder):
     """Numbers that `native_host.c` prints."""
     source = Path(__file__).with_name("native_host.c")
-    host = programs.compiled(folder, "dynamic", 2, source, ("-O2", "-ldl"), SEGMENTS, SHAPE_POINTS, shell=False)
+    sizes = OPTIONS.segments, OPTIONS.shape_points
+    host = programs.compiled(folder, "dynamic", 2, source, ("-O2", "-ldl"), *sizes, shell=False)
     (folder / "inputs").write_bytes(rows().tobytes())
     library = Path(extract(str(path), str(folder / "fmu"))) / "binaries" / "linux64" / f"{NAME}.so"
     kernels = ready.folders(["dynamic"], [this_platform()])["dynamic"] / file_name("dynamic", this_platform())
@@ -86,9 +88,10 @@ def building(folder, platforms):
 
 def main(folder):
     """Print a line for each number."""
-    paths = {"PythonFMU": archive.build(NAME, folder / "python"), "native": native.build(NAME, folder / "native")}
+    builders = {"PythonFMU": archive, "native": native}
+    paths = {flavour: builder.build(NAME, folder / flavour, OPTIONS) for flavour, builder in builders.items()}
     bare, whole, above, first, each = in_c(paths["native"], folder)
-    print(f"in a host in C, {SEGMENTS} segments: kernels {bare:.2f} us, FMU {whole:.2f} us, {above:.2f} us above")
+    print(f"in a host in C, {OPTIONS.segments} segments: kernels {bare:.2f} us, FMU {whole:.2f} us, {above:.2f} us above")
     print(f"from instantiation to the end of the first step: {first / 1e3:.2f} ms; an instance holds {each / 1e3:.1f} kB")
     folders, motion = {flavour: extract(str(path)) for flavour, path in paths.items()}, rows().tolist()
     times = [{flavour: in_fmpy(place, motion) for flavour, place in folders.items()} for _ in range(ROUNDS)]

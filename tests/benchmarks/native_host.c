@@ -11,7 +11,7 @@ alternate): the kernels alone, the FMU; then from instantiation to the end of th
 #include <time.h>
 
 #include "fmi2FunctionTypes.h"
-#include "tether.h"
+#include "instance.h"
 
 enum { STEPS = 500, ROUNDS = 41, INSTANCES = 10000, MOVED = 6 };
 static const double STEP = 0.02;
@@ -59,34 +59,34 @@ static double median(double *numbers, int count)
     return numbers[count / 2];
 }
 
-static Tether *started(const char *guid)
+static Instance *started(const char *guid)
 {
     static const fmi2CallbackFunctions callbacks = {NULL, NULL, NULL, NULL, NULL};
-    Tether *tether = fmi.instantiate("tether", fmi2CoSimulation, guid, NULL, &callbacks, 0, 0);
-    if (!tether || fmi.set(tether, MOVED_INPUTS, MOVED, inputs[0]) || fmi.enter(tether) || fmi.leave(tether)) exit(4);
-    return tether;
+    Instance *instance = fmi.instantiate("tether", fmi2CoSimulation, guid, NULL, &callbacks, 0, 0);
+    if (!instance || fmi.set(instance, MOVED_INPUTS, MOVED, inputs[0]) || fmi.enter(instance) || fmi.leave(instance)) exit(4);
+    return instance;
 }
 
 static double with_fmi(const char *guid)
 {
     double found[MOVED];
-    Tether *tether = started(guid);
+    Instance *instance = started(guid);
     double began = now();
     for (int k = 0; k < STEPS; k++)
-        if (fmi.set(tether, MOVED_INPUTS, MOVED, inputs[k]) || fmi.step(tether, k * STEP, STEP, 1) || fmi.get(tether, READ, MOVED, found))
+        if (fmi.set(instance, MOVED_INPUTS, MOVED, inputs[k]) || fmi.step(instance, k * STEP, STEP, 1) || fmi.get(instance, READ, MOVED, found))
             exit(5);
     return (now() - began) / STEPS;
 }
 
 static double with_kernels(const char *guid)
 {
-    Tether *tether = started(guid);
-    Chain *chain = tether->chain;
+    Instance *instance = started(guid);
+    Arrays *arrays = instance->arrays;
     double began = now();
     for (int k = 0; k < STEPS; k++) {
-        memcpy(tether->values, inputs[k], sizeof inputs[k]);
-        if (kernel_advance(chain->segments, chain->parameters, tether->values, STEP, chain->state, chain->work)) exit(6);
-        if (kernel_observe(chain->segments, chain->parameters, chain->state, SHAPE_POINTS, tether->values + OUTPUTS_AT, chain->work)) exit(7);
+        memcpy(instance->values, inputs[k], sizeof inputs[k]);
+        if (kernel_advance(arrays->segments, arrays->parameters, instance->values, STEP, arrays->state, arrays->work)) exit(6);
+        if (kernel_observe(arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, instance->values + OUTPUTS_AT, arrays->work)) exit(7);
     }
     return (now() - began) / STEPS;
 }

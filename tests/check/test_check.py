@@ -12,6 +12,7 @@ import pytest
 from foreign import foreign
 from tetherfmu.check import __main__, inspection
 from tetherfmu.export.archive import SLAVES, build
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.kernel_library import this_platform
 
 
@@ -170,7 +171,7 @@ def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder
 
 
 def test_missing_platforms(tmp_path):
-    source = build("TetherStraight", tmp_path, platforms=[this_platform(), "aarch64-linux"])
+    source = build("TetherStraight", tmp_path, BuildOptions(platforms=(this_platform(), "aarch64-linux")))
     assert f"platforms: aarch64-linux, {this_platform()}; this one is among them" in run(source)[1]  # those of the kernels
     no_library = changed(
         source, tmp_path / "a.fmu", lambda name, content: None if name.startswith("binaries/linux") else content

@@ -11,6 +11,7 @@ from fmpy import read_model_description
 
 from runtime.host import of_every_flavour
 from tetherfmu.export.archive import SLAVES, build
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.documents import folded
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.variables import variables
@@ -111,6 +112,7 @@ def test_licences_and_dependencies_of_native_fmus(native_folder, fmi3_folder):
 
 
 def test_page_follows_the_build_options(tmp_path):
-    page = Page(content(build("TetherStraight", tmp_path, segments=9, shape_points=0))["documentation/index.html"].decode())
+    path = build("TetherStraight", tmp_path, BuildOptions(segments=9, shape_points=0))
+    page = Page(content(path)["documentation/index.html"].decode())
     assert "shape[1..K,1..3]" not in page.cells
     assert page.cells[page.cells.index("segments") + 2] == "9"

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tetherfmu.export.archive import SLAVES, build
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import file_name, load, this_platform
 from tetherfmu.runtime.resources import KERNELS_FOLDER
@@ -55,4 +56,4 @@ def test_a_platform_without_kernels_is_told_with_the_remedy(tmp_path):
 
 def test_all_platforms_link(tmp_path):
     """Linux and Windows on x86, and (linked, never run here) Linux on ARM and macOS on both."""
-    assert contents(build("TetherStraight", tmp_path, platforms=tuple(TARGETS))) == list(TARGETS)
+    assert contents(build("TetherStraight", tmp_path, BuildOptions(platforms=tuple(TARGETS)))) == list(TARGETS)

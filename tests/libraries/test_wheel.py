@@ -108,7 +108,7 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
 def test_a_native_fmu_needs_a_compiler_to_be_built(clean, tmp_path):
     """What it is made of is in the wheel; the compiler that is missing is named in one line, with the remedy."""
     site = Path(done(clean / "python", "-c", "import tetherfmu; print(tetherfmu.__path__[0])").strip())
-    assert (site / "runtime" / "native" / "tether.h").exists()
+    assert (site / "runtime" / "native" / "instance.h").exists()
     command = [str(clean / "tetherfmu"), "build", "straight", "--native"]
     failed = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, env=PLACES)
     assert failed.returncode == 2

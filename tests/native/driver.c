@@ -7,7 +7,7 @@ outputs. Any other end than "sessions done" is a fault. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "tether.h"
+#include "instance.h"
 
 #if FMI == 2
 #include "fmi2Functions.h"
@@ -22,6 +22,7 @@ typedef uint8_t Byte;
 #endif
 
 enum { CALLS = 40, STATES = 4, AT_ONCE = 8, MOST = 4096 };
+enum { FIRST_NUMBER = 24 }; /* byte of a saved state from where on numbers are replaced, 8 at a time */
 
 static uint64_t random_state;
 static void *instance;
@@ -334,7 +335,7 @@ static int some_derivative(void)
     size_t room = draw_references(OUTPUTS_AT, 6, count, unknowns), seeds = draw_references(0, AT_INPUTS, known_count, knowns);
     for (size_t i = 0; i < seeds; i++) seed[i] = below(8) ? (double)below(3) : any_number();
     int status = directional(unknowns, count, knowns, known_count, seed, seeds, sensitivity, room);
-    if (((Tether *)instance)->phase != INITIALIZING && (bytes_of(after) != size || memcmp(before, after, size)))
+    if (((Instance *)instance)->phase != INITIALIZING && (bytes_of(after) != size || memcmp(before, after, size)))
         fault("a derivative has changed the state");
     for (size_t i = 0; i < ROOM; i++)
         if (!is_finite(sensitivity[i])) fault("a derivative is not finite");
@@ -352,10 +353,10 @@ static int read_bytes(void)
     case 2: /* numbers of any kind, with a checksum that is right */
         for (unsigned i = 0; i < 3; i++) {
             double number = any_number();
-            memcpy(bytes + 24 + 8 * below((unsigned)(size - 24) / 8), &number, 8);
+            memcpy(bytes + FIRST_NUMBER + 8 * below((unsigned)(size - FIRST_NUMBER) / 8), &number, 8);
         }
-        uint32_t checksum = crc32((unsigned char *)bytes + 16, size - 16);
-        memcpy(bytes + 12, &checksum, 4);
+        uint32_t checksum = crc32((unsigned char *)bytes + HEADER, size - HEADER);
+        memcpy(bytes + offsetof(Head, checksum), &checksum, sizeof checksum);
     }
     Byte *copy = malloc(size + 1); /* so that a byte too many is seen */
     memcpy(copy, bytes, size);
@@ -420,9 +421,9 @@ static int one_call(void)
 static void check(const Byte *before, size_t size, int status, int said)
 {
     static Byte after[MOST * 8];
-    const Tether *tether = instance;
+    const Instance *known = instance;
     for (int i = 0; i < VALUES; i++)
-        if (KIND[i] & OUTPUT && !is_finite(tether->values[i])) fault("an output is not finite");
+        if (KIND[i] & OUTPUT && !is_finite(known->values[i])) fault("an output is not finite");
     if (status < 0 || status > ERROR) fault("a status that does not exist");
     if (status == OK) return;
     if (messages == said) fault("refused without a word");

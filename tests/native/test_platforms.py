@@ -16,6 +16,7 @@ from libraries.test_symbols import dynamic_symbols
 from runtime.host import Host
 from scenes import circle, kite_inputs
 from tetherfmu.export import native
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.linking import MATHEMATICS
 
@@ -33,7 +34,7 @@ def everywhere(built_once):
     """Folder with a native FMU for FMI 2 and all platforms."""
 
     def build(folder):
-        native.build(NAME, folder, platforms=list(TARGETS))
+        native.build(NAME, folder, BuildOptions(platforms=tuple(TARGETS)))
 
     return built_once("native_everywhere", build)
 
@@ -51,13 +52,13 @@ def test_a_library_for_each_platform(everywhere):
 
 
 def test_platforms_of_fmi3(tmp_path):
-    platforms = ["aarch64-linux", "x86_64-windows"]
-    path = native.build("TetherStraight", tmp_path, platforms=platforms, fmi=3)
-    assert [place.split("/")[1] for place in binaries(path)] == platforms
+    platforms = ("aarch64-linux", "x86_64-windows")
+    path = native.build("TetherStraight", tmp_path, BuildOptions(platforms=platforms), fmi=3)
+    assert tuple(place.split("/")[1] for place in binaries(path)) == platforms
 
 
 def test_one_processor_takes_the_place_of_its_system(tmp_path):
-    path = native.build("TetherStraight", tmp_path, platforms=["aarch64-linux", "aarch64-darwin"])
+    path = native.build("TetherStraight", tmp_path, BuildOptions(platforms=("aarch64-linux", "aarch64-darwin")))
     assert list(binaries(path)) == ["binaries/darwin64/TetherStraight.dylib", "binaries/linux64/TetherStraight.so"]
 
 
@@ -84,10 +85,10 @@ def test_macos_finds_its_processor(everywhere):
 
 
 def test_equal_options_give_equal_bytes(tmp_path):
-    one_of_each = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"]
-    paths = [native.build("TetherStraight", tmp_path / folder, platforms=one_of_each) for folder in "ab"]
+    one_of_each = BuildOptions(platforms=("x86_64-linux", "x86_64-windows", "aarch64-darwin"))
+    paths = [native.build("TetherStraight", tmp_path / folder, one_of_each) for folder in "ab"]
     assert paths[0].read_bytes() == paths[1].read_bytes()
-    other = native.build("TetherStraight", tmp_path / "c", platforms=["x86_64-linux"], shape_points=7)
+    other = native.build("TetherStraight", tmp_path / "c", BuildOptions(platforms=("x86_64-linux",), shape_points=7))
     tokens = [read_model_description(str(path)).guid for path in (*paths, other)]
     assert tokens[0] == tokens[1] != tokens[2]
 

@@ -7,6 +7,7 @@ from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive, example_fmus, native, ssp
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import this_platform
@@ -31,7 +32,7 @@ def fmu(text):
 
 def platforms(text):
     """Type of a list of platforms, separated by commas, or all."""
-    names = list(TARGETS) if text == "all" else text.split(",")
+    names = tuple(TARGETS) if text == "all" else tuple(text.split(","))
     for name in names:
         if name not in TARGETS:
             raise argparse.ArgumentTypeError(f"no platform is called {name!r}; choose from {', '.join(TARGETS)}, or all")
@@ -48,7 +49,7 @@ def shape_points(text):
 def starts_of_diameter(text):
     """Type of a diameter [m]: start values of the default tether, pairs (parameter, value), with this diameter instead."""
     tether = Tether().with_diameter(amount(DIAMETER)(text))
-    return [(name, getattr(tether, name)) for name in OF_THE_DIAMETER]
+    return tuple((name, getattr(tether, name)) for name in OF_THE_DIAMETER)
 
 
 def parse(arguments, prog="tetherfmu build"):
@@ -61,7 +62,7 @@ def parse(arguments, prog="tetherfmu build"):
         "--segments",
         type=amount(SEGMENTS, whole=True),
         metavar="N",
-        help="start value of segments (default: 20)",
+        help=f"start value of segments (default: {BuildOptions.segments})",
     )
     option(
         "--diameter",
@@ -72,9 +73,9 @@ def parse(arguments, prog="tetherfmu build"):
     option(
         "--shape-points",
         type=shape_points,
-        default=21,
+        default=BuildOptions.shape_points,
         metavar="K",
-        help="points of the output shape, 0 for none (default: 21)",
+        help=f"points of the output shape, 0 for none (default: {BuildOptions.shape_points})",
     )
     option(
         "--platforms",
@@ -99,16 +100,19 @@ def parse(arguments, prog="tetherfmu build"):
     return options
 
 
-def build_for_scene(options):
-    """Build the FMU that is advised for a scene; returns 1 if nothing meets what it asks for."""
+def build_for_scene(wanted):
+    """Build the FMU that is advised for a scene; returns 1 if nothing meets what it asks for.
+
+    wanted : as `parse` returns it, also in `build`.
+    """
     from .scene_build import advised
 
-    now(f"flying {options.scene} with what may do, and with a finer model")
-    text, met, (name, segments, shape_points, purpose) = advised(options.scene, options.shape_points)
+    now(f"flying {wanted.scene} with what may do, and with a finer model")
+    text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms)
     print(text)
     if not met:
         return FAILED
-    build(options, name, segments, shape_points, purpose=purpose)
+    build(wanted, name, options)
     return 0
 
 
@@ -117,26 +121,27 @@ def show(path, platforms):
     print(f"{path}  {path.stat().st_size / 1000:.0f} kB  for {', '.join(platforms)}")
 
 
-def build(options, name, segments, shape_points, **more):
-    """Build an FMU and print a line on it."""
-    arguments = name, options.out, segments, shape_points, options.platforms
-    made = native.build(*arguments, **more, fmi=options.fmi) if options.native else archive.build(*arguments, **more)
+def build(wanted, name, options):
+    """Build an FMU of the flavour that is wanted, with these `BuildOptions`, and print a line on it."""
+    made = native.build(name, wanted.out, options, wanted.fmi) if wanted.native else archive.build(name, wanted.out, options)
     show(made, options.platforms)
 
 
 @command
 def main(arguments=None, prog="tetherfmu build"):
     """Build what was asked for; returns the exit status, 0 only if all was built."""
-    options = parse(arguments, prog)
-    if options.scene is not None:
-        return build_for_scene(options)
-    names = options.names or list(SLAVES)
-    ready.folders([library_of(SLAVES[name][1]) for name in names], options.platforms)  # all at once is faster
+    wanted = parse(arguments, prog)
+    if wanted.scene is not None:
+        return build_for_scene(wanted)
+    names, platforms = wanted.names or list(SLAVES), wanted.platforms
+    ready.folders([library_of(SLAVES[name][1]) for name in names], platforms)  # all at once is faster
+    segments = wanted.segments or BuildOptions.segments
+    options = BuildOptions(segments, wanted.shape_points, platforms, starts=wanted.diameter or ())
     for name in names:
-        build(options, name, options.segments or 20, options.shape_points, starts=options.diameter or ())
-    if options.examples:
+        build(wanted, name, options)
+    if wanted.examples:
         for name in example_fmus.SLAVES:
-            show(example_fmus.build(name, options.out), example_fmus.PLATFORMS)
-        for path in ssp.write_all(options.out, options.platforms):
+            show(example_fmus.build(name, wanted.out), example_fmus.PLATFORMS)
+        for path in ssp.write_all(wanted.out, BuildOptions(platforms=platforms)):
             print(f"{path}  {path.stat().st_size / 1000:.0f} kB  a system of FMUs")
     return 0

@@ -1,6 +1,6 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
-from tetherfmu.export.archive import Purpose
+from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.runtime.variants import class_name
@@ -26,15 +26,15 @@ def vector_of(name):
 
 
 def left_out(scene, inputs, shape_points):
-    """Names of the inputs that are 0 all through a scene, and of the outputs that it does not ask for: two lists.
+    """Names of the inputs that are 0 all through a scene, and of the outputs that it does not ask for: two tuples.
 
     inputs : as `through_fmpy.by_name` gives them.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
     outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
-    still = [name for name in inputs if vector_of(name) not in KEPT and not moved[name]]
-    return still, [name for name in outputs if vector_of(name) not in asked]
+    still = tuple(name for name in inputs if vector_of(name) not in KEPT and not moved[name])
+    return still, tuple(name for name in outputs if vector_of(name) not in asked)
 
 
 def vectors_in_words(names):
@@ -42,11 +42,11 @@ def vectors_in_words(names):
     return ", ".join(dict.fromkeys(map(vector_of, names))) or "none"
 
 
-def advised(path, shape_points):
-    """The advice for a scene file as text, whether it meets what is asked, and what to build.
+def advised(path, shape_points, platforms):
+    """The advice for a scene file as text, whether it meets what is asked, the name of the FMU and its `BuildOptions`.
 
-    That is: FMU, segments, points of the shape, `Purpose`. SceneError says in one line what is wrong with the file, or why
-    its scene cannot be flown.
+    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.
+    SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
     """
     scene = load(path)
     try:
@@ -63,6 +63,7 @@ def advised(path, shape_points):
         f"the scene ({vectors_in_words(no_inputs)}); outputs that it does not ask for ({vectors_in_words(no_outputs)})."
     )
     page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
-    starts = [[name, value] for name, value in (inputs.iloc[0].to_dict() | parameters_of(scene, config)).items()]
-    purpose = Purpose(scene.name, starts, no_inputs + no_outputs, about, config.step, page)
-    return text, advice.met, (class_name(config.variant), config.segments or 1, points, purpose)
+    starts = tuple((inputs.iloc[0].to_dict() | parameters_of(scene, config)).items())
+    purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, page)
+    options = BuildOptions(config.segments or 1, points, platforms, starts, purpose)
+    return text, advice.met, class_name(config.variant), options

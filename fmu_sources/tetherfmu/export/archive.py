@@ -11,18 +11,18 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import NamedTuple
 from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.runtime.kernel_library import file_name, this_platform
+from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
 from . import osp
+from .build_options import BuildOptions
 from .documents import OSP_FOLDER, documents
 
 SCRIPTS = Path(__file__).with_name("slaves")
@@ -35,58 +35,34 @@ hold(globals())
 """
 DATE, GENERATED = (2026, 1, 1, 0, 0, 0), "2026-01-01T00:00:00Z"
 DESCRIPTION = "modelDescription.xml"
+GUID_DIGITS, PACKAGE_DIGITS = 32, 12  # hexadecimal, of hashes: as many as a guid has, and enough to tell packages apart
+FILE_MODE = 0o644 << 16  # of an entry of an archive: rw-r--r--, where Unix has it
 
 
-class Purpose(NamedTuple):
-    """What an FMU for one purpose, a scene or a system, has of its own."""
-
-    name: str
-    starts: list  # pairs (input or parameter, start value)
-    left_out: list  # names of inputs and outputs
-    about: str  # sentence that is added to the description
-    step: float  # communication step of the default experiment [s]
-    page: str  # documentation, HTML
-
-
-def build(name, folder, segments=20, shape_points=21, platforms=None, purpose=None, starts=()):
+def build(name, folder, options=None):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
-    Platform are written beside it (`osp.py`).  segments : start value of the parameter `segments`.  shape_points : points of
-    the output `shape`; 0 leaves it out.  platforms : names in `ahead_of_time.TARGETS` for which kernels are put in; None for
-    that of this machine.
-    purpose : `Purpose` of an FMU that is for one scene or one system; None for all others.
-    starts : pairs (parameter of the tether, start value) of an FMU without a `Purpose`, where it is not the default.
+    Platform are written beside it (`osp.py`).  options : `BuildOptions`; None for the defaults.
     """
-    folder, platforms = Path(folder), platforms or [this_platform()]
+    folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
     library = library_of(variant)
-    compiled = ready.folders([library], platforms)[library]
-    kernels = [compiled / file_name(library, platform) for platform in platforms]
+    compiled = ready.folders([library], options.platforms)[library]
+    kernels = [compiled / file_name(library, platform) for platform in options.platforms]
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
         shipped = write_package(resources, name, SCRIPTS / script, kernels)
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
-        options = build_options(segments, shape_points, purpose, starts)
-        (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
+        (resources / OPTIONS_FILE).write_text(json.dumps(options.as_dict(), sort_keys=True))
         files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    files.update(documents(name, variant, description, options, platforms, purpose.page if purpose else None))
+    files.update(documents(name, variant, description, options))
     seal(files)
-    return write(files, folder, name, purpose)
-
-
-def build_options(segments, shape_points, purpose, starts):
-    """The options of `build` as `runtime.resources.options_in` gives them."""
-    options = {"segments": segments, "shape_points": shape_points}
-    if starts:
-        options["starts"] = [list(each) for each in starts]
-    if purpose:
-        options |= {"starts": purpose.starts, "left_out": purpose.left_out, "about": purpose.about, "step": purpose.step}
-    return options
+    return write(files, folder, name, options.purpose)
 
 
 def guid_of(description, files):
@@ -94,7 +70,7 @@ def guid_of(description, files):
     digest = hashlib.sha256(description.encode("utf-8"))
     for name in sorted(files):
         digest.update(name.encode("utf-8") + files[name])
-    return f"{{{digest.hexdigest()[:32]}}}"
+    return f"{{{digest.hexdigest()[:GUID_DIGITS]}}}"
 
 
 def seal(files):
@@ -107,7 +83,7 @@ def seal(files):
 def write(files, folder, name, purpose):
     """Write a tether FMU, and beside it what libcosim looks for; returns its path.
 
-    files : dict of path in the archive to bytes.
+    files : dict of path in the archive to bytes.  purpose : `build_options.Purpose` or None.
     """
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     if osp_file in files and not purpose:
@@ -123,7 +99,7 @@ def write_archive(files, target):
             for name in sorted(files):
                 item = zipfile.ZipInfo(name, DATE)
                 item.compress_type = zipfile.ZIP_DEFLATED
-                item.external_attr = 0o644 << 16
+                item.external_attr = FILE_MODE
                 archive.writestr(item, files[name])
         return partial.replace(target)
     finally:
@@ -143,7 +119,7 @@ def write_package(resources, name, script, kernels=(), modules=()):
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
     content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
     content += b"".join(each.read_bytes() for each in kernels)
-    digest = hashlib.sha256(content).hexdigest()[:12]
+    digest = hashlib.sha256(content).hexdigest()[:PACKAGE_DIGITS]
     package, module = resources / f"tetherfmu_{digest}", script.stem
     package.mkdir(parents=True)
     for file, text in sources.items():
@@ -176,5 +152,6 @@ def _unpacked(archive):
 
 def _replace_attribute(description, name, value):
     """The description with another value of the first attribute of this name."""
-    start = description.index(f' {name}="') + len(name) + 3
+    opening = f' {name}="'
+    start = description.index(opening) + len(opening)
     return description[:start] + value + description[description.index('"', start) :]

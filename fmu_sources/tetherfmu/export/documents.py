@@ -20,25 +20,26 @@ EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
-def documents(name, variant, description, options, platforms, own_page=None, native=None):
+def documents(name, variant, description, options, native=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
-    options : dict of the build options.  platforms : names of those that the FMU has kernels for.
-    own_page : documentation (HTML) of an FMU for one purpose; such an FMU has no evidence set.
+    options : `BuildOptions`; an FMU for one purpose has a page of its own, and no evidence set.
     native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. The groups of variables are for FMI 2.
     """
-    table = table_of(variant, options)
-    texts = of_every_fmu(platforms, native)
+    table = table_of(variant, options.as_dict())
+    texts = of_every_fmu(options.platforms, native)
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
-    if not own_page:
+    if options.purpose:
+        texts["documentation/index.html"] = options.purpose.page
+    else:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
-        tether = Tether(segments=options["segments"], **dict(options.get("starts", ())))
+        tether = Tether(segments=options.segments, **dict(options.starts))
         for file, text in evidence.files(name, tether, arrays=native == 3).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
-    texts["documentation/index.html"] = own_page or page(name, variant, description, table, texts, native)
+        texts["documentation/index.html"] = page(name, variant, description, table, texts, native)
     return {
         "terminalsAndIcons/icon.png" if native == 3 else "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
@@ -47,7 +48,10 @@ def documents(name, variant, description, options, platforms, own_page=None, nat
 
 
 def of_every_fmu(platforms, native=None):
-    """Texts on what the host must have, and licences: dict of path in the archive to text. Arguments as in `documents`."""
+    """Texts on what the host must have, and licences: dict of path in the archive to text.
+
+    platforms : names of those that the FMU runs on.  native : as in `documents`.
+    """
     host = "native_dependencies.txt" if native else "externalDependencies.txt"
     own_licence = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
     texts = {

@@ -12,13 +12,14 @@ from pathlib import Path
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
-from tetherfmu.runtime.kernel_library import SUFFIXES, this_platform
+from tetherfmu.runtime.kernel_library import SUFFIXES
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
 
 from . import native_description, native_description_fmi3
-from .archive import DESCRIPTION, SCRIPTS, SLAVES, build_options, guid_of, write
+from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
+from .build_options import BuildOptions
 from .documents import documents
 from .native_arrays import arrays
 from .native_tables import header
@@ -29,26 +30,26 @@ TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 SYSTEMS_OF_FMI2 = {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}
 
 
-def build(name, folder, segments=20, shape_points=21, platforms=None, purpose=None, starts=(), fmi=2):
+def build(name, folder, options=None, fmi=2):
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
     The arguments are those of `archive.build`; fmi : version, 2 or 3.
     """
-    folder, platforms = Path(folder), platforms or [this_platform()]
+    folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
-    options = build_options(segments, shape_points, purpose, starts)
-    about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, options.get("about")]))
-    kernels, files = kernels_of(variant, platforms), {}
+    given = DEFAULT_OPTIONS | options.as_dict()
+    about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, given["about"]]))
+    kernels, files = kernels_of(variant, options.platforms), {}
     if fmi == 3:
-        files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, options)).encode("utf-8")
-    files |= documents(name, variant, about, options, platforms, purpose.page if purpose else None, native=fmi)
-    describe, tabulate = writers(name, variant, about, options, fmi)
+        files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, given)).encode("utf-8")
+    files |= documents(name, variant, about, options, native=fmi)
+    describe, tabulate = writers(name, variant, about, given, fmi)
     shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
     token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
     files[DESCRIPTION] = describe(token).encode("utf-8")
     files |= binaries(name, kernels, tabulate(token), fmi)
-    return write(files, folder, name, purpose)
+    return write(files, folder, name, options.purpose)
 
 
 def kernels_of(variant, platforms):
@@ -58,15 +59,17 @@ def kernels_of(variant, platforms):
     return {platform: (folder / object_name(platform)).read_bytes() for platform in platforms}
 
 
-def writers(name, variant, about, options, fmi):
-    """Functions of the token that give the text of the model description and that of `tables.h`."""
-    table, shape_points = table_of(variant, options), options["shape_points"]
+def writers(name, variant, about, given, fmi):
+    """Functions of the token that give the text of the model description and that of `tables.h`.
+
+    given : `BuildOptions.as_dict` with its defaults.
+    """
+    table, shape_points = table_of(variant, given), given["shape_points"]
     writer, widths = native_description, None
     if fmi == 3:
         writer = native_description_fmi3
         widths = {array.reference: len(array.variables) for array in arrays(table, shape_points)}
-    step = (DEFAULT_OPTIONS | options)["step"]
-    describe = partial(writer.text, name, about, table, shape_points, step)
+    describe = partial(writer.text, name, about, table, shape_points, given["step"])
     return describe, partial(header, variant, table, shape_points, widths)
 
 

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 from tetherfmu.runtime.variables import references
 
+COMPONENTS = 3  # of a vector
+
 
 class Array(NamedTuple):
     """A variable of FMI 3; its value reference is that of its first element in FMI 2."""
@@ -19,9 +21,9 @@ def arrays(table, shape_points):
     found = {}
     for variable, reference in zip(table, references(table, shape_points), strict=True):
         found.setdefault(variable.name.partition("[")[0], []).append((variable, reference))
-    dimensions = {"shape": (shape_points, 3)}
+    dimensions = {"shape": (shape_points, COMPONENTS)}
     made = []
     for name, elements in found.items():
-        size = dimensions.get(name, (3,)) if "[" in elements[0][0].name else ()
+        size = dimensions.get(name, (COMPONENTS,)) if "[" in elements[0][0].name else ()
         made.append(Array(name, elements[0][1], size, tuple(variable for variable, _ in elements)))
     return made

@@ -1,12 +1,14 @@
 """Model description of a native FMU for FMI 2.0: the variables of the PythonFMU slave, and what the shell is capable of."""
 
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import structure, types, units, variables
+from tetherfmu.runtime.model_description import STOP_TIME, number_text, structure, types, units, variables
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.runtime.variables import references
 
 from .archive import GENERATED
+from .xml_text import xml_text
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -41,7 +43,7 @@ def text(name, about, table, shape_points, step, token):
     root.append(experiment(step))
     root.append(variables(table, references(table, shape_points)))
     root.append(structure(table))
-    return as_text(root)
+    return xml_text(root)
 
 
 def facts(name, about):
@@ -60,7 +62,9 @@ def facts(name, about):
 
 def experiment(step):
     """DefaultExperiment; step : of communication [s]."""
-    return Element("DefaultExperiment", startTime="0", stopTime="10", tolerance="1e-4", stepSize=repr(step))
+    tolerance = f"{DEFAULT_TOLERANCE:.0e}".replace("e-0", "e-")
+    times = {"startTime": "0", "stopTime": number_text(STOP_TIME)}
+    return Element("DefaultExperiment", **times, tolerance=tolerance, stepSize=repr(step))
 
 
 def categories():
@@ -69,9 +73,3 @@ def categories():
     for name, meaning in CATEGORIES.items():
         SubElement(element, "Category", name=name, description=meaning)
     return element
-
-
-def as_text(root):
-    """Text of an XML file."""
-    indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"

@@ -1,16 +1,16 @@
 """Model description of a native FMU for FMI 3.0, with vectors as arrays, and its terminals."""
 
-from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.model_description import INITIAL, UNITS, number_text, units, variability
+from tetherfmu.runtime.model_description import attributes, items, units
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import Variable
 
 from .documents import meaning
 from .native_arrays import Array, arrays
-from .native_description import as_text, categories, experiment, facts
+from .native_description import categories, experiment, facts
 from .native_tables import count_of_values
+from .xml_text import xml_text
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -45,7 +45,7 @@ def text(name, about, table, shape_points, step, token):
     for array in (*listed, Array(TIME.name, count_of_values(table, shape_points), (), (TIME,))):
         variables.append(_variable(array))
     root.append(_structure(listed))
-    return as_text(root)
+    return xml_text(root)
 
 
 def terminals(table):
@@ -60,45 +60,20 @@ def terminals(table):
                 SubElement(terminal, "TerminalMemberVariable", variableName=vector, memberName=member, variableKind="signal")
         if len(terminal):
             listed.append(terminal)
-    return as_text(root)
+    return xml_text(root)
 
 
 def _types(table):
     element = Element("TypeDefinitions")
     for variable in table:
         if variable.kind == "Enumeration":
-            enumeration = SubElement(element, "EnumerationType", name=variable.name)
-            for value, name in enumerate(variable.quantity.choices, start=1):
-                SubElement(enumeration, "Item", name=name, value=str(value))
+            SubElement(element, "EnumerationType", name=variable.name).extend(items(variable))
     return element
 
 
 def _variable(array):
-    first = array.variables[0]
-    declared = first.quantity
-    attributes = {
-        "name": array.name,
-        "valueReference": str(array.reference),
-        "description": meaning(array.variables),
-        "causality": first.causality,
-        "variability": variability(first),
-    }
-    if first.causality in INITIAL:
-        attributes["initial"] = INITIAL[first.causality]
-    if first.kind == "Enumeration":
-        attributes["declaredType"] = first.name
-    if first.kind == "Real" and declared.unit:
-        attributes |= {"quantity": UNITS[declared.unit][0], "unit": declared.unit}
-        if declared.display:
-            attributes["displayUnit"] = declared.display[0]
-        if first.causality in ("input", "output"):
-            attributes["nominal"] = repr(UNITS[declared.unit][2])
-    for name, value in (("min", declared.minimum), ("max", declared.maximum)):
-        if abs(value) < inf:
-            attributes[name] = number_text(value)
-    if first.start is not None:
-        attributes["start"] = " ".join(number_text(variable.start) for variable in array.variables)
-    element = Element(TYPES[first.kind], attributes)
+    of_it = attributes(array.name, array.reference, meaning(array.variables), array.variables)
+    element = Element(TYPES[array.variables[0].kind], of_it)
     for size in array.dimensions:
         SubElement(element, "Dimension", start=str(size))
     return element

@@ -1,6 +1,6 @@
 """The tables of a native FMU as a C header, made from the declarations that the PythonFMU slave runs with.
 
-Places in the flat arrays, variables, parameters with their ranges, sentences: `runtime/native/tether.h` includes the result.
+Places in the flat arrays, variables, parameters with their ranges, sentences: what the headers in `runtime/native` include.
 """
 
 import re
@@ -12,6 +12,7 @@ from tetherfmu.runtime.variants import FREE, WITHOUT_NODES, WITHOUT_WAVES, libra
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
+NUMBERS_IN_A_LINE = 12
 _SIZES = ("parameters_size", "state_size", "work_size")  # linear in the number of segments
 
 
@@ -136,7 +137,8 @@ def _variables(table, shape_points, widths):
 
 
 def _numbers(name, numbers):
-    lines = [", ".join(map(repr, numbers[i : i + 12])) for i in range(0, len(numbers), 12)]
+    starts = range(0, len(numbers), NUMBERS_IN_A_LINE)
+    lines = [", ".join(map(repr, numbers[i : i + NUMBERS_IN_A_LINE])) for i in starts]
     return f"static const {name}[] = {{\n    " + ",\n    ".join(lines) + "};"
 
 
@@ -150,13 +152,15 @@ def _with(sentence, known):
 
 
 def _sentences():
-    """What an FMU says; {name} and {name:format} are filled in by messages.c."""
+    """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
+    limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
     own |= {name: getattr(quantities, name) for name in ("OUT_OF_RANGE", "NOT_WHOLE")}
     own |= {name: getattr(parameters, name) for name in ("ROUGHNESS_TOO_LARGE", "SEGMENTS_TOO_SHORT")}
     kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]
     warnings = [_with(plausibility.SENTENCES[kind], plausibility.facts(kind)) for kind in sorted(plausibility.SENTENCES)]
     return [
+        *(f"#define {name} {value!r}" for name, value in limits.items()),
         *(f"#define {name} {c_text(_with(sentence, {}))}" for name, sentence in own.items()),
         _texts("KERNEL_SENTENCE", kernel),
         _texts("WARNING_SENTENCE", warnings),

@@ -3,7 +3,9 @@
 libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system structure, not inside the FMU.
 """
 
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
+
+from .xml_text import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
 
@@ -36,8 +38,7 @@ def model_description(table):
     if "reel_out_speed" in units:
         reel_out = SubElement(groups, "LinearVelocity", name="reel_out")
         SubElement(reel_out, "Variable", ref="reel_out_speed", unit=units["reel_out_speed"])
-    indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
+    return xml_text(root)
 
 
 def _vector(parent, kind, group, units, vector):

@@ -6,8 +6,9 @@ one that is called SystemStructure.ssd is what importers open.
 """
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from fmpy import read_model_description
 
@@ -15,6 +16,8 @@ from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text
 
 from . import archive, example_fmus
+from .build_options import BuildOptions, Purpose
+from .xml_text import xml_text
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
@@ -24,30 +27,36 @@ STEP, STOP = 0.02, 200.0  # of the default experiment [s]
 PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}. {about}</p>\n"
 
 
-def write_all(folder, platforms=None):
-    """Write the systems of the examples to a folder; returns their paths.  platforms : as for `archive.build`."""
+def write_all(folder, options=None):
+    """Write the systems of the examples to a folder; returns their paths.
+
+    options : `BuildOptions` of their tethers, of which the purpose and the start values are replaced.
+    """
+    options = options or BuildOptions()
     given = example_fmus.module("kite_power_system")
     power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
     return [
-        write("kite_power_system", given.FMUS, given.START, power, Path(folder), platforms),
-        write("circular_flight", given.CIRCLE, given.CIRCLE_START, {"standard": {}}, Path(folder), platforms),
+        write("kite_power_system", given.FMUS, given.START, power, Path(folder), options),
+        write("circular_flight", given.CIRCLE, given.CIRCLE_START, {"standard": {}}, Path(folder), options),
     ]
 
 
-def write(name, fmus, start, fidelities, folder, platforms=None):
+def write(name, fmus, start, fidelities, folder, options):
     """Write NAME.ssp; returns its path.
 
     fmus : dict of instances to names of FMUs.  start : start values, of every FMU that has the name.  fidelities : dict of
-    names to dicts of instances to values of parameters; "standard" is the one that importers open.
+    names to dicts of instances to values of parameters; "standard" is the one that importers open.  options : as in
+    `write_all`.
     """
     with tempfile.TemporaryDirectory() as temporary:
-        paths = {each: _built(fmu, start, name, Path(temporary) / each, platforms) for each, fmu in fmus.items()}
+        paths = {each: _built(fmu, start, name, Path(temporary) / each, options) for each, fmu in fmus.items()}
         variables = {instance: read_model_description(str(path)).modelVariables for instance, path in paths.items()}
         files = {_source(fmus[each]): path.read_bytes() for each, path in paths.items()}
     for fidelity, values in fidelities.items():
         ending = "" if fidelity == "standard" else f"_{fidelity}"
-        files[f"SystemStructure{ending}.ssd"] = _text(_structure(name, fidelity, fmus, variables, values))
-        files |= {_set(each, fidelity): _text(_parameters(fidelity, given)) for each, given in values.items()}
+        texts = {f"SystemStructure{ending}.ssd": _structure(name, fidelity, fmus, variables, values)}
+        texts |= {_set(each, fidelity): _parameters(fidelity, given) for each, given in values.items()}
+        files |= {path: xml_text(root).encode("utf-8") for path, root in texts.items()}
     return archive.write_archive(files, folder / f"{name}.ssp")
 
 
@@ -83,15 +92,14 @@ def _set(instance, fidelity):
     return f"resources/{instance}_{fidelity}.ssv"
 
 
-def _built(fmu, start, system, folder, platforms):
+def _built(fmu, start, system, folder, options):
     """Path of an FMU with start values of a system."""
     if fmu in example_fmus.SLAVES:
         known = {variable.name for variable in example_fmus.table_of(fmu) if variable.causality != "output"}
         return example_fmus.build(fmu, folder, [(name, value) for name, value in start.items() if name in known])
-    starts = [[name, value] for name, value in start.items()]
     about = f"With the start values of the system {system}."
-    purpose = archive.Purpose(system, starts, [], about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
-    return archive.build(fmu, folder, platforms=platforms, purpose=purpose)
+    purpose = Purpose(system, (), about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
+    return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))
 
 
 def _connectors(component, inputs, outputs):
@@ -109,8 +117,3 @@ def _parameters(name, values):
         parameter = SubElement(parameters, "ssv:Parameter", name=each)
         SubElement(parameter, "ssv:Integer" if isinstance(value, int) else "ssv:Real", value=number_text(value))
     return root
-
-
-def _text(root):
-    indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"

@@ -11,7 +11,7 @@ from .linking import KERNELS_NEED, compile_c, link
 from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
-PARTS = ("has_avx", "messages", "chain", "saved_state", "derivatives", "tether")
+PARTS = ("has_avx", "messages", "arrays", "saved_state", "derivatives", "instance")
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen", "strncmp"),

@@ -13,7 +13,8 @@ from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
 from . import __version__, refusals
-from .model_description import complete
+from .model_description import STOP_TIME, complete
+from .parameters import DEFAULT_TOLERANCE
 from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
@@ -46,7 +47,8 @@ class BaseSlave(Fmi2Slave):
 
         The value reference of a variable is the place of its value; its start value is put there.
         """
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=10.0, step_size=step, tolerance=1e-4)
+        usual = {"start_time": 0.0, "stop_time": STOP_TIME, "step_size": step, "tolerance": DEFAULT_TOLERANCE}
+        self.default_experiment = DefaultExperiment(**usual)
         self.table, self.values, self.references = table, values, references
         self._by_reference = dict(zip(references, table, strict=True))
         for reference, variable in self._by_reference.items():
@@ -143,7 +145,8 @@ class BaseSlave(Fmi2Slave):
             return None
         if not isfinite(time):
             return refusals.TIME_NOT_FINITE.format(time=time)
-        if abs(time - self.time) > 1e-3 * abs(step) + 1e-9 * abs(time) and not self._warned_of_time:
+        allowed = refusals.JUMP_OF_STEP * abs(step) + refusals.JUMP_OF_TIME * abs(time)
+        if abs(time - self.time) > allowed and not self._warned_of_time:
             self._warned_of_time = True
             self.say(refusals.TIME_JUMPS.format(time=time, end=self.time), WARNING)
         return None

@@ -1,4 +1,7 @@
-"""Complete PythonFMU's model description: variables with units, limits and enumerations, and the model structure."""
+"""Model description: variables with units, limits and enumerations, and the model structure, as FMI 2 has them.
+
+PythonFMU's is completed with them; what they say of a variable, `attributes`, is also that of native FMUs for FMI 3.
+"""
 
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
@@ -25,7 +28,11 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
     "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
-INITIAL = {"output": "calculated", "parameter": "exact"}
+_INITIAL = {"output": "calculated", "parameter": "exact"}
+# attributes of a ScalarVariable of FMI 2; all others belong to its type
+_OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variability", "initial")
+_LARGEST_EXACT = 1e15  # a whole number of fewer than 16 digits is a double
+STOP_TIME = 10.0  # of the default experiment [s]
 
 
 def complete(root, table, references):
@@ -45,7 +52,7 @@ def complete(root, table, references):
 
 def number_text(value):
     """A number as text that reads back to the same bits."""
-    return repr(int(value)) if float(value).is_integer() and abs(value) < 1e15 else repr(float(value))
+    return repr(int(value)) if float(value).is_integer() and abs(value) < _LARGEST_EXACT else repr(float(value))
 
 
 def variables(table, references):
@@ -74,45 +81,49 @@ def types(table):
     for variable in table:
         if variable.kind == "Enumeration":
             simple = SubElement(element, "SimpleType", name=variable.name)
-            enumeration = SubElement(simple, "Enumeration")
-            for value, name in enumerate(variable.quantity.choices, start=1):
-                SubElement(enumeration, "Item", name=name, value=str(value))
+            SubElement(simple, "Enumeration").extend(items(variable))
     return element
 
 
-def variability(variable):
-    """Variability of a variable: outputs change in steps, those that count are discrete."""
-    if variable.causality == "parameter":
-        return "fixed"
-    return "continuous" if variable.kind == "Real" else "discrete"
+def items(variable):
+    """The values of an enumeration: list of Item."""
+    choices = enumerate(variable.quantity.choices, start=1)
+    return [Element("Item", name=name, value=str(value)) for value, name in choices]
+
+
+def attributes(name, reference, meaning, elements):
+    """What a model description says of a variable: dict of the attributes of FMI 2 and FMI 3, in their order.
+
+    name, reference, meaning : of the variable.  elements : `variables.Variable` of its elements, a scalar's is one; they
+    differ in their start values only.
+    """
+    first = elements[0]
+    declared, fixed = first.quantity, first.causality == "parameter"
+    found = {"name": name, "valueReference": str(reference), "description": meaning, "causality": first.causality}
+    # outputs change in steps, those that count are discrete
+    found["variability"] = "fixed" if fixed else "continuous" if first.kind == "Real" else "discrete"
+    if first.causality in _INITIAL:
+        found["initial"] = _INITIAL[first.causality]
+    if first.kind == "Enumeration":
+        found["declaredType"] = first.name
+    if first.kind == "Real" and declared.unit:
+        quantity, _, nominal = UNITS[declared.unit]
+        found |= {"quantity": quantity, "unit": declared.unit}
+        if declared.display:
+            found["displayUnit"] = declared.display[0]
+        if first.causality in ("input", "output"):
+            found["nominal"] = repr(nominal)
+    limits = {"min": declared.minimum, "max": declared.maximum}
+    found |= {key: number_text(limit) for key, limit in limits.items() if abs(limit) < inf}
+    if first.start is not None:
+        found["start"] = " ".join(number_text(each.start) for each in elements)
+    return found
 
 
 def _variable(variable, reference):
-    attributes = {
-        "name": variable.name,
-        "valueReference": str(reference),
-        "description": variable.quantity.meaning,
-        "causality": variable.causality,
-        "variability": variability(variable),
-    }
-    if variable.causality in INITIAL:
-        attributes["initial"] = INITIAL[variable.causality]
-    scalar = Element("ScalarVariable", attributes)
-    typed = SubElement(scalar, variable.kind)
-    declared = variable.quantity
-    if variable.kind == "Enumeration":
-        typed.set("declaredType", variable.name)
-    if variable.kind == "Real" and declared.unit:
-        quantity, _, nominal = UNITS[declared.unit]
-        typed.set("quantity", quantity)
-        typed.set("unit", declared.unit)
-        if declared.display:
-            typed.set("displayUnit", declared.display[0])
-        if variable.causality != "parameter":
-            typed.set("nominal", repr(nominal))
-    for name, value in (("min", declared.minimum), ("max", declared.maximum), ("start", variable.start)):
-        if value is not None and abs(value) < inf:
-            typed.set(name, number_text(value))
+    found = attributes(variable.name, reference, variable.quantity.meaning, (variable,))
+    scalar = Element("ScalarVariable", {key: text for key, text in found.items() if key in _OF_A_SCALAR})
+    SubElement(scalar, variable.kind, {key: text for key, text in found.items() if key not in _OF_A_SCALAR})
     return scalar
 
 

@@ -15,6 +15,7 @@ NO_STEP_NOW = "a step cannot be done {phase}"
 TOLERANCE_NOT_USED = "the importer's tolerance {tolerance} is not used; allowed is up to {largest}"
 TIME_NOT_FINITE = "the communication point is {time}; it must be a finite number"
 TIME_JUMPS = "the communication point is {time} s, the last step ended at {end} s; the FMU goes on from there"
+JUMP_OF_STEP, JUMP_OF_TIME = 1e-3, 1e-9  # parts of step and time by which a communication point may be off without a word
 PAST_THE_END = "a step of {step} s from {time} s would go beyond the stop time of {stop} s"
 
 CANNOT_BE_READ = "value reference {reference} cannot be read: it is no variable of this type"

@@ -1,35 +1,37 @@
 /* Derivatives of inputs, which the importer gives for the next step, and of outputs by inputs, which it asks for. */
-#include "tether.h"
+#include "derivatives.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "instance.h"
+
 /* --- derivatives of inputs: bits of the inputs that have one, then their values, as in the state (AT_GIVEN_DERIVATIVES) */
 
-static double *waiting_derivatives(Tether *tether)
+static double *waiting_derivatives(Instance *instance)
 {
-    return tether->phase < STEPPING ? tether->derivatives : tether->chain->state + AT_GIVEN_DERIVATIVES;
+    return instance->phase < STEPPING ? instance->derivatives : instance->arrays->state + AT_GIVEN_DERIVATIVES;
 }
 
-static Status check_derivative(const Tether *tether, unsigned reference, int32_t order, double value)
+static Status check_derivative(const Instance *instance, unsigned reference, int32_t order, double value)
 {
     if (!(kind_of(reference, REAL) & INPUT))
-        return say(tether, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference)));
+        return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference)));
     Fact name = word("name", INPUT_NAME[reference]);
-    if (tether->phase == TERMINATED) return say(tether, ERROR, NOT_AFTER_THE_END, FACTS(name, real("value", value)));
-    if (order != 1) return say(tether, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
+    if (instance->phase == TERMINATED) return say(instance, ERROR, NOT_AFTER_THE_END, FACTS(name, real("value", value)));
+    if (order != 1) return say(instance, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
     if (fabs(value) <= AT_LARGEST_INPUT) return OK;
-    return say(tether, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));
+    return say(instance, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));
 }
 
 /* Keep first derivatives of inputs for the next step. All are set, or none. */
 Status set_input_derivatives(
-    Tether *tether, const unsigned *references, size_t count, const int32_t *orders, const double *values)
+    Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values)
 {
-    double *derivatives = waiting_derivatives(tether);
+    double *derivatives = waiting_derivatives(instance);
     for (size_t i = 0; i < count; i++)
-        if (check_derivative(tether, references[i], orders[i], values[i]) != OK) return ERROR;
+        if (check_derivative(instance, references[i], orders[i], values[i]) != OK) return ERROR;
     for (size_t i = 0; i < count; i++) {
         derivatives[0] = (double)((uint32_t)derivatives[0] | 1u << references[i]);
         derivatives[1 + references[i]] = values[i];
@@ -39,42 +41,41 @@ Status set_input_derivatives(
 
 /* --- derivatives of outputs by inputs: differences of the last step, done again with other inputs
 
-Changes of the inputs in parts of their scales. Internal steps must stay as they were, and no segment may go over the kink
+Changes of the inputs in parts of their scales. Internal steps must stay as they were, and no segment may change
 between taut and slack, so a tether with internal steps takes small ones; the others are in an equilibrium whose iteration
 ends at 1e-9. If the first part of a pair fails, the second is tried. */
 static const double PARTS_WITH_STEPS[] = {1e-7, 1e-8}, PARTS_WITHOUT_STEPS[] = {1e-5, 1e-6};
-static const double SAME_STEP = 1e-3; /* relative difference of the internal step that would follow: larger after other ones */
+static const double SAME_STEP = 1e-3; /* relative difference of the next internal step: larger after other ones */
 
 /* Scale of an input, in its unit. step : [s], 0 for the start. */
-static double scale_of(const Chain *chain, unsigned place, double step)
+static double scale_of(const Arrays *arrays, unsigned place, double step)
 {
-    double length = step > 0.0 ? chain->state[AT_LENGTH] : chain->parameters[AT_INITIAL_LENGTH];
-    double segment = length / (double)chain->segments;
+    double length = step > 0.0 ? arrays->state[AT_LENGTH] : arrays->parameters[AT_INITIAL_LENGTH];
+    double segment = length / (double)arrays->segments;
     bool is_position = place < AT_KITE_VELOCITY || (AT_GROUND_POSITION <= place && place < AT_GROUND_VELOCITY);
     if (is_position) return segment;
-    if (place >= AT_KITE_LOAD) return chain->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * chain->segments];
+    if (place >= AT_KITE_LOAD) return arrays->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * arrays->segments];
     if (place >= AT_WIND_VELOCITY) return 1000.0;
     return segment < 100.0 * step ? segment / step : 100.0;
 }
 
 /* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's
 status. The tether stays as it is. */
-static int32_t repeat(const Chain *chain, double step, double *values)
+static int32_t repeat(const Arrays *arrays, double step, double *values)
 {
-    Chain trial = *chain;
-    trial.state = chain->spare;
+    Arrays trial = *arrays;
+    trial.state = arrays->spare;
     if (!(step > 0.0)) return first_shape(&trial, values);
-    memcpy(trial.state, chain->before, STATE_SIZE(chain->segments) * sizeof(double));
-    int32_t result = KERNEL(advance)(chain->segments, chain->parameters, values, step, trial.state, chain->work);
-    if (!result) result = observe(&trial, values);
+    memcpy(trial.state, arrays->before, STATE_SIZE(arrays->segments) * sizeof(double));
+    int32_t result = do_step(&trial, step, values);
     if (!result) read_free_kite(&trial, values);
     return result;
 }
 
 /* Whether a step that was done again took the same internal steps as before. */
-static bool took_same_steps(const Chain *chain)
+static bool took_same_steps(const Arrays *arrays)
 {
-    const double *before = chain->state, *after = chain->spare;
+    const double *before = arrays->state, *after = arrays->spare;
     double next = before[AT_SOLVER_STEP], off = fabs(after[AT_SOLVER_STEP] - next);
     bool as_many = before[AT_STEPS] == after[AT_STEPS] && before[AT_REJECTIONS] == after[AT_REJECTIONS];
     return as_many && off <= SAME_STEP * next;
@@ -82,22 +83,22 @@ static bool took_same_steps(const Chain *chain)
 
 /* The same with inputs changed along a direction by so much; whether it can be compared. */
 static bool repeat_with(
-    const Chain *chain, double step, const double *values, const double *direction, double by, double *changed)
+    const Arrays *arrays, double step, const double *values, const double *direction, double by, double *changed)
 {
     memcpy(changed, values, VALUES * sizeof(double));
-    memcpy(changed, chain->inputs, sizeof chain->inputs);
+    memcpy(changed, arrays->inputs, sizeof arrays->inputs);
     for (int i = 0; i < AT_INPUTS; i++) changed[i] += by * direction[i];
-    return !repeat(chain, step, changed) && (!(step > 0.0) || took_same_steps(chain));
+    return !repeat(arrays, step, changed) && (!(step > 0.0) || took_same_steps(arrays));
 }
 
 /* Difference quotient of all values into `quotient`: between both sides, or with one of them if the other side cannot be
 compared; false if neither can. room : of VALUES. */
 static bool find_quotient(
-    const Chain *chain, double step, const double *values, const double *direction, double by, double *quotient,
+    const Arrays *arrays, double step, const double *values, const double *direction, double by, double *quotient,
     double *room)
 {
-    bool forwards = repeat_with(chain, step, values, direction, by, quotient);
-    bool backwards = repeat_with(chain, step, values, direction, -by, room);
+    bool forwards = repeat_with(arrays, step, values, direction, by, quotient);
+    bool backwards = repeat_with(arrays, step, values, direction, -by, room);
     if (!forwards && !backwards) return false;
     const double *last = forwards ? quotient : values, *first = backwards ? room : values;
     double distance = forwards && backwards ? 2.0 * by : by;
@@ -107,74 +108,74 @@ static bool find_quotient(
 
 /* Derivative of all values along a direction of the inputs into `derivative`; false where there is none to be found. */
 static bool differentiate(
-    const Chain *chain, double step, const double *values, const double *direction, double *derivative, double *room)
+    const Arrays *arrays, double step, const double *values, const double *direction, double *derivative, double *room)
 {
     double largest = 0.0;
     for (unsigned i = 0; i < AT_INPUTS; i++) {
-        double size = fabs(direction[i]) / scale_of(chain, i, step);
+        double size = fabs(direction[i]) / scale_of(arrays, i, step);
         if (size > largest) largest = size;
     }
     memset(derivative, 0, VALUES * sizeof(double));
     if (!(largest > 0.0)) return true;
-    const double *parts = chain->state[AT_STEPS] > 0.0 ? PARTS_WITH_STEPS : PARTS_WITHOUT_STEPS;
-    return find_quotient(chain, step, values, direction, parts[0] / largest, derivative, room) ||
-           find_quotient(chain, step, values, direction, parts[1] / largest, derivative, room);
+    const double *parts = arrays->state[AT_STEPS] > 0.0 ? PARTS_WITH_STEPS : PARTS_WITHOUT_STEPS;
+    return find_quotient(arrays, step, values, direction, parts[0] / largest, derivative, room) ||
+           find_quotient(arrays, step, values, direction, parts[1] / largest, derivative, room);
 }
 
 /* Check the variables and their numbers, and put the seed into a direction of the inputs. */
 static Status read_direction(
-    const Tether *tether, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
+    const Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, size_t room, double *direction)
 {
     for (size_t i = 0; i < count; i++)
         if (!(kind_of(unknowns[i], REAL) & OUTPUT))
-            return say(tether, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(whole("reference", unknowns[i])));
+            return say(instance, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(whole("reference", unknowns[i])));
     for (size_t i = 0; i < known_count; i++)
         if (!(kind_of(knowns[i], REAL) & INPUT))
-            return say(tether, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i])));
-    if (check_count(tether, unknowns, count, room) != OK) return ERROR;
-    if (check_count(tether, knowns, known_count, seeds) != OK) return ERROR;
+            return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i])));
+    if (check_count(instance, unknowns, count, room) != OK) return ERROR;
+    if (check_count(instance, knowns, known_count, seeds) != OK) return ERROR;
     for (size_t i = 0, k = 0; i < known_count; i++)
         for (unsigned j = 0; j < WIDTH[knowns[i]]; j++, k++) {
             if (!(fabs(seed[k]) <= AT_LARGEST_INPUT))
-                return say(tether, ERROR, WRONG_SEED, FACTS(real("value", seed[k]), real("largest", AT_LARGEST_INPUT)));
+                return say(instance, ERROR, WRONG_SEED, FACTS(real("value", seed[k]), real("largest", AT_LARGEST_INPUT)));
             direction[knowns[i] + j] += seed[k];
         }
     return OK;
 }
 
-/* The chain to differentiate, with the values of its last step or of a start with the inputs of now. NULL, and a message, if
+/* The arrays of the last step or of a start with the inputs of now, which is to be differentiated. NULL, and a message, if
 there is none. */
-static Chain *differentiable(Tether *tether)
+static Arrays *differentiable(Instance *instance)
 {
-    Chain *chain = tether->chain;
-    if (tether->phase == INITIALIZING) {
-        if (start(tether, DISCARD) > WARNING) return NULL;
-        chain = tether->chain;
-        memcpy(chain->inputs, tether->values, sizeof chain->inputs);
-        return chain;
+    Arrays *arrays = instance->arrays;
+    if (instance->phase == INITIALIZING) {
+        if (start(instance, DISCARD) > WARNING) return NULL;
+        arrays = instance->arrays;
+        memcpy(arrays->inputs, instance->values, sizeof arrays->inputs);
+        return arrays;
     }
-    if (tether->phase >= STEPPING && chain->is_repeatable) return chain;
-    say(tether, DISCARD, NOTHING_TO_DIFFERENTIATE, NULL);
+    if (instance->phase >= STEPPING && arrays->is_repeatable) return arrays;
+    say(instance, DISCARD, NOTHING_TO_DIFFERENTIATE, NULL);
     return NULL;
 }
 
 /* Change of outputs along a direction of inputs: of the outputs that the last step has led to, by the inputs that it was
 done with; in initialization mode of those of the start. */
 Status directional_derivative(
-    Tether *tether, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count, const double *seed,
-    size_t seeds, double *sensitivity, size_t room)
+    Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
+    const double *seed, size_t seeds, double *sensitivity, size_t room)
 {
     double direction[AT_INPUTS] = {0.0};
-    if (read_direction(tether, unknowns, count, knowns, known_count, seed, seeds, room, direction) != OK) return ERROR;
-    Chain *chain = differentiable(tether);
-    if (!chain) return DISCARD;
+    if (read_direction(instance, unknowns, count, knowns, known_count, seed, seeds, room, direction) != OK) return ERROR;
+    Arrays *arrays = differentiable(instance);
+    if (!arrays) return DISCARD;
     double *derivative = calloc(2 * VALUES, sizeof(double));
-    if (!derivative) return say(tether, ERROR, NO_MEMORY, NULL);
-    double step = tether->phase == INITIALIZING ? 0.0 : chain->state[AT_LAST_STEP];
-    bool found = differentiate(chain, step, tether->values, direction, derivative, derivative + VALUES);
+    if (!derivative) return say(instance, ERROR, NO_MEMORY, NULL);
+    double step = instance->phase == INITIALIZING ? 0.0 : arrays->state[AT_LAST_STEP];
+    bool found = differentiate(arrays, step, instance->values, direction, derivative, derivative + VALUES);
     for (size_t i = 0, k = 0; found && i < count; i++)
         for (unsigned j = 0; j < WIDTH[unknowns[i]]; j++, k++) sensitivity[k] = derivative[unknowns[i] + j];
     free(derivative);
-    return found ? OK : say(tether, DISCARD, NO_DERIVATIVE, NULL);
+    return found ? OK : say(instance, DISCARD, NO_DERIVATIVE, NULL);
 }

@@ -1,11 +1,13 @@
-/* FMI 2.0 for co-simulation, around tether.c. */
-#include "fmi2Functions.h"
-#include "tether.h"
+/* FMI 2.0 for co-simulation, around instance.c.
 
-#include <string.h>
+`c` is the pointer that the importer passes; `instance` what it points to, once that is known to be an instance. */
+#include "derivatives.h"
+#include "fmi2Functions.h"
+#include "instance.h"
+#include "saved_state.h"
 
 /* Pass a message to the importer's logger, which takes it for a format: `%` and `#` are doubled. */
-static void log_fmi2(const Tether *tether, Status status, const char *text)
+static void log_fmi2(const Instance *instance, Status status, const char *text)
 {
     char format[2 * LONGEST_TEXT], *next = format;
     for (; *text; text++) {
@@ -13,8 +15,8 @@ static void log_fmi2(const Tether *tether, Status status, const char *text)
         if (*text == '%' || *text == '#') *next++ = *text;
     }
     *next = '\0';
-    fmi2CallbackLogger logger = (fmi2CallbackLogger)tether->importer_log;
-    logger(tether->environment, tether->name, (fmi2Status)status, CATEGORY[status], format);
+    fmi2CallbackLogger logger = (fmi2CallbackLogger)instance->importer_log;
+    logger(instance->environment, instance->name, (fmi2Status)status, CATEGORY[status], format);
 }
 
 const char *fmi2GetTypesPlatform(void)
@@ -29,8 +31,8 @@ const char *fmi2GetVersion(void)
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[])
 {
-    ENTER(c);
-    DONE(check_categories(tether, nCategories, categories));
+    Instance *instance = entered(c, __func__);
+    return instance ? check_categories(instance, nCategories, categories) : fmi2Error;
 }
 
 /* --- life cycle */
@@ -42,55 +44,57 @@ fmi2Component fmi2Instantiate(
     /* nothing is read from `fmuResourceLocation` */
     void (*logger)(void) = functions ? (void (*)(void))functions->logger : NULL;
     void *environment = functions ? functions->componentEnvironment : NULL;
-    Tether *tether = make_tether(instanceName ? instanceName : "", log_fmi2, environment, logger);
-    if (!tether) return NULL;
-    tether->call = __func__;
+    Instance *instance = make_instance(instanceName ? instanceName : "", log_fmi2, environment, logger);
+    if (!instance) return NULL;
+    instance->call = __func__;
     if (!instanceName)
-        say(tether, ERROR, IS_NULL, FACTS(word("argument", "instanceName")));
+        refuse_null(instance, "instanceName");
     else if (fmuType != fmi2CoSimulation)
-        say(tether, ERROR, NO_CO_SIMULATION, NULL);
-    else if (check_token(tether, fmuGUID) == OK)
-        return tether;
-    free_tether(tether);
+        say(instance, ERROR, NO_CO_SIMULATION, NULL);
+    else if (check_token(instance, fmuGUID) == OK)
+        return instance;
+    free_instance(instance);
     return NULL;
 }
 
 void fmi2FreeInstance(fmi2Component c)
 {
-    Tether *tether = entered(c, __func__);
-    if (tether) free_tether(tether);
+    Instance *instance = entered(c, __func__);
+    if (instance) free_instance(instance);
 }
 
 fmi2Status fmi2SetupExperiment(
     fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime, fmi2Boolean stopTimeDefined,
     fmi2Real stopTime)
 {
-    ENTER(c);
-    DONE(set_up_experiment(tether, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    return set_up_experiment(instance, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
-    ENTER(c);
-    DONE(enter_initialization(tether));
+    Instance *instance = entered(c, __func__);
+    return instance ? enter_initialization(instance) : fmi2Error;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    ENTER(c);
-    DONE(exit_initialization(tether));
+    Instance *instance = entered(c, __func__);
+    return instance ? exit_initialization(instance) : fmi2Error;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    ENTER(c);
-    DONE(terminate(tether));
+    Instance *instance = entered(c, __func__);
+    return instance ? terminate(instance) : fmi2Error;
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    ENTER(c);
-    to_start_values(tether);
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    to_start_values(instance);
     return fmi2OK;
 }
 
@@ -98,162 +102,220 @@ fmi2Status fmi2DoStep(
     fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
     fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
-    ENTER(c);
-    DONE(advance(tether, currentCommunicationPoint, communicationStepSize));
+    Instance *instance = entered(c, __func__);
+    return instance ? advance(instance, currentCommunicationPoint, communicationStepSize) : fmi2Error;
 }
 
 /* --- values */
 
-#define ARGUMENTS fmi2Component c, const fmi2ValueReference vr[], size_t nvr
-#define NEED_VALUES    \
-    ENTER(c);          \
-    if (nvr) NEED(vr); \
-    if (nvr) NEED(value)
-
-#define GET(name, type, number, kinds)                                \
-    fmi2Status fmi2Get##name(ARGUMENTS, type value[])                 \
-    {                                                                 \
-        NEED_VALUES;                                                  \
-        DONE(get_values(tether, number, kinds, vr, nvr, value, nvr)); \
-    }
-
-#define SET(name, type, number, kinds)                                \
-    fmi2Status fmi2Set##name(ARGUMENTS, const type value[])           \
-    {                                                                 \
-        NEED_VALUES;                                                  \
-        DONE(set_values(tether, number, kinds, vr, nvr, value, nvr)); \
-    }
-
-GET(Real, fmi2Real, FLOAT64, REAL)
-GET(Integer, fmi2Integer, INT32, INTEGER | ENUMERATION)
-GET(Boolean, fmi2Boolean, INT32, 0)
-GET(String, fmi2String, INT32, 0)
-SET(Real, fmi2Real, FLOAT64, REAL)
-SET(Integer, fmi2Integer, INT32, INTEGER | ENUMERATION)
-SET(Boolean, fmi2Boolean, INT32, 0)
-
-fmi2Status fmi2SetString(ARGUMENTS, const fmi2String value[])
+/* What the functions that read values do. kinds : of variables that the function is for, 0 for none. */
+static Status get(
+    fmi2Component c, const char *call, Type type, unsigned kinds, const fmi2ValueReference vr[], size_t nvr, void *value)
 {
-    NEED_VALUES;
+    Instance *instance = entered(c, call);
+    if (!instance) return ERROR;
+    if (nvr && !vr) return refuse_null(instance, "vr");
+    if (nvr && !value) return refuse_null(instance, "value");
+    return get_values(instance, type, kinds, vr, nvr, value, nvr);
+}
+
+/* What the functions that set numbers do. */
+static Status set(
+    fmi2Component c, const char *call, Type type, unsigned kinds, const fmi2ValueReference vr[], size_t nvr,
+    const void *value)
+{
+    Instance *instance = entered(c, call);
+    if (!instance) return ERROR;
+    if (nvr && !vr) return refuse_null(instance, "vr");
+    if (nvr && !value) return refuse_null(instance, "value");
+    return set_values(instance, type, kinds, vr, nvr, value, nvr);
+}
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
+{
+    return get(c, __func__, FLOAT64, REAL, vr, nvr, value);
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
+{
+    return get(c, __func__, INT32, INTEGER | ENUMERATION, vr, nvr, value);
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
+{
+    return get(c, __func__, INT32, 0, vr, nvr, value);
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+{
+    return get(c, __func__, INT32, 0, vr, nvr, value);
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
+{
+    return set(c, __func__, FLOAT64, REAL, vr, nvr, value);
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
+{
+    return set(c, __func__, INT32, INTEGER | ENUMERATION, vr, nvr, value);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[])
+{
+    return set(c, __func__, INT32, 0, vr, nvr, value);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+{
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
     if (!nvr) return fmi2OK;
-    DONE(say(tether, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), word("value", value[0] ? value[0] : "NULL"))));
+    if (!vr) return refuse_null(instance, "vr");
+    if (!value) return refuse_null(instance, "value");
+    Fact text = word("value", value[0] ? value[0] : "NULL");
+    return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), text));
 }
 
 /* --- derivatives */
 
-fmi2Status fmi2SetRealInputDerivatives(ARGUMENTS, const fmi2Integer order[], const fmi2Real value[])
+fmi2Status fmi2SetRealInputDerivatives(
+    fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], const fmi2Real value[])
 {
-    NEED_VALUES;
-    if (nvr) NEED(order);
-    DONE(set_input_derivatives(tether, vr, nvr, order, value));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    if (nvr && !vr) return refuse_null(instance, "vr");
+    if (nvr && !value) return refuse_null(instance, "value");
+    if (nvr && !order) return refuse_null(instance, "order");
+    return set_input_derivatives(instance, vr, nvr, order, value);
 }
 
 fmi2Status fmi2GetDirectionalDerivative(
     fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown, const fmi2ValueReference vKnown_ref[],
     size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
-    ENTER(c);
-    if (nUnknown) NEED(vUnknown_ref);
-    if (nUnknown) NEED(dvUnknown);
-    if (nKnown) NEED(vKnown_ref);
-    if (nKnown) NEED(dvKnown);
-    DONE(directional_derivative(
-        tether, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, nKnown, dvUnknown, nUnknown));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    if (nUnknown && !vUnknown_ref) return refuse_null(instance, "vUnknown_ref");
+    if (nUnknown && !dvUnknown) return refuse_null(instance, "dvUnknown");
+    if (nKnown && !vKnown_ref) return refuse_null(instance, "vKnown_ref");
+    if (nKnown && !dvKnown) return refuse_null(instance, "dvKnown");
+    return directional_derivative(
+        instance, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, nKnown, dvUnknown, nUnknown);
 }
 
 /* --- state */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    ENTER(c);
-    NEED(FMUstate);
-    DONE(save(tether, (Saved **)FMUstate));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    return FMUstate ? save(instance, (Saved **)FMUstate) : refuse_null(instance, "FMUstate");
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
-    ENTER(c);
-    DONE(restore(tether, FMUstate));
+    Instance *instance = entered(c, __func__);
+    return instance ? restore(instance, FMUstate) : fmi2Error;
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    ENTER(c);
-    DONE(free_saved(tether, (Saved **)FMUstate));
+    Instance *instance = entered(c, __func__);
+    return instance ? free_saved(instance, (Saved **)FMUstate) : fmi2Error;
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
 {
-    ENTER(c);
-    NEED(size);
-    DONE(saved_size(tether, FMUstate, size));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    return size ? saved_size(instance, FMUstate, size) : refuse_null(instance, "size");
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
 {
-    ENTER(c);
-    NEED(serializedState);
-    DONE(serialize(tether, FMUstate, serializedState, size));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    if (!serializedState) return refuse_null(instance, "serializedState");
+    return serialize(instance, FMUstate, serializedState, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate)
 {
-    ENTER(c);
-    NEED(serializedState);
-    NEED(FMUstate);
-    DONE(deserialize(tether, serializedState, size, (Saved **)FMUstate));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    if (!serializedState) return refuse_null(instance, "serializedState");
+    if (!FMUstate) return refuse_null(instance, "FMUstate");
+    return deserialize(instance, serializedState, size, (Saved **)FMUstate);
 }
 
 /* --- status of the last step: never pending; a discarded step has got nowhere, and the next one can be done */
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
-    ENTER(c);
-    NEED(value);
-    if (s != fmi2LastSuccessfulTime) DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
-    *value = last_successful_time(tether);
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    if (!value) return refuse_null(instance, "value");
+    if (s != fmi2LastSuccessfulTime) return say(instance, DISCARD, NOT_OFFERED, NULL);
+    *value = last_successful_time(instance);
     return fmi2OK;
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
-    ENTER(c);
-    NEED(value);
-    if (s != fmi2Terminated) DONE(say(tether, DISCARD, NOT_OFFERED, NULL));
+    Instance *instance = entered(c, __func__);
+    if (!instance) return fmi2Error;
+    if (!value) return refuse_null(instance, "value");
+    if (s != fmi2Terminated) return say(instance, DISCARD, NOT_OFFERED, NULL);
     *value = fmi2False;
     return fmi2OK;
 }
 
-#define NO_STATUS(name, type)                                                      \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, type *value) \
-    {                                                                              \
-        ENTER(c);                                                                  \
-        NEED(value);                                                               \
-        DONE(say(tether, DISCARD, NOT_OFFERED, NULL));                             \
-    }
+static Status no_status(fmi2Component c, const char *call, const void *value)
+{
+    Instance *instance = entered(c, call);
+    if (!instance) return ERROR;
+    return value ? say(instance, DISCARD, NOT_OFFERED, NULL) : refuse_null(instance, "value");
+}
 
-NO_STATUS(Status, fmi2Status)
-NO_STATUS(IntegerStatus, fmi2Integer)
-NO_STATUS(StringStatus, fmi2String)
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
+{
+    return no_status(c, __func__, value);
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
+{
+    return no_status(c, __func__, value);
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
+{
+    return no_status(c, __func__, value);
+}
 
 /* --- what the flags of the model description do not offer */
 
-NOT_OFFERED_CALL(fmi2Status, fmi2CancelStep, fmi2Component instance)
+#define NOT_OFFERED_CALL(name, ...)      \
+    fmi2Status name(__VA_ARGS__)         \
+    {                                    \
+        return refuse_call(c, __func__); \
+    }
+
+NOT_OFFERED_CALL(fmi2CancelStep, fmi2Component c)
 NOT_OFFERED_CALL(
-    fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component instance, const fmi2ValueReference vr[], size_t nvr,
-    const fmi2Integer order[], fmi2Real value[])
+    fmi2GetRealOutputDerivatives, fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+    fmi2Real value[])
 
 /* --- model exchange */
 
-NOT_OFFERED_CALL(fmi2Status, fmi2EnterEventMode, fmi2Component instance)
-NOT_OFFERED_CALL(fmi2Status, fmi2NewDiscreteStates, fmi2Component instance, fmi2EventInfo *eventInfo)
-NOT_OFFERED_CALL(fmi2Status, fmi2EnterContinuousTimeMode, fmi2Component instance)
+NOT_OFFERED_CALL(fmi2EnterEventMode, fmi2Component c)
+NOT_OFFERED_CALL(fmi2NewDiscreteStates, fmi2Component c, fmi2EventInfo *eventInfo)
+NOT_OFFERED_CALL(fmi2EnterContinuousTimeMode, fmi2Component c)
 NOT_OFFERED_CALL(
-    fmi2Status, fmi2CompletedIntegratorStep, fmi2Component instance, fmi2Boolean prior, fmi2Boolean *event,
-    fmi2Boolean *terminate)
-NOT_OFFERED_CALL(fmi2Status, fmi2SetTime, fmi2Component instance, fmi2Real time)
-NOT_OFFERED_CALL(fmi2Status, fmi2SetContinuousStates, fmi2Component instance, const fmi2Real x[], size_t nx)
-NOT_OFFERED_CALL(fmi2Status, fmi2GetDerivatives, fmi2Component instance, fmi2Real derivatives[], size_t nx)
-NOT_OFFERED_CALL(fmi2Status, fmi2GetEventIndicators, fmi2Component instance, fmi2Real eventIndicators[], size_t ni)
-NOT_OFFERED_CALL(fmi2Status, fmi2GetContinuousStates, fmi2Component instance, fmi2Real x[], size_t nx)
-NOT_OFFERED_CALL(fmi2Status, fmi2GetNominalsOfContinuousStates, fmi2Component instance, fmi2Real nominals[], size_t nx)
+    fmi2CompletedIntegratorStep, fmi2Component c, fmi2Boolean prior, fmi2Boolean *event, fmi2Boolean *terminate)
+NOT_OFFERED_CALL(fmi2SetTime, fmi2Component c, fmi2Real time)
+NOT_OFFERED_CALL(fmi2SetContinuousStates, fmi2Component c, const fmi2Real x[], size_t nx)
+NOT_OFFERED_CALL(fmi2GetDerivatives, fmi2Component c, fmi2Real derivatives[], size_t nx)
+NOT_OFFERED_CALL(fmi2GetEventIndicators, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
+NOT_OFFERED_CALL(fmi2GetContinuousStates, fmi2Component c, fmi2Real x[], size_t nx)
+NOT_OFFERED_CALL(fmi2GetNominalsOfContinuousStates, fmi2Component c, fmi2Real nominals[], size_t nx)

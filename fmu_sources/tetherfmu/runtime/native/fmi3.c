@@ -1,14 +1,18 @@
-/* FMI 3.0 for co-simulation, around tether.c. */
+/* FMI 3.0 for co-simulation, around instance.c.
+
+`handle` is the pointer that the importer passes; `instance` what it points to, once that is known to be an instance. */
+#include "derivatives.h"
 #include "fmi3Functions.h"
-#include "tether.h"
+#include "instance.h"
+#include "saved_state.h"
 
 /* Pass a message to the importer, with the name of the instance, which FMI 3 has no argument for. */
-static void log_fmi3(const Tether *tether, Status status, const char *text)
+static void log_fmi3(const Instance *instance, Status status, const char *text)
 {
     char message[LONGEST_TEXT];
-    fill_in(message, sizeof message, "{name}: {text}", FACTS(word("name", tether->name), word("text", text)));
-    fmi3LogMessageCallback log = (fmi3LogMessageCallback)tether->importer_log;
-    log(tether->environment, (fmi3Status)status, CATEGORY[status], message);
+    fill_in(message, sizeof message, "{name}: {text}", FACTS(word("name", instance->name), word("text", text)));
+    fmi3LogMessageCallback log = (fmi3LogMessageCallback)instance->importer_log;
+    log(instance->environment, (fmi3Status)status, CATEGORY[status], message);
 }
 
 const char *fmi3GetVersion(void)
@@ -17,10 +21,10 @@ const char *fmi3GetVersion(void)
 }
 
 fmi3Status fmi3SetDebugLogging(
-    fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
+    fmi3Instance handle, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
 {
-    ENTER(instance);
-    DONE(check_categories(tether, nCategories, categories));
+    Instance *instance = entered(handle, __func__);
+    return instance ? check_categories(instance, nCategories, categories) : fmi3Error;
 }
 
 /* --- life cycle */
@@ -30,16 +34,16 @@ static fmi3Instance instantiated(
     const char *call, fmi3String name, fmi3String token, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     const char *refusal)
 {
-    Tether *tether = make_tether(name ? name : "", log_fmi3, environment, (void (*)(void))log);
-    if (!tether) return NULL;
-    tether->call = call;
+    Instance *instance = make_instance(name ? name : "", log_fmi3, environment, (void (*)(void))log);
+    if (!instance) return NULL;
+    instance->call = call;
     if (!name)
-        say(tether, ERROR, IS_NULL, FACTS(word("argument", "instanceName")));
+        refuse_null(instance, "instanceName");
     else if (refusal)
-        say(tether, ERROR, refusal, NULL);
-    else if (check_token(tether, token) == OK)
-        return tether;
-    free_tether(tether);
+        say(instance, ERROR, refusal, NULL);
+    else if (check_token(instance, token) == OK)
+        return instance;
+    free_instance(instance);
     return NULL;
 }
 
@@ -70,245 +74,270 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     return instantiated(__func__, instanceName, instantiationToken, instanceEnvironment, logMessage, NO_CO_SIMULATION);
 }
 
-void fmi3FreeInstance(fmi3Instance instance)
+void fmi3FreeInstance(fmi3Instance handle)
 {
-    Tether *tether = entered(instance, __func__);
-    if (tether) free_tether(tether);
+    Instance *instance = entered(handle, __func__);
+    if (instance) free_instance(instance);
 }
 
 fmi3Status fmi3EnterInitializationMode(
-    fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
+    fmi3Instance handle, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
     fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
-    ENTER(instance);
-    if (tether->phase != BEFORE) DONE(enter_initialization(tether)); /* refuses it in its own words */
-    Status status = set_up_experiment(tether, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
-    if (status <= WARNING) enter_initialization(tether);
-    DONE(status);
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (instance->phase != BEFORE) return enter_initialization(instance); /* refuses it in its own words */
+    Status status = set_up_experiment(instance, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
+    if (status <= WARNING) enter_initialization(instance);
+    return status;
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
+fmi3Status fmi3ExitInitializationMode(fmi3Instance handle)
 {
-    ENTER(instance);
-    DONE(exit_initialization(tether));
+    Instance *instance = entered(handle, __func__);
+    return instance ? exit_initialization(instance) : fmi3Error;
 }
 
-fmi3Status fmi3Terminate(fmi3Instance instance)
+fmi3Status fmi3Terminate(fmi3Instance handle)
 {
-    ENTER(instance);
-    DONE(terminate(tether));
+    Instance *instance = entered(handle, __func__);
+    return instance ? terminate(instance) : fmi3Error;
 }
 
-fmi3Status fmi3Reset(fmi3Instance instance)
+fmi3Status fmi3Reset(fmi3Instance handle)
 {
-    ENTER(instance);
-    to_start_values(tether);
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    to_start_values(instance);
     return fmi3OK;
 }
 
 /* There are no events, a step is never left early, and the simulation need not end. */
 fmi3Status fmi3DoStep(
-    fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+    fmi3Instance handle, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
     fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
     fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
-    ENTER(instance);
-    NEED(eventHandlingNeeded);
-    NEED(terminateSimulation);
-    NEED(earlyReturn);
-    NEED(lastSuccessfulTime);
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (!eventHandlingNeeded) return refuse_null(instance, "eventHandlingNeeded");
+    if (!terminateSimulation) return refuse_null(instance, "terminateSimulation");
+    if (!earlyReturn) return refuse_null(instance, "earlyReturn");
+    if (!lastSuccessfulTime) return refuse_null(instance, "lastSuccessfulTime");
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
-    Status status = advance(tether, currentCommunicationPoint, communicationStepSize);
-    *lastSuccessfulTime = last_successful_time(tether);
-    DONE(status);
+    Status status = advance(instance, currentCommunicationPoint, communicationStepSize);
+    *lastSuccessfulTime = last_successful_time(instance);
+    return status;
 }
 
 /* --- values */
 
-#define ARGUMENTS fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences
-#define NEED_VALUES                              \
-    ENTER(instance);                             \
-    if (nValueReferences) NEED(valueReferences); \
-    if (nValues) NEED(values)
+#define ARGUMENTS fmi3Instance handle, const fmi3ValueReference references[], size_t count
 
-#define VARIABLES(name, type, number, kinds)                                                         \
-    fmi3Status fmi3Get##name(ARGUMENTS, type values[], size_t nValues)                               \
-    {                                                                                                \
-        NEED_VALUES;                                                                                 \
-        DONE(get_values(tether, number, kinds, valueReferences, nValueReferences, values, nValues)); \
-    }                                                                                                \
-    fmi3Status fmi3Set##name(ARGUMENTS, const type values[], size_t nValues)                         \
-    {                                                                                                \
-        NEED_VALUES;                                                                                 \
-        DONE(set_values(tether, number, kinds, valueReferences, nValueReferences, values, nValues)); \
-    }
-
-/* Types that no variable has: fine for no variable at all. */
-#define NO_VARIABLES(name, type)                                                            \
-    fmi3Status fmi3Get##name(ARGUMENTS, type values[], size_t nValues)                      \
-    {                                                                                       \
-        ENTER(instance);                                                                    \
-        DONE(refuse_references(tether, CANNOT_BE_READ, valueReferences, nValueReferences)); \
-    }                                                                                       \
-    fmi3Status fmi3Set##name(ARGUMENTS, const type values[], size_t nValues)                \
-    {                                                                                       \
-        ENTER(instance);                                                                    \
-        DONE(refuse_references(tether, CANNOT_BE_SET, valueReferences, nValueReferences));  \
-    }
-
-static Status refuse_references(
-    const Tether *tether, const char *sentence, const fmi3ValueReference *references, size_t count)
+/* What the functions that read values do. kinds : of variables that the function is for. */
+static Status get(ARGUMENTS, const char *call, Type type, unsigned kinds, void *values, size_t room)
 {
+    Instance *instance = entered(handle, call);
+    if (!instance) return ERROR;
+    if (count && !references) return refuse_null(instance, "valueReferences");
+    if (room && !values) return refuse_null(instance, "values");
+    return get_values(instance, type, kinds, references, count, values, room);
+}
+
+/* What the functions that set values do. */
+static Status set(ARGUMENTS, const char *call, Type type, unsigned kinds, const void *values, size_t room)
+{
+    Instance *instance = entered(handle, call);
+    if (!instance) return ERROR;
+    if (count && !references) return refuse_null(instance, "valueReferences");
+    if (room && !values) return refuse_null(instance, "values");
+    return set_values(instance, type, kinds, references, count, values, room);
+}
+
+/* What the functions for types that no variable has do: fine for no variable at all. */
+static Status refuse_type(ARGUMENTS, const char *call, const char *sentence)
+{
+    Instance *instance = entered(handle, call);
+    if (!instance) return ERROR;
     if (!count) return OK;
-    if (!references) return say(tether, ERROR, IS_NULL, FACTS(word("argument", "valueReferences")));
-    return say(tether, ERROR, sentence, FACTS(whole("reference", references[0]), word("value", "such a value")));
+    if (!references) return refuse_null(instance, "valueReferences");
+    return say(instance, ERROR, sentence, FACTS(whole("reference", references[0]), word("value", "such a value")));
 }
 
-VARIABLES(Float64, fmi3Float64, FLOAT64, REAL)
-VARIABLES(Int32, fmi3Int32, INT32, INTEGER)
-VARIABLES(Int64, fmi3Int64, INT64, ENUMERATION)
-NO_VARIABLES(Float32, fmi3Float32)
-NO_VARIABLES(Int8, fmi3Int8)
-NO_VARIABLES(UInt8, fmi3UInt8)
-NO_VARIABLES(Int16, fmi3Int16)
-NO_VARIABLES(UInt16, fmi3UInt16)
-NO_VARIABLES(UInt32, fmi3UInt32)
-NO_VARIABLES(UInt64, fmi3UInt64)
-NO_VARIABLES(Boolean, fmi3Boolean)
-NO_VARIABLES(String, fmi3String)
-
-fmi3Status fmi3GetBinary(ARGUMENTS, size_t valueSizes[], fmi3Binary values[], size_t nValues)
+fmi3Status fmi3GetFloat64(ARGUMENTS, fmi3Float64 values[], size_t nValues)
 {
-    ENTER(instance);
-    DONE(refuse_references(tether, CANNOT_BE_READ, valueReferences, nValueReferences));
+    return get(handle, references, count, __func__, FLOAT64, REAL, values, nValues);
 }
 
-fmi3Status fmi3SetBinary(ARGUMENTS, const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
+fmi3Status fmi3GetInt32(ARGUMENTS, fmi3Int32 values[], size_t nValues)
 {
-    ENTER(instance);
-    DONE(refuse_references(tether, CANNOT_BE_SET, valueReferences, nValueReferences));
+    return get(handle, references, count, __func__, INT32, INTEGER, values, nValues);
 }
 
-fmi3Status fmi3GetClock(ARGUMENTS, fmi3Clock values[])
+fmi3Status fmi3GetInt64(ARGUMENTS, fmi3Int64 values[], size_t nValues)
 {
-    ENTER(instance);
-    DONE(refuse_references(tether, CANNOT_BE_READ, valueReferences, nValueReferences));
+    return get(handle, references, count, __func__, INT64, ENUMERATION, values, nValues);
 }
 
-fmi3Status fmi3SetClock(ARGUMENTS, const fmi3Clock values[])
+fmi3Status fmi3SetFloat64(ARGUMENTS, const fmi3Float64 values[], size_t nValues)
 {
-    ENTER(instance);
-    DONE(refuse_references(tether, CANNOT_BE_SET, valueReferences, nValueReferences));
+    return set(handle, references, count, __func__, FLOAT64, REAL, values, nValues);
 }
+
+fmi3Status fmi3SetInt32(ARGUMENTS, const fmi3Int32 values[], size_t nValues)
+{
+    return set(handle, references, count, __func__, INT32, INTEGER, values, nValues);
+}
+
+fmi3Status fmi3SetInt64(ARGUMENTS, const fmi3Int64 values[], size_t nValues)
+{
+    return set(handle, references, count, __func__, INT64, ENUMERATION, values, nValues);
+}
+
+#define NO_VARIABLES_GET(name, ...)                                              \
+    fmi3Status name(ARGUMENTS, __VA_ARGS__)                                      \
+    {                                                                            \
+        return refuse_type(handle, references, count, __func__, CANNOT_BE_READ); \
+    }
+
+#define NO_VARIABLES_SET(name, ...)                                             \
+    fmi3Status name(ARGUMENTS, __VA_ARGS__)                                     \
+    {                                                                           \
+        return refuse_type(handle, references, count, __func__, CANNOT_BE_SET); \
+    }
+
+NO_VARIABLES_GET(fmi3GetFloat32, fmi3Float32 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetInt8, fmi3Int8 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt8, fmi3UInt8 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetInt16, fmi3Int16 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt16, fmi3UInt16 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt32, fmi3UInt32 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt64, fmi3UInt64 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetBoolean, fmi3Boolean values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetString, fmi3String values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetBinary, size_t valueSizes[], fmi3Binary values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetClock, fmi3Clock values[])
+NO_VARIABLES_SET(fmi3SetFloat32, const fmi3Float32 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetInt8, const fmi3Int8 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetUInt8, const fmi3UInt8 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetInt16, const fmi3Int16 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetUInt16, const fmi3UInt16 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetUInt32, const fmi3UInt32 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetUInt64, const fmi3UInt64 values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetBoolean, const fmi3Boolean values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetString, const fmi3String values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetBinary, const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
+NO_VARIABLES_SET(fmi3SetClock, const fmi3Clock values[])
 
 /* --- derivatives */
 
 fmi3Status fmi3GetDirectionalDerivative(
-    fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[],
+    fmi3Instance handle, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[],
     size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    ENTER(instance);
-    if (nUnknowns) NEED(unknowns);
-    if (nSensitivity) NEED(sensitivity);
-    if (nKnowns) NEED(knowns);
-    if (nSeed) NEED(seed);
-    DONE(directional_derivative(
-        tether, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity));
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (nUnknowns && !unknowns) return refuse_null(instance, "unknowns");
+    if (nSensitivity && !sensitivity) return refuse_null(instance, "sensitivity");
+    if (nKnowns && !knowns) return refuse_null(instance, "knowns");
+    if (nSeed && !seed) return refuse_null(instance, "seed");
+    return directional_derivative(
+        instance, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity);
 }
 
 /* --- state */
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
+fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState *FMUState)
 {
-    ENTER(instance);
-    NEED(FMUState);
-    DONE(save(tether, (Saved **)FMUState));
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (!FMUState) return refuse_null(instance, "FMUState");
+    return save(instance, (Saved **)FMUState);
 }
 
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState)
+fmi3Status fmi3SetFMUState(fmi3Instance handle, fmi3FMUState FMUState)
 {
-    ENTER(instance);
-    DONE(restore(tether, FMUState));
+    Instance *instance = entered(handle, __func__);
+    return instance ? restore(instance, FMUState) : fmi3Error;
 }
 
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
+fmi3Status fmi3FreeFMUState(fmi3Instance handle, fmi3FMUState *FMUState)
 {
-    ENTER(instance);
-    DONE(free_saved(tether, (Saved **)FMUState));
+    Instance *instance = entered(handle, __func__);
+    return instance ? free_saved(instance, (Saved **)FMUState) : fmi3Error;
 }
 
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size)
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance handle, fmi3FMUState FMUState, size_t *size)
 {
-    ENTER(instance);
-    NEED(size);
-    DONE(saved_size(tether, FMUState, size));
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (!size) return refuse_null(instance, "size");
+    return saved_size(instance, FMUState, size);
 }
 
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
+fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
 {
-    ENTER(instance);
-    NEED(serializedState);
-    DONE(serialize(tether, FMUState, serializedState, size));
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (!serializedState) return refuse_null(instance, "serializedState");
+    return serialize(instance, FMUState, serializedState, size);
 }
 
 fmi3Status fmi3DeserializeFMUState(
-    fmi3Instance instance, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState)
+    fmi3Instance handle, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState)
 {
-    ENTER(instance);
-    NEED(serializedState);
-    NEED(FMUState);
-    DONE(deserialize(tether, serializedState, size, (Saved **)FMUState));
+    Instance *instance = entered(handle, __func__);
+    if (!instance) return fmi3Error;
+    if (!serializedState) return refuse_null(instance, "serializedState");
+    if (!FMUState) return refuse_null(instance, "FMUState");
+    return deserialize(instance, serializedState, size, (Saved **)FMUState);
 }
 
 /* --- what the flags of the model description do not offer */
 
-#define REFERENCES const fmi3ValueReference references[], size_t count
-#define OF_CLOCKS(name, ...) NOT_OFFERED_CALL(fmi3Status, name, fmi3Instance instance, REFERENCES, __VA_ARGS__)
+#define NOT_OFFERED_CALL(name, ...)           \
+    fmi3Status name(__VA_ARGS__)              \
+    {                                         \
+        return refuse_call(handle, __func__); \
+    }
 
-NOT_OFFERED_CALL(fmi3Status, fmi3EnterEventMode, fmi3Instance instance)
-NOT_OFFERED_CALL(fmi3Status, fmi3EnterStepMode, fmi3Instance instance)
-NOT_OFFERED_CALL(fmi3Status, fmi3EnterConfigurationMode, fmi3Instance instance)
-NOT_OFFERED_CALL(fmi3Status, fmi3ExitConfigurationMode, fmi3Instance instance)
-NOT_OFFERED_CALL(fmi3Status, fmi3EvaluateDiscreteStates, fmi3Instance instance)
+NOT_OFFERED_CALL(fmi3EnterEventMode, fmi3Instance handle)
+NOT_OFFERED_CALL(fmi3EnterStepMode, fmi3Instance handle)
+NOT_OFFERED_CALL(fmi3EnterConfigurationMode, fmi3Instance handle)
+NOT_OFFERED_CALL(fmi3ExitConfigurationMode, fmi3Instance handle)
+NOT_OFFERED_CALL(fmi3EvaluateDiscreteStates, fmi3Instance handle)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3UpdateDiscreteStates, fmi3Instance instance, fmi3Boolean *update, fmi3Boolean *end,
-    fmi3Boolean *nominals, fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
+    fmi3UpdateDiscreteStates, fmi3Instance handle, fmi3Boolean *update, fmi3Boolean *end, fmi3Boolean *nominals,
+    fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
+NOT_OFFERED_CALL(fmi3GetNumberOfVariableDependencies, fmi3Instance handle, fmi3ValueReference reference, size_t *count)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetNumberOfVariableDependencies, fmi3Instance instance, fmi3ValueReference reference,
-    size_t *count)
-NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetVariableDependencies, fmi3Instance instance, fmi3ValueReference dependent, size_t elements[],
+    fmi3GetVariableDependencies, fmi3Instance handle, fmi3ValueReference dependent, size_t elements[],
     fmi3ValueReference independents[], size_t others[], fmi3DependencyKind kinds[], size_t count)
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetAdjointDerivative, fmi3Instance instance, REFERENCES, const fmi3ValueReference knowns[],
-    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+    fmi3GetAdjointDerivative, ARGUMENTS, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+NOT_OFFERED_CALL(fmi3GetOutputDerivatives, ARGUMENTS, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
+NOT_OFFERED_CALL(fmi3GetIntervalDecimal, ARGUMENTS, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetOutputDerivatives, fmi3Instance instance, REFERENCES, const fmi3Int32 orders[],
-    fmi3Float64 values[], size_t nValues)
-OF_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-OF_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-OF_CLOCKS(fmi3GetShiftDecimal, fmi3Float64 shifts[])
-OF_CLOCKS(fmi3GetShiftFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
-OF_CLOCKS(fmi3SetIntervalDecimal, const fmi3Float64 intervals[])
-OF_CLOCKS(fmi3SetIntervalFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-OF_CLOCKS(fmi3SetShiftDecimal, const fmi3Float64 shifts[])
-OF_CLOCKS(fmi3SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+    fmi3GetIntervalFraction, ARGUMENTS, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+    fmi3IntervalQualifier qualifiers[])
+NOT_OFFERED_CALL(fmi3GetShiftDecimal, ARGUMENTS, fmi3Float64 shifts[])
+NOT_OFFERED_CALL(fmi3GetShiftFraction, ARGUMENTS, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+NOT_OFFERED_CALL(fmi3SetIntervalDecimal, ARGUMENTS, const fmi3Float64 intervals[])
+NOT_OFFERED_CALL(fmi3SetIntervalFraction, ARGUMENTS, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+NOT_OFFERED_CALL(fmi3SetShiftDecimal, ARGUMENTS, const fmi3Float64 shifts[])
+NOT_OFFERED_CALL(fmi3SetShiftFraction, ARGUMENTS, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 
 /* --- model exchange and scheduled execution */
 
-NOT_OFFERED_CALL(fmi3Status, fmi3EnterContinuousTimeMode, fmi3Instance instance)
-NOT_OFFERED_CALL(
-    fmi3Status, fmi3CompletedIntegratorStep, fmi3Instance instance, fmi3Boolean prior, fmi3Boolean *event,
-    fmi3Boolean *end)
-NOT_OFFERED_CALL(fmi3Status, fmi3SetTime, fmi3Instance instance, fmi3Float64 time)
-NOT_OFFERED_CALL(fmi3Status, fmi3SetContinuousStates, fmi3Instance instance, const fmi3Float64 states[], size_t count)
-NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetContinuousStateDerivatives, fmi3Instance instance, fmi3Float64 derivatives[], size_t count)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetEventIndicators, fmi3Instance instance, fmi3Float64 indicators[], size_t count)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetContinuousStates, fmi3Instance instance, fmi3Float64 states[], size_t count)
-NOT_OFFERED_CALL(
-    fmi3Status, fmi3GetNominalsOfContinuousStates, fmi3Instance instance, fmi3Float64 nominals[], size_t count)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetNumberOfEventIndicators, fmi3Instance instance, size_t *count)
-NOT_OFFERED_CALL(fmi3Status, fmi3GetNumberOfContinuousStates, fmi3Instance instance, size_t *count)
-NOT_OFFERED_CALL(
-    fmi3Status, fmi3ActivateModelPartition, fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time)
+NOT_OFFERED_CALL(fmi3EnterContinuousTimeMode, fmi3Instance handle)
+NOT_OFFERED_CALL(fmi3CompletedIntegratorStep, fmi3Instance handle, fmi3Boolean prior, fmi3Boolean *event, fmi3Boolean *end)
+NOT_OFFERED_CALL(fmi3SetTime, fmi3Instance handle, fmi3Float64 time)
+NOT_OFFERED_CALL(fmi3SetContinuousStates, fmi3Instance handle, const fmi3Float64 states[], size_t count)
+NOT_OFFERED_CALL(fmi3GetContinuousStateDerivatives, fmi3Instance handle, fmi3Float64 derivatives[], size_t count)
+NOT_OFFERED_CALL(fmi3GetEventIndicators, fmi3Instance handle, fmi3Float64 indicators[], size_t count)
+NOT_OFFERED_CALL(fmi3GetContinuousStates, fmi3Instance handle, fmi3Float64 states[], size_t count)
+NOT_OFFERED_CALL(fmi3GetNominalsOfContinuousStates, fmi3Instance handle, fmi3Float64 nominals[], size_t count)
+NOT_OFFERED_CALL(fmi3GetNumberOfEventIndicators, fmi3Instance handle, size_t *count)
+NOT_OFFERED_CALL(fmi3GetNumberOfContinuousStates, fmi3Instance handle, size_t *count)
+NOT_OFFERED_CALL(fmi3ActivateModelPartition, fmi3Instance handle, fmi3ValueReference clock, fmi3Float64 time)

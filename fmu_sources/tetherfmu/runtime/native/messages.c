@@ -1,5 +1,5 @@
 /* Sentences with {names} or {names:format} that are filled in, numbers as Python writes them. */
-#include "tether.h"
+#include "messages.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -7,13 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "finite.h"
+#include "instance.h"
+
+enum { STANDARD_SNPRINTF = 2 };   /* option of the Universal C Runtime */
+enum { DIGITS_OF_A_DOUBLE = 17 }; /* that tell it from all others */
+enum { FIRST_FIXED = -4, FIRST_SCIENTIFIC = 16 }; /* decimal exponents between which Python writes none */
+enum { LONGEST_SCIENTIFIC = 32, LONGEST_NUMBER = 512 }; /* texts of a double, with and without an exponent */
+enum { LONGEST_FORMAT = 16 };                           /* of those in the sentences */
+
 /* `snprintf`, which the Universal C Runtime of Windows has under another name only. */
 static int print(char *text, size_t room, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
 #ifdef _WIN32
-    int length = __stdio_common_vsprintf(2, text, room, format, NULL, arguments); /* 2: as the C standard says */
+    int length = __stdio_common_vsprintf(STANDARD_SNPRINTF, text, room, format, NULL, arguments);
 #else
     int length = vsnprintf(text, room, format, arguments);
 #endif
@@ -53,8 +62,8 @@ static void put_text(Writer *writer, const char *text)
 /* Shortest decimal digits that read back to a positive finite number; returns its decimal exponent. */
 static int shortest_digits(double number, char *digits)
 {
-    char text[32];
-    for (int precision = 0; precision < 17; precision++) {
+    char text[LONGEST_SCIENTIFIC];
+    for (int precision = 0; precision < DIGITS_OF_A_DOUBLE; precision++) {
         print(text, sizeof text, "%.*e", precision, number);
         if (strtod(text, NULL) == number) break;
     }
@@ -68,7 +77,7 @@ static int shortest_digits(double number, char *digits)
 /* A number as Python's `repr` writes it. */
 static void put_real(Writer *writer, double number)
 {
-    char digits[32], power[16];
+    char digits[LONGEST_SCIENTIFIC], power[LONGEST_SCIENTIFIC];
     if (number != number) {
         put_text(writer, "nan");
         return;
@@ -79,7 +88,7 @@ static void put_real(Writer *writer, double number)
         return;
     }
     int exponent = shortest_digits(fabs(number), digits), count = (int)strlen(digits);
-    bool fixed = -4 <= exponent && exponent < 16;
+    bool fixed = FIRST_FIXED <= exponent && exponent < FIRST_SCIENTIFIC;
     int before_point = fixed ? exponent + 1 : 1;
     if (before_point < 1) put(writer, '0');
     for (int i = 0; i < before_point; i++) put(writer, i < count ? digits[i] : '0');
@@ -95,14 +104,14 @@ static void put_real(Writer *writer, double number)
 /* A number as a format of printf has it, with a point whatever the locale says. */
 static void put_formatted(Writer *writer, const char *format, double number)
 {
-    char text[512];
+    char text[LONGEST_NUMBER];
     print(text, sizeof text, format, number);
     for (char *each = text; *each; each++) put(writer, *each == ',' ? '.' : *each);
 }
 
 static void put_fact(Writer *writer, const Fact *fact, const char *format, size_t length)
 {
-    char pattern[16] = "%";
+    char pattern[LONGEST_FORMAT] = "%";
     if (fact->text) {
         put_text(writer, fact->text);
     } else if (length > 0 && length < sizeof pattern - 1) {
@@ -134,13 +143,17 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
 }
 
 /* Pass a sentence to the importer, with the name of the call in front; returns the status. */
-Status say(const Tether *tether, Status status, const char *sentence, const Fact *facts)
+Status say(const Instance *instance, Status status, const char *sentence, const Fact *facts)
 {
     char text[LONGEST_TEXT];
-    size_t length = strlen(tether->call);
-    memcpy(text, tether->call, length); /* the name of an FMI function is short */
-    memcpy(text + length, ": ", 2);
-    fill_in(text + length + 2, sizeof text - length - 2, sentence, facts);
-    if (tether->importer_log) tether->log(tether, status, text);
+    size_t length = (size_t)print(text, sizeof text, "%s: ", instance->call); /* the name of an FMI function is short */
+    fill_in(text + length, sizeof text - length, sentence, facts);
+    if (instance->importer_log) instance->log(instance, status, text);
     return status;
+}
+
+/* Refuse a call that lacks an argument. */
+Status refuse_null(const Instance *instance, const char *argument)
+{
+    return say(instance, ERROR, IS_NULL, FACTS(word("argument", argument)));
 }

@@ -1,9 +1,11 @@
 /* A saved state: the record of saved_state.py, byte for byte, so that it can go from one flavour of the FMU to the other. */
-#include "tether.h"
+#include "saved_state.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "instance.h"
 
 typedef struct { /* header and facts of saved_state.py; all platforms are little-endian */
     char magic[8];
@@ -13,7 +15,7 @@ typedef struct { /* header and facts of saved_state.py; all platforms are little
     double tolerance, time;
 } Head;
 
-enum { HEADER = 16 }; /* bytes before what the checksum is of */
+enum { HEADER = offsetof(Head, variant) }; /* bytes before what the checksum is of */
 
 /* CRC-32 of zlib, four bits at a time. */
 static uint32_t crc32(const unsigned char *bytes, size_t size)
@@ -45,17 +47,17 @@ static Saved *make_room(Saved *old, size_t size)
 }
 
 /* Whether a pointer is one of an FMU state of this FMU. */
-static Status check_saved(const Tether *tether, const Saved *saved)
+static Status check_saved(const Instance *instance, const Saved *saved)
 {
-    if (!saved) return say(tether, ERROR, IS_NULL, FACTS(word("argument", "FMUstate")));
-    return saved->identity == &THIS_FMU ? OK : say(tether, ERROR, NO_FMU_STATE, NULL);
+    if (!saved) return refuse_null(instance, "FMUstate");
+    return saved->identity == &THIS_FMU ? OK : say(instance, ERROR, NO_FMU_STATE, NULL);
 }
 
 /* Free a state, and forget it in `*saved`. As the standard has it, nothing is done where there is none. */
-Status free_saved(const Tether *tether, Saved **saved)
+Status free_saved(const Instance *instance, Saved **saved)
 {
     if (!saved || !*saved) return OK;
-    if (check_saved(tether, *saved) != OK) return ERROR;
+    if (check_saved(instance, *saved) != OK) return ERROR;
     (*saved)->identity = NULL;
     free(*saved);
     *saved = NULL;
@@ -63,47 +65,47 @@ Status free_saved(const Tether *tether, Saved **saved)
 }
 
 /* Bytes that `serialize` needs. */
-Status saved_size(const Tether *tether, const Saved *saved, size_t *size)
+Status saved_size(const Instance *instance, const Saved *saved, size_t *size)
 {
-    if (check_saved(tether, saved) != OK) return ERROR;
+    if (check_saved(instance, saved) != OK) return ERROR;
     *size = saved->size;
     return OK;
 }
 
 /* Write the whole state to `*saved`, which is made if it is NULL. */
-Status save(Tether *tether, Saved **saved)
+Status save(Instance *instance, Saved **saved)
 {
-    if (*saved && check_saved(tether, *saved) != OK) return ERROR;
-    size_t state = tether->phase >= STEPPING ? STATE_SIZE(tether->chain->segments) * sizeof(double) : 0;
+    if (*saved && check_saved(instance, *saved) != OK) return ERROR;
+    size_t state = instance->phase >= STEPPING ? STATE_SIZE(instance->arrays->segments) * sizeof(double) : 0;
     size_t values = VALUES * sizeof(double), size = sizeof(Head) + values + state;
     Saved *made = make_room(*saved, size);
-    if (!made) return say(tether, ERROR, NO_MEMORY, NULL);
+    if (!made) return say(instance, ERROR, NO_MEMORY, NULL);
     *saved = made;
-    Head head = {.length = (uint32_t)(size - HEADER), .variant = VARIANT, .phase = tether->phase};
+    Head head = {.length = (uint32_t)(size - HEADER), .variant = VARIANT, .phase = instance->phase};
     memcpy(head.magic, MAGIC, sizeof head.magic);
-    head.segments = tether->chain ? (uint32_t)tether->chain->segments : 0;
-    head.tolerance = tether->tolerance;
-    head.time = tether->time;
+    head.segments = instance->arrays ? (uint32_t)instance->arrays->segments : 0;
+    head.tolerance = instance->tolerance;
+    head.time = instance->time;
     memcpy(made->bytes, &head, sizeof head);
-    memcpy(made->bytes + sizeof head, tether->values, values);
-    if (state) memcpy(made->bytes + sizeof head + values, tether->chain->state, state);
+    memcpy(made->bytes + sizeof head, instance->values, values);
+    if (state) memcpy(made->bytes + sizeof head + values, instance->arrays->state, state);
     return OK;
 }
 
-Status serialize(const Tether *tether, const Saved *saved, void *bytes, size_t size)
+Status serialize(const Instance *instance, const Saved *saved, void *bytes, size_t size)
 {
-    if (check_saved(tether, saved) != OK) return ERROR;
+    if (check_saved(instance, saved) != OK) return ERROR;
     if (size < saved->size)
-        return say(tether, ERROR, SHORT_BUFFER, FACTS(whole("count", (double)size), whole("needed", (double)saved->size)));
+        return say(instance, ERROR, SHORT_BUFFER, FACTS(whole("count", (double)size), whole("needed", (double)saved->size)));
     uint32_t checksum = crc32(saved->bytes + HEADER, saved->size - HEADER);
     memcpy(bytes, saved->bytes, saved->size);
     memcpy((unsigned char *)bytes + offsetof(Head, checksum), &checksum, sizeof checksum);
     return OK;
 }
 
-static Status refuse_state(const Tether *tether, const char *problem)
+static Status refuse_state(const Instance *instance, const char *problem)
 {
-    return say(tether, ERROR, STATE_REFUSED, FACTS(word("problem", problem)));
+    return say(instance, ERROR, STATE_REFUSED, FACTS(word("problem", problem)));
 }
 
 /* Why bytes are no record of this FMU, or NULL. */
@@ -118,13 +120,13 @@ static const char *problem_of(const unsigned char *bytes, size_t size)
     return same && size == sizeof head + (VALUES + state) * sizeof(double) ? NULL : STATE_OF_ANOTHER;
 }
 
-Status deserialize(const Tether *tether, const void *bytes, size_t size, Saved **saved)
+Status deserialize(const Instance *instance, const void *bytes, size_t size, Saved **saved)
 {
-    if (*saved && check_saved(tether, *saved) != OK) return ERROR;
+    if (*saved && check_saved(instance, *saved) != OK) return ERROR;
     const char *problem = problem_of(bytes, size);
-    if (problem) return refuse_state(tether, problem);
+    if (problem) return refuse_state(instance, problem);
     Saved *made = make_room(*saved, size);
-    if (!made) return say(tether, ERROR, NO_MEMORY, NULL);
+    if (!made) return say(instance, ERROR, NO_MEMORY, NULL);
     *saved = made;
     memcpy(made->bytes, bytes, size);
     memset(made->bytes + offsetof(Head, checksum), 0, sizeof(uint32_t));
@@ -132,7 +134,7 @@ Status deserialize(const Tether *tether, const void *bytes, size_t size, Saved *
 }
 
 /* Whether the integers among the values are such; outputs do not count, they are computed anew. */
-static Status check_integers(const Tether *tether, const double *values)
+static Status check_integers(const Instance *instance, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
     for (int i = 0; i < PARAMETERS; i++) {
@@ -140,7 +142,7 @@ static Status check_integers(const Tether *tether, const double *values)
         if (PARAMETER[i].kind == REAL || fabs(value) <= AT_LARGEST_INTEGER) continue;
         fill_in(problem, sizeof problem, NO_INTEGER, FACTS(word("name", PARAMETER[i].name), real("value", value)));
         fill_in(text, sizeof text, STATE_WRONG_PARAMETER, FACTS(word("problem", problem)));
-        return refuse_state(tether, text);
+        return refuse_state(instance, text);
     }
     return OK;
 }
@@ -151,14 +153,15 @@ static bool is_set(double number, int count)
     return 0.0 <= number && number < (1 << count) && number == floor(number);
 }
 
-/* Why the numbers of a state array cannot be used, or NULL if the chain has taken them. */
-static const char *problem_of_state(Chain *chain, const Head *head, const double *state)
+/* Why the numbers of a state array cannot be used, or NULL if they have been taken. */
+static const char *problem_of_state(Arrays *arrays, const Head *head, const double *state)
 {
-    if (chain->segments != (int64_t)head->segments) return STATE_DAMAGED;
-    memcpy(chain->state, state, STATE_SIZE(chain->segments) * sizeof(double));
-    bool sets = is_set(chain->state[AT_WARNINGS], AT_WARNING_KINDS) && is_set(chain->state[AT_GIVEN_DERIVATIVES], AT_INPUTS);
-    if (!sets || observe(chain, chain->values)) return STATE_IMPOSSIBLE;
-    read_free_kite(chain, chain->values);
+    if (arrays->segments != (int64_t)head->segments) return STATE_DAMAGED;
+    memcpy(arrays->state, state, STATE_SIZE(arrays->segments) * sizeof(double));
+    if (!is_set(arrays->state[AT_WARNINGS], AT_WARNING_KINDS)) return STATE_IMPOSSIBLE;
+    if (!is_set(arrays->state[AT_GIVEN_DERIVATIVES], AT_INPUTS)) return STATE_IMPOSSIBLE;
+    if (observe(arrays, arrays->values)) return STATE_IMPOSSIBLE;
+    read_free_kite(arrays, arrays->values);
     return NULL;
 }
 
@@ -166,48 +169,48 @@ static const char *problem_of_state(Chain *chain, const Head *head, const double
 static void clear_outputs(double *values)
 {
     memset(values + OUTPUTS_AT, 0, (PARAMETERS_AT - OUTPUTS_AT) * sizeof(double));
-    if (FREE_KITE) memset(values + AT_KITE_POSITION, 0, 6 * sizeof(double));
+    if (FREE_KITE) memset(values + AT_KITE_POSITION, 0, KITE_MOTION * sizeof(double));
 }
 
-/* Go on with the chain of a saved state; if that is not possible, nothing is changed. */
-static Status restore_chain(Tether *tether, const Head *head, const double *values)
+/* Go on with the arrays of a saved state; if that is not possible, nothing is changed. */
+static Status restore_arrays(Instance *instance, const Head *head, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
     if (!check_parameters(values, problem)) {
         fill_in(text, sizeof text, STATE_WRONG_PARAMETER, FACTS(word("problem", problem)));
-        return refuse_state(tether, text);
+        return refuse_state(instance, text);
     }
-    Chain *chain = make_chain(values, head->tolerance);
-    if (!chain) return say(tether, ERROR, NO_MEMORY, NULL);
-    clear_outputs(chain->values);
-    const char *wrong = problem_of_state(chain, head, values + VALUES);
+    Arrays *arrays = make_arrays(values, head->tolerance);
+    if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
+    clear_outputs(arrays->values);
+    const char *wrong = problem_of_state(arrays, head, values + VALUES);
     if (wrong) {
-        free_chain(chain);
-        return refuse_state(tether, wrong);
+        free_arrays(arrays);
+        return refuse_state(instance, wrong);
     }
-    take_chain(tether, chain);
-    tether->warned |= (uint32_t)chain->state[AT_WARNINGS];
+    take_arrays(instance, arrays);
+    instance->warned |= (uint32_t)arrays->state[AT_WARNINGS];
     return OK;
 }
 
 /* Go back to a state, bit for bit; if that is not possible, nothing is changed. */
-Status restore(Tether *tether, const Saved *saved)
+Status restore(Instance *instance, const Saved *saved)
 {
     Head head;
-    if (check_saved(tether, saved) != OK) return ERROR;
+    if (check_saved(instance, saved) != OK) return ERROR;
     memcpy(&head, saved->bytes, sizeof head);
     const double *values = (const double *)(saved->bytes + sizeof head);
-    if (check_integers(tether, values) != OK) return ERROR;
+    if (check_integers(instance, values) != OK) return ERROR;
     if (head.phase < STEPPING) {
-        memcpy(tether->values, values, VALUES * sizeof(double));
-        clear_outputs(tether->values);
-        memset(tether->derivatives, 0, sizeof tether->derivatives); /* the record has no place for them */
-    } else if (restore_chain(tether, &head, values) != OK) {
+        memcpy(instance->values, values, VALUES * sizeof(double));
+        clear_outputs(instance->values);
+        memset(instance->derivatives, 0, sizeof instance->derivatives); /* the record has no place for them */
+    } else if (restore_arrays(instance, &head, values) != OK) {
         return ERROR;
     }
-    tether->phase = (Phase)head.phase;
-    tether->tolerance = head.tolerance;
-    tether->time = head.time;
-    tether->values[TIME] = last_successful_time(tether);
+    instance->phase = (Phase)head.phase;
+    instance->tolerance = head.tolerance;
+    instance->time = head.time;
+    instance->values[TIME] = last_successful_time(instance);
     return OK;
 }

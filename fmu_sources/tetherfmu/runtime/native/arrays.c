@@ -1,9 +1,13 @@
 /* The arrays of the kernels: parameters checked and packed, with the rules and the arithmetic of parameters.py. */
-#include "tether.h"
+#include "arrays.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "finite.h"
+#include "kernels.h"
+#include "messages.h"
 
 static double parameter(const double *values, int number)
 {
@@ -68,7 +72,7 @@ static void fill(double *parameters, int64_t n, int property, double value)
     for (int64_t s = 0; s < n; s++) parameters[AT_PARAMETER_SCALARS + property * n + s] = value;
 }
 
-/* The `parameters` array of a uniform tether, with the arithmetic of `parameters.pack`. */
+/* The `parameters` array of a uniform instance, with the arithmetic of `parameters.pack`. */
 static void pack(double *flat, int64_t n, const double *values, double tolerance)
 {
     for (int i = 0; i < PARAMETERS; i++)
@@ -86,53 +90,64 @@ static void pack(double *flat, int64_t n, const double *values, double tolerance
 #endif
 }
 
+enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
+
 /* The arrays for values whose parameters `check_parameters` allows, in one block; NULL without memory. */
-Chain *make_chain(const double *values, double importer_tolerance)
+Arrays *make_arrays(const double *values, double importer_tolerance)
 {
     int64_t n = effective_segments(values);
     size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = WORK_SIZE(n);
-    Chain *chain = calloc(1, sizeof *chain + (parameters + 3 * state + work + VALUES) * sizeof(double));
-    if (!chain) return NULL;
-    chain->segments = n;
-    chain->parameters = (double *)(chain + 1);
-    chain->state = chain->parameters + parameters;
-    chain->before = chain->state + state;
-    chain->spare = chain->before + state;
-    chain->work = chain->spare + state;
-    chain->values = chain->work + work;
-    memcpy(chain->values, values, VALUES * sizeof(double));
-    pack(chain->parameters, n, values, tolerance_of(values, importer_tolerance));
-    return chain;
+    Arrays *arrays = calloc(1, sizeof *arrays + (parameters + STATES_HELD * state + work + VALUES) * sizeof(double));
+    if (!arrays) return NULL;
+    arrays->segments = n;
+    arrays->parameters = (double *)(arrays + 1);
+    arrays->state = arrays->parameters + parameters;
+    arrays->before = arrays->state + state;
+    arrays->spare = arrays->before + state;
+    arrays->work = arrays->spare + state;
+    arrays->values = arrays->work + work;
+    memcpy(arrays->values, values, VALUES * sizeof(double));
+    pack(arrays->parameters, n, values, tolerance_of(values, importer_tolerance));
+    return arrays;
 }
 
-void free_chain(Chain *chain)
+void free_arrays(Arrays *arrays)
 {
-    free(chain);
+    free(arrays);
 }
 
 /* First shape for the inputs in `values`, which get its outputs; returns the kernel's status. */
-int32_t first_shape(const Chain *chain, double *values)
+int32_t first_shape(const Arrays *arrays, double *values)
 {
 #if FREE_KITE
-    memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, 6 * sizeof(double));
+    memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, KITE_MOTION * sizeof(double));
 #endif
-    int32_t result = KERNEL(initialize)(chain->segments, chain->parameters, values, chain->state, chain->work);
-    return result ? result : observe(chain, values);
+    int32_t result = KERNEL(initialize)(arrays->segments, arrays->parameters, values, arrays->state, arrays->work);
+    return result ? result : observe(arrays, values);
+}
+
+/* One communication step [s] of the state with the inputs in `values`, which get its outputs; returns the kernel's status,
+and where that is not 0 the state is to be restored. */
+int32_t do_step(const Arrays *arrays, double step, double *values)
+{
+    int32_t result =
+        KERNEL(advance)(arrays->segments, arrays->parameters, values, step, arrays->state, arrays->work);
+    return result ? result : observe(arrays, values);
 }
 
 /* Outputs in `values` that belong to the state; returns the kernel's status. */
-int32_t observe(const Chain *chain, double *values)
+int32_t observe(const Arrays *arrays, double *values)
 {
     return KERNEL(observe)(
-        chain->segments, chain->parameters, chain->state, SHAPE_POINTS, values + OUTPUTS_AT, chain->work);
+        arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
 }
 
 /* Motion of a free kite end, which stands in `values` where a driven one has its inputs. */
-void read_free_kite(const Chain *chain, double *values)
+void read_free_kite(const Arrays *arrays, double *values)
 {
     if (!FREE_KITE) return;
-    const double *velocity = chain->state + STATE_SIZE(chain->segments) - 3;
-    const double *position = velocity - 3 * (chain->segments + 1);
-    memcpy(values + AT_KITE_POSITION, position, 3 * sizeof(double));
-    memcpy(values + AT_KITE_VELOCITY, velocity, 3 * sizeof(double));
+    const double *velocity = arrays->state + STATE_SIZE(arrays->segments) - COMPONENTS;
+    const double *position = velocity - COMPONENTS * (arrays->segments + 1);
+    memcpy(values + AT_KITE_POSITION, position, COMPONENTS * sizeof(double));
+    memcpy(values + AT_KITE_VELOCITY, velocity, COMPONENTS * sizeof(double));
 }

@@ -1,0 +1,65 @@
+"""What an FMU of a tether is built with, beside its name, its folder and its flavour."""
+
+from dataclasses import dataclass, field
+
+from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+
+
+@dataclass(frozen=True)
+class Purpose:
+    """What an FMU for one purpose, a scene or a system, has of its own.
+
+    Attributes
+    ----------
+    name : str
+        It is added to the file name of the FMU.
+    left_out : tuple of str
+        Inputs and outputs that the FMU goes without; such inputs stay 0.
+    about : str
+        Sentence that is added to the description of the FMU.
+    step : float
+        Communication step of the default experiment [s].
+    page : str
+        Documentation, HTML.
+    """
+
+    name: str
+    left_out: tuple
+    about: str
+    step: float
+    page: str
+
+
+@dataclass(frozen=True)
+class BuildOptions:
+    """What can be chosen when an FMU of a tether is built; equal options give equal bytes.
+
+    Attributes
+    ----------
+    segments : int
+        Start value of the parameter `segments`.
+    shape_points : int
+        Points of the output `shape`; 0 leaves it out.
+    platforms : tuple of str
+        Names in `ahead_of_time.TARGETS` for which kernels are put in; the default is that of this machine.
+    starts : tuple of pairs
+        (Input or parameter, start value), where it is not the default; without a purpose parameters of `Tether` only.
+    purpose : Purpose, optional
+        Of an FMU that is for one scene or one system; None for all others, which have an evidence set.
+    """
+
+    segments: int = DEFAULT_OPTIONS["segments"]
+    shape_points: int = DEFAULT_OPTIONS["shape_points"]
+    platforms: tuple = field(default_factory=lambda: (this_platform(),))
+    starts: tuple = ()
+    purpose: Purpose | None = None
+
+    def as_dict(self):
+        """What the FMU itself must know, without defaults, as `runtime.resources.options_in` reads it."""
+        options = {"segments": self.segments, "shape_points": self.shape_points}
+        if self.starts:
+            options["starts"] = [list(each) for each in self.starts]
+        if self.purpose:
+            options |= {"left_out": list(self.purpose.left_out), "about": self.purpose.about, "step": self.purpose.step}
+        return options

@@ -1,0 +1,15 @@
+/* Derivatives of inputs, which the importer gives for the next step, and of outputs by inputs, which it asks for. */
+#ifndef DERIVATIVES_H
+#define DERIVATIVES_H
+
+#include <stdint.h>
+
+#include "messages.h"
+
+Status set_input_derivatives(
+    Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values);
+Status directional_derivative(
+    Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
+    const double *seed, size_t seeds, double *sensitivity, size_t room);
+
+#endif

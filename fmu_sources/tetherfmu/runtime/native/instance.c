@@ -1,0 +1,333 @@
+/* The life of an instance: phases, values, start and steps. A call that is refused leaves everything as it was. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "finite.h"
+#include "kernels.h"
+
+const char THIS_FMU = 0;
+const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
+
+/* --- making and resetting */
+
+/* The instance that a call is for; NULL if the pointer that the importer passes is none of this FMU. */
+Instance *entered(void *handle, const char *call)
+{
+    Instance *instance = handle;
+    if (!instance || instance->identity != &THIS_FMU) return NULL;
+    instance->call = call;
+    return instance;
+}
+
+/* Refuse a call that the flags of the model description do not offer. */
+Status refuse_call(void *handle, const char *call)
+{
+    Instance *instance = entered(handle, call);
+    return instance ? say(instance, ERROR, NOT_OFFERED, NULL) : ERROR;
+}
+
+Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void))
+{
+    size_t length = strlen(name) + 1;
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) return NULL;
+    instance->name = calloc(1, length);
+    if (!instance->name) {
+        free(instance);
+        return NULL;
+    }
+    memcpy(instance->name, name, length);
+    instance->identity = &THIS_FMU;
+    instance->log = log;
+    instance->environment = environment;
+    instance->importer_log = importer_log;
+    to_start_values(instance);
+    return instance;
+}
+
+void free_instance(Instance *instance)
+{
+    free_arrays(instance->arrays);
+    free(instance->name);
+    instance->identity = NULL;
+    free(instance);
+}
+
+/* Be as after instantiation. */
+void to_start_values(Instance *instance)
+{
+    free_arrays(instance->arrays);
+    instance->arrays = NULL;
+    memcpy(instance->values, START, sizeof START);
+    memset(instance->derivatives, 0, sizeof instance->derivatives);
+    instance->values[TIME] = 0.0;
+    instance->phase = BEFORE;
+    instance->stop_is_defined = instance->warned_of_time = false;
+    instance->warned = 0;
+    instance->tolerance = instance->start_time = 0.0;
+    instance->time = NAN;
+}
+
+/* Whether a guid or an instantiation token is that of this FMU. */
+Status check_token(const Instance *instance, const char *token)
+{
+    if (token && !strcmp(token, TOKEN)) return OK;
+    return say(instance, ERROR, WRONG_TOKEN, FACTS(word("token", token ? token : "NULL"), word("expected", TOKEN)));
+}
+
+/* Warnings and refusals are always passed on, there are no other messages: the names of categories are checked, no more. */
+Status check_categories(const Instance *instance, size_t count, const char *const *categories)
+{
+    if (count && !categories) return refuse_null(instance, "categories");
+    for (size_t i = 0; i < count; i++) {
+        const char *name = categories[i] ? categories[i] : "NULL";
+        bool known = !strcmp(name, "logAll");
+        for (int k = WARNING; k <= ERROR; k++) known = known || !strcmp(name, CATEGORY[k]);
+        if (!known) return say(instance, ERROR, NO_SUCH_CATEGORY, FACTS(word("category", name)));
+    }
+    return OK;
+}
+
+/* --- phases */
+
+static Status refuse_phase(const Instance *instance, const char *sentence)
+{
+    return say(instance, ERROR, sentence, FACTS(word("phase", PHASE[instance->phase])));
+}
+
+Status set_up_experiment(Instance *instance, bool has_tolerance, double tolerance, double start, bool has_stop, double stop)
+{
+    Fact given = real("tolerance", tolerance), largest = real("largest", LOOSEST_TOLERANCE);
+    if (instance->phase != BEFORE) return refuse_phase(instance, CANNOT_BE_SET_UP);
+    if (!is_finite(start)) return say(instance, ERROR, TIME_NOT_FINITE, FACTS(real("time", start)));
+    instance->start_time = instance->values[TIME] = start;
+    instance->stop_is_defined = has_stop;
+    instance->stop_time = stop;
+    if (!has_tolerance) return OK;
+    if (!(0.0 < tolerance && tolerance <= LOOSEST_TOLERANCE))
+        return say(instance, WARNING, TOLERANCE_NOT_USED, FACTS(given, largest));
+    instance->tolerance = tolerance;
+    return OK;
+}
+
+Status enter_initialization(Instance *instance)
+{
+    if (instance->phase != BEFORE) return refuse_phase(instance, CANNOT_BE_ENTERED);
+    instance->phase = INITIALIZING;
+    return OK;
+}
+
+Status terminate(Instance *instance)
+{
+    if (instance->phase != STEPPING) return refuse_phase(instance, CANNOT_BE_TERMINATED);
+    instance->phase = TERMINATED;
+    return OK;
+}
+
+/* --- start and steps */
+
+/* Say what has been implausible since the start, each once. */
+static Status warn(Instance *instance)
+{
+    uint32_t noted = (uint32_t)instance->arrays->state[AT_WARNINGS], new = noted & ~instance->warned;
+    instance->warned |= noted;
+    for (int kind = 0; kind < AT_WARNING_KINDS; kind++) {
+        double value = instance->arrays->state[AT_WARNED_VALUES + kind];
+        if (new >> kind & 1)
+            say(instance, WARNING, WARNING_SENTENCE[kind],
+                FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0))));
+    }
+    return new ? WARNING : OK;
+}
+
+/* Say what the status of a kernel means for a step [s], with the inputs and the unstretched length of now. */
+static Status say_kernel_status(
+    const Instance *instance, Status status, const Arrays *arrays, const double *values, int32_t result, double step)
+{
+    int place = index_of(result);
+    return say(instance, status, KERNEL_SENTENCE[code_of(result)], FACTS(
+        word("name", INPUT_NAME[place]),
+        real("value", values[place]),
+        real("step", step),
+        real("reel_out_speed", values[AT_REEL_OUT_SPEED]),
+        real("length", arrays->state[AT_LENGTH]),
+        real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),
+        real("fixed_step", arrays->parameters[AT_FIXED_STEP]),
+        whole("budget", (double)(AT_WORK_BUDGET / arrays->segments))));
+}
+
+/* Go on with other arrays and their values. */
+void take_arrays(Instance *instance, Arrays *arrays)
+{
+    free_arrays(instance->arrays);
+    instance->arrays = arrays;
+    memcpy(instance->values, arrays->values, VALUES * sizeof(double));
+}
+
+/* Check the parameters and find the first shape; `refusal` is the status if that is not possible, and nothing is changed. */
+Status start(Instance *instance, Status refusal)
+{
+    char problem[LONGEST_TEXT];
+    if (!check_parameters(instance->values, problem))
+        return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
+    Arrays *arrays = make_arrays(instance->values, instance->tolerance);
+    if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
+    int32_t result = first_shape(arrays, arrays->values);
+    if (result) {
+        say_kernel_status(instance, refusal, arrays, arrays->values, result, 0.0);
+        free_arrays(arrays);
+        return refusal;
+    }
+    take_arrays(instance, arrays);
+    instance->warned = 0;
+    return OK;
+}
+
+Status exit_initialization(Instance *instance)
+{
+    if (instance->phase != INITIALIZING) return refuse_phase(instance, CANNOT_BE_LEFT);
+    Status status = start(instance, ERROR);
+    if (status != OK) return status;
+    instance->phase = STEPPING;
+    memcpy(instance->arrays->state + AT_GIVEN_DERIVATIVES, instance->derivatives, sizeof instance->derivatives);
+    return warn(instance);
+}
+
+double last_successful_time(const Instance *instance)
+{
+    return instance->time != instance->time ? instance->start_time : instance->time;
+}
+
+/* Whether a step can be done now; a communication point where no step ended is reported once. */
+static Status check_time(Instance *instance, double time, double step)
+{
+    double off = fabs(time - instance->time), stop = instance->stop_time;
+    double allowed = JUMP_OF_STEP * fabs(step) + JUMP_OF_TIME * fabs(time);
+    if (instance->phase != STEPPING) return refuse_phase(instance, NO_STEP_NOW);
+    if (!is_finite(time)) return say(instance, DISCARD, TIME_NOT_FINITE, FACTS(real("time", time)));
+    if (instance->stop_is_defined && time + step > stop + allowed)
+        return say(instance, ERROR, PAST_THE_END, FACTS(real("step", step), real("time", time), real("stop", stop)));
+    if (!(off > allowed) || instance->warned_of_time) return OK; /* `off` is NaN before the first step */
+    instance->warned_of_time = true;
+    return say(instance, WARNING, TIME_JUMPS, FACTS(real("time", time), real("end", instance->time)));
+}
+
+/* Remember from where and with which inputs a step was done. */
+static void remember(Arrays *arrays, const double *values)
+{
+    double *before = arrays->spare;
+    arrays->spare = arrays->before;
+    arrays->before = before;
+    memcpy(arrays->inputs, values, sizeof arrays->inputs);
+    arrays->is_repeatable = true;
+}
+
+/* One communication step [s] with the inputs at its start. */
+Status advance(Instance *instance, double time, double step)
+{
+    Status status = check_time(instance, time, step);
+    if (status > WARNING) return status;
+    Arrays *arrays = instance->arrays;
+    size_t size = STATE_SIZE(arrays->segments) * sizeof(double);
+    memcpy(arrays->spare, arrays->state, size);
+    int32_t result = do_step(arrays, step, instance->values);
+    if (result) {
+        say_kernel_status(instance, DISCARD, arrays, instance->values, result, step); /* with the length that was tried */
+        memcpy(arrays->state, arrays->spare, size);
+        observe(arrays, instance->values);
+        return DISCARD;
+    }
+    remember(arrays, instance->values);
+    read_free_kite(arrays, instance->values);
+    instance->time = instance->values[TIME] = time + step;
+    Status warned = warn(instance);
+    return status > warned ? status : warned;
+}
+
+/* --- values */
+
+/* Kind of a value reference; 0 of one that is none of the kinds asked for. */
+unsigned kind_of(unsigned reference, unsigned kinds)
+{
+    return reference <= VALUES && KIND[reference] & kinds ? KIND[reference] : 0;
+}
+
+/* Whether `room` values are as many as the variables have. */
+Status check_count(const Instance *instance, const unsigned *references, size_t count, size_t room)
+{
+    size_t needed = 0;
+    for (size_t i = 0; i < count; i++) needed += WIDTH[references[i]];
+    if (needed == room) return OK;
+    return say(instance, ERROR, WRONG_COUNT, FACTS(whole("count", (double)room), whole("needed", (double)needed)));
+}
+
+/* A number of an Integer or Enumeration variable; 0 for what no such variable holds. */
+static int32_t integer(double value)
+{
+    return fabs(value) <= AT_LARGEST_INTEGER ? (int32_t)value : 0;
+}
+
+/* Values of variables of some kinds, in their order. In initialization mode outputs are calculated when they are read. */
+Status get_values(
+    Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
+{
+    bool outputs = false;
+    Status status = OK;
+    for (size_t i = 0; i < count; i++) {
+        unsigned kind = kind_of(references[i], kinds);
+        if (!kind) return say(instance, ERROR, CANNOT_BE_READ, FACTS(whole("reference", references[i])));
+        outputs = outputs || kind & OUTPUT;
+    }
+    if (check_count(instance, references, count, room) != OK) return ERROR;
+    if (outputs && instance->phase == INITIALIZING) status = start(instance, WARNING);
+    for (size_t i = 0, k = 0; i < count; i++) {
+        const double *value = instance->values + references[i];
+        for (unsigned j = 0; j < WIDTH[references[i]]; j++, k++) {
+            if (type == FLOAT64) ((double *)values)[k] = value[j];
+            if (type == INT32) ((int32_t *)values)[k] = integer(value[j]);
+            if (type == INT64) ((int64_t *)values)[k] = integer(value[j]);
+        }
+    }
+    return status;
+}
+
+static double number(Type type, const void *values, size_t k)
+{
+    if (type == INT32) return ((const int32_t *)values)[k];
+    if (type == INT64) return (double)((const int64_t *)values)[k];
+    return ((const double *)values)[k];
+}
+
+/* Whether a variable can be set now. */
+static Status check_settable(const Instance *instance, Type type, unsigned kinds, unsigned reference, double value)
+{
+    unsigned kind = kind_of(reference, kinds);
+    Fact fact = type == FLOAT64 ? real("value", value) : whole("value", value);
+    if (!(kind & (INPUT | PARAMETER_KIND)))
+        return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", reference), fact));
+    if (kind & PARAMETER_KIND && instance->phase >= STEPPING)
+        return say(instance, ERROR, IS_FIXED, FACTS(word("name", PARAMETER[reference - PARAMETERS_AT].name), fact));
+    if (kind & INPUT && instance->phase == TERMINATED)
+        return say(instance, ERROR, NOT_AFTER_THE_END, FACTS(word("name", INPUT_NAME[reference]), fact));
+    return OK;
+}
+
+/* Store values of variables of some kinds; they are checked when they are used. All are set, or none. */
+Status set_values(
+    Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, const void *values,
+    size_t room)
+{
+    for (size_t i = 0, k = 0; i < count; i++) {
+        double first = k < room ? number(type, values, k) : NAN;
+        if (check_settable(instance, type, kinds, references[i], first) != OK) return ERROR;
+        k += WIDTH[references[i]];
+    }
+    if (check_count(instance, references, count, room) != OK) return ERROR;
+    for (size_t i = 0, k = 0; i < count; i++)
+        for (unsigned j = 0; j < WIDTH[references[i]]; j++, k++)
+            instance->values[references[i] + j] = number(type, values, k);
+    return OK;
+}

@@ -1,0 +1,66 @@
+/* One instance of the FMU: its life from instantiation to termination, and the values of its variables. */
+#ifndef INSTANCE_H
+#define INSTANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "arrays.h"
+#include "messages.h"
+#include "tables.h"
+
+typedef enum { FLOAT64, INT32, INT64 } Type; /* of the numbers that the importer passes */
+typedef void (*Log)(const Instance *instance, Status status, const char *text);
+
+struct Instance {
+    const void *identity; /* `&THIS_FMU`, so that a pointer to anything else is recognized */
+    char *name;
+    Log log; /* of fmi2.c or fmi3.c, which know the type of the importer's function */
+    void *environment;
+    void (*importer_log)(void);
+    const char *call; /* the FMI function that runs, for messages */
+    Phase phase;
+    bool stop_is_defined, warned_of_time;
+    uint32_t warned;              /* what was implausible and has been said, as bits */
+    double tolerance;             /* the importer's, 0 for none */
+    double time;                  /* end of the last step [s], NaN before the first */
+    double start_time, stop_time; /* [s] */
+    Arrays *arrays;               /* NULL before the first start */
+    double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
+    double derivatives[1 + AT_INPUTS]; /* of inputs, given before the first step, see derivatives.c */
+};
+
+extern const char THIS_FMU;
+extern const char *const CATEGORY[]; /* names of log categories, by status */
+
+/* --- its life */
+
+Instance *entered(void *handle, const char *call);
+Status refuse_call(void *handle, const char *call);
+Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void));
+void free_instance(Instance *instance);
+void to_start_values(Instance *instance);
+void take_arrays(Instance *instance, Arrays *arrays);
+Status check_token(const Instance *instance, const char *token);
+Status check_categories(const Instance *instance, size_t count, const char *const *categories);
+Status set_up_experiment(
+    Instance *instance, bool has_tolerance, double tolerance, double start, bool has_stop, double stop);
+Status enter_initialization(Instance *instance);
+Status exit_initialization(Instance *instance);
+Status start(Instance *instance, Status refusal);
+Status advance(Instance *instance, double time, double step);
+Status terminate(Instance *instance);
+double last_successful_time(const Instance *instance);
+
+/* --- its values */
+
+unsigned kind_of(unsigned reference, unsigned kinds);
+Status check_count(const Instance *instance, const unsigned *references, size_t count, size_t room);
+Status get_values(
+    Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
+Status set_values(
+    Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, const void *values,
+    size_t room);
+
+#endif

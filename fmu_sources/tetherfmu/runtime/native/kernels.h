@@ -1,0 +1,28 @@
+/* The kernels, see kernels/entry_points.py. Nothing but arrays.c calls them. */
+#ifndef KERNELS_H
+#define KERNELS_H
+
+#include <stdint.h>
+
+#include "tables.h"
+
+int32_t KERNEL(initialize)(
+    int64_t segments, const double *parameters, const double *inputs, double *state, double *work);
+int32_t KERNEL(advance)(
+    int64_t segments, const double *parameters, const double *inputs, double step, double *state, double *work);
+int32_t KERNEL(observe)(
+    int64_t segments, const double *parameters, const double *state, int64_t shape_points, double *outputs, double *work);
+
+/* What a kernel returns is 0 if all is done, else a code and the index of an input, as `status.code` and `status.index` of
+status.py read them. */
+static inline int code_of(int32_t result)
+{
+    return result & 0xFF;
+}
+
+static inline int index_of(int32_t result)
+{
+    return result >> 8;
+}
+
+#endif

@@ -1,0 +1,27 @@
+/* Sentences with {names} that are filled in, and the status that a call returns with them. */
+#ifndef MESSAGES_H
+#define MESSAGES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct Instance Instance;
+typedef int Status; /* no enumeration: FMI 2 and FMI 3 have one of their own each, with these numbers */
+enum { OK, WARNING, DISCARD, ERROR };
+enum { LONGEST_TEXT = 1024 };
+
+typedef struct {
+    const char *key, *text;
+    double number;
+    bool whole;
+} Fact;
+
+Fact real(const char *key, double number);
+Fact whole(const char *key, double number);
+Fact word(const char *key, const char *text);
+void fill_in(char *text, size_t room, const char *sentence, const Fact *facts);
+Status say(const Instance *instance, Status status, const char *sentence, const Fact *facts);
+Status refuse_null(const Instance *instance, const char *argument);
+#define FACTS(...) ((const Fact[]){__VA_ARGS__, {0}}) /* the last one, without a key, is the end of the list */
+
+#endif

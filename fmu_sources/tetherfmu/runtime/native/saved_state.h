@@ -1,0 +1,20 @@
+/* A saved state of an instance. */
+#ifndef SAVED_STATE_H
+#define SAVED_STATE_H
+
+#include "messages.h"
+
+typedef struct {
+    const void *identity; /* `&THIS_FMU`, as of an instance */
+    size_t size, room;
+    unsigned char bytes[]; /* the record of saved_state.py; its checksum is made when it is serialized */
+} Saved;
+
+Status save(Instance *instance, Saved **saved);
+Status free_saved(const Instance *instance, Saved **saved);
+Status restore(Instance *instance, const Saved *saved);
+Status saved_size(const Instance *instance, const Saved *saved, size_t *size);
+Status serialize(const Instance *instance, const Saved *saved, void *bytes, size_t size);
+Status deserialize(const Instance *instance, const void *bytes, size_t size, Saved **saved);
+
+#endif
