@@ -13,7 +13,7 @@ from tetherfmu.runtime.variants import FREE, WITHOUT_NODES, WITHOUT_WAVES, libra
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
 NUMBERS_IN_A_LINE = 12
-_SIZES = ("parameters_size", "state_size", "work_size")  # linear in the number of segments
+_SIZES = ("parameters_size", "state_size")  # linear in the number of segments
 
 
 def c_text(text):

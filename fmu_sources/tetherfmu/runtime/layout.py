@@ -112,14 +112,6 @@ LINEAR, HELD = 1, 2
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 
-# work of the solver, in arrays of 3 (n + 1) numbers and of segment records
-STAGES = 6
-NODE_ARRAYS = 12 + STAGES
-FOLDED_ARRAYS = 8 + STAGES  # of those, with up to 3 numbers more each: see `algebra/both_ends.py`
-SEGMENT = 8  # direction and length of a segment and of its mirror image, see `nodes.find_segments`
-BLOCK_ARRAYS = 3  # diagonal, lower and upper 3x3 blocks
-SEGMENT_RECORD = 35  # derivatives of one segment, see `segment.py`
-
 LARGEST_INTEGER = 2**31 - 1  # of FMI 2.0
 LARGEST_INPUT = 1e9  # in magnitude, any input
 LONGEST_STEP = 1e6  # [s]
@@ -141,9 +133,3 @@ def state_size(segments):
 def outputs_size(shape_points):
     """Length of the `outputs` array [-] with so many points of the shape."""
     return SHAPE + 3 * shape_points
-
-
-def work_size(segments):
-    """Length of the `work` array [-] of a tether with so many segments."""
-    of_a_node = 3 * (2 + NODE_ARRAYS) + 9 * BLOCK_ARRAYS + SEGMENT_RECORD + SEGMENT // 2 + 2
-    return STATE_HEADER + of_a_node * (segments + 1) + segments + 3 * FOLDED_ARRAYS + SEGMENT // 2 + 1

@@ -96,7 +96,7 @@ enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
 Arrays *make_arrays(const double *values, double importer_tolerance)
 {
     int64_t n = effective_segments(values);
-    size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = WORK_SIZE(n);
+    size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = (size_t)KERNEL(work_size)(n);
     Arrays *arrays = calloc(1, sizeof *arrays + (parameters + STATES_HELD * state + work + VALUES) * sizeof(double));
     if (!arrays) return NULL;
     arrays->segments = n;
@@ -122,23 +122,23 @@ int32_t first_shape(const Arrays *arrays, double *values)
 #if FREE_KITE
     memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, KITE_MOTION * sizeof(double));
 #endif
-    int32_t result = KERNEL(initialize)(arrays->segments, arrays->parameters, values, arrays->state, arrays->work);
-    return result ? result : observe(arrays, values);
+    return KERNEL(initialize)(
+        arrays->segments, arrays->parameters, values, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
 }
 
-/* One communication step [s] of the state with the inputs in `values`, which get its outputs; returns the kernel's status,
-and where that is not 0 the state is to be restored. */
-int32_t do_step(const Arrays *arrays, double step, double *values)
+/* One communication step [s] of the state with the inputs in `values`, which get its outputs; `before` gets the state of
+before. Returns the kernel's status: where that is not 0, state and outputs are as they were. */
+int32_t do_step(const Arrays *arrays, double step, double *before, double *values)
 {
-    int32_t result =
-        KERNEL(advance)(arrays->segments, arrays->parameters, values, step, arrays->state, arrays->work);
-    return result ? result : observe(arrays, values);
+    return KERNEL(advance)(
+        arrays->segments, arrays->parameters, values, step, arrays->state, before, SHAPE_POINTS, values + OUTPUTS_AT,
+        arrays->work);
 }
 
 /* Outputs in `values` that belong to the state; returns the kernel's status. */
-int32_t observe(const Arrays *arrays, double *values)
+int32_t take_outputs(const Arrays *arrays, double *values)
 {
-    return KERNEL(observe)(
+    return KERNEL(outputs)(
         arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
 }
 

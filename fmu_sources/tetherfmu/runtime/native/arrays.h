@@ -14,7 +14,7 @@ typedef struct {
     int64_t segments;
     double *parameters, *state, *work;
     double *before; /* the state before the last step that was done */
-    double *spare;  /* room for a state */
+    double *spare;  /* room for the state before the next one */
     double *values; /* of the tether, for a start or a saved state that may be refused */
     double inputs[AT_INPUTS]; /* of the last step */
     bool is_repeatable;       /* whether `before` and `inputs` are known: not after a start or a restored state */
@@ -24,8 +24,8 @@ bool check_parameters(const double *values, char *problem);
 Arrays *make_arrays(const double *values, double importer_tolerance);
 void free_arrays(Arrays *arrays);
 int32_t first_shape(const Arrays *arrays, double *values);
-int32_t do_step(const Arrays *arrays, double step, double *values);
-int32_t observe(const Arrays *arrays, double *values);
+int32_t do_step(const Arrays *arrays, double step, double *before, double *values);
+int32_t take_outputs(const Arrays *arrays, double *values);
 void read_free_kite(const Arrays *arrays, double *values);
 
 #endif

@@ -231,15 +231,8 @@ Status advance(Instance *instance, double time, double step)
     Status status = check_time(instance, time, step);
     if (status > WARNING) return status;
     Arrays *arrays = instance->arrays;
-    size_t size = STATE_SIZE(arrays->segments) * sizeof(double);
-    memcpy(arrays->spare, arrays->state, size);
-    int32_t result = do_step(arrays, step, instance->values);
-    if (result) {
-        say_kernel_status(instance, DISCARD, arrays, instance->values, result, step); /* with the length that was tried */
-        memcpy(arrays->state, arrays->spare, size);
-        observe(arrays, instance->values);
-        return DISCARD;
-    }
+    int32_t result = do_step(arrays, step, arrays->spare, instance->values);
+    if (result) return say_kernel_status(instance, DISCARD, arrays, instance->values, result, step);
     remember(arrays, instance->values);
     read_free_kite(arrays, instance->values);
     instance->time = instance->values[TIME] = time + step;

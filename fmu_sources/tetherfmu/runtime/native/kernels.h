@@ -6,11 +6,14 @@
 
 #include "tables.h"
 
+int64_t KERNEL(work_size)(int64_t segments);
 int32_t KERNEL(initialize)(
-    int64_t segments, const double *parameters, const double *inputs, double *state, double *work);
+    int64_t segments, const double *parameters, const double *inputs, double *state, int64_t shape_points, double *outputs,
+    double *work);
 int32_t KERNEL(advance)(
-    int64_t segments, const double *parameters, const double *inputs, double step, double *state, double *work);
-int32_t KERNEL(observe)(
+    int64_t segments, const double *parameters, const double *inputs, double step, double *state, double *before,
+    int64_t shape_points, double *outputs, double *work);
+int32_t KERNEL(outputs)(
     int64_t segments, const double *parameters, const double *state, int64_t shape_points, double *outputs, double *work);
 
 /* What a kernel returns is 0 if all is done, else a code and the index of an input, as `status.code` and `status.index` of

@@ -160,7 +160,7 @@ static const char *problem_of_state(Arrays *arrays, const Head *head, const doub
     memcpy(arrays->state, state, STATE_SIZE(arrays->segments) * sizeof(double));
     if (!is_set(arrays->state[AT_WARNINGS], AT_WARNING_KINDS)) return STATE_IMPOSSIBLE;
     if (!is_set(arrays->state[AT_GIVEN_DERIVATIVES], AT_INPUTS)) return STATE_IMPOSSIBLE;
-    if (observe(arrays, arrays->values)) return STATE_IMPOSSIBLE;
+    if (take_outputs(arrays, arrays->values)) return STATE_IMPOSSIBLE;
     read_free_kite(arrays, arrays->values);
     return NULL;
 }
