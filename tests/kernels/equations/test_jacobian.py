@@ -103,4 +103,4 @@ def test_still_air_has_a_derivative():
     still = np.zeros_like(problem.v)
     calm = chain_at(problem.n, problem.parameters, 38.0, 0.0, (0.0, 0.0, 0.0))
     linearize(calm, problem.x, still, w)
-    assert np.isfinite(w.records[: at.SEGMENT_RECORD * problem.n]).all()
+    assert np.isfinite(w.records[: segment.RECORD * problem.n]).all()
