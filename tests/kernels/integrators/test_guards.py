@@ -15,7 +15,6 @@ from tetherfmu.kernels.integrators import backward_euler, step_control
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.status import STEP_BUDGET_SPENT
 
 MODELS = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
 SOLVERS = [Solver(), Solver(fixed_step=0.01)]
@@ -113,10 +112,10 @@ def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch):
     monkeypatch.setattr(step_control, "step_factor", lambda *errors: 1.0)
     state, nodes = np.zeros(at.STATE_HEADER), np.zeros(3)
     state[at.SOLVER_STEP] = 1e-9
-    status = step_control.integrate.py_func(
+    result = step_control.integrate.py_func(
         SimpleNamespace(n=300), 1.0, state, nodes, nodes, SimpleNamespace(x=nodes, v=nodes)
     )
-    assert status == STEP_BUDGET_SPENT
+    assert result == status.STEP_BUDGET_SPENT
     assert len(tried) == at.WORK_BUDGET // 300
 
 
@@ -159,18 +158,25 @@ def test_loose_tolerances_do_not_feed_on_the_speed_of_stiff_dampers():
 
 
 def test_the_fixed_step_solver_stops_at_its_budget():
-    """More internal steps than the budget are refused before the first; hard ones when their iterations have spent it."""
+    """More internal steps than the budget are refused; hard ones when their iterations have spent it."""
     tether = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
     inputs = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
-    for fixed_step, steps in ((1e-4, 0), (1.0 / 3000.0, None)):
+    for fixed_step in (1e-4, 1.0 / 3000.0):
         model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=3))
         model.initialize(**inputs)
         before = model.get_state()
         with pytest.raises(StepRefused, match=r"longer fixed_step or a shorter communication step"):
             model.step(1.0, **inputs)
         np.testing.assert_array_equal(model.get_state(), before)
-        if steps is not None:
-            assert tried(model) == steps
+
+
+def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
+    monkeypatch.setattr(backward_euler, "careful_step", lambda *arguments: pytest.fail("a step was done"))
+    parameters = np.zeros(at.PARAMETER_SCALARS)
+    parameters[at.FIXED_STEP] = 1e-4
+    conditions = SimpleNamespace(n=300, parameters=parameters)
+    result = backward_euler.integrate.py_func(conditions, 1.0, np.zeros(at.STATE_HEADER), None, None, None)
+    assert result == status.FIXED_STEPS_TOO_MANY
 
 
 def test_a_fixed_step_takes_a_bounded_number_of_iterations():
