@@ -1,4 +1,4 @@
-"""How far from theory are the extreme scenarios? Prints the table of docs/extremes.md.
+"""How far from theory are the extreme scenarios? Prints the table of docs/measurements/extremes.md.
 
     python tests/benchmarks/extremes.py [--long]
 

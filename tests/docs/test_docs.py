@@ -18,7 +18,7 @@ from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
-sys.path.append(str(ROOT / "docs"))
+sys.path.append(str(ROOT / "docs" / "make"))
 
 import make_fmu_table  # noqa: E402
 from named_functions import MODULES, NAME, PAGES  # noqa: E402
@@ -26,7 +26,8 @@ from named_functions import MODULES, NAME, PAGES  # noqa: E402
 
 def page(name):
     """Text of a page of the manual."""
-    return (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    (path,) = (ROOT / "docs").glob(f"*/{name}.md")
+    return path.read_text(encoding="utf-8")
 
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -42,13 +43,13 @@ def cited_sections():
     """Triples (file, page, section) of all citations of the pages of equations in the sources."""
     found = []
     for path in sorted(PACKAGE.rglob("*.py")):
-        cited = re.findall(r'docs/(theory|numerics)\.md,\s+("[^"]+"(?: and "[^"]+")*)', path.read_text(encoding="utf-8"))
+        cited = re.findall(r'docs/(?:models/)?(theory|numerics)\.md,\s+("[^"]+"(?: and "[^"]+")*)', path.read_text("utf-8"))
         found += [(path.name, name, section) for name, text in cited for section in re.findall(r'"([^"]+)"', text)]
     return found
 
 
 def test_interface_page_is_what_the_script_writes(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
+    monkeypatch.syspath_prepend(ROOT / "docs" / "make")
     script = importlib.import_module("make_interface")
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 
@@ -247,6 +248,6 @@ def test_largest_step_of_a_coupling_by_force(part, grows):
 
 
 def test_page_on_the_example_fmus_is_what_the_script_writes(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
+    monkeypatch.syspath_prepend(ROOT / "docs" / "make")
     script = importlib.import_module("make_example_fmus")
     assert script.PAGE.read_text(encoding="utf-8") == script.page()

@@ -11,7 +11,7 @@ from tetherfmu.study.advice.page import declared
 from tetherfmu.study.measuring.tables import TEMPLATES
 
 TEMPLATE = "advice/page.md.j2"
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "how_much_tether.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "use" / "how_much_tether.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "thresholds"])

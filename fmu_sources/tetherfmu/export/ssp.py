@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fmpy import read_model_description
 
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text
 
@@ -26,7 +27,7 @@ PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}
 
 def write_all(folder, platforms=None):
     """Write the systems of the examples to a folder; returns their paths.  platforms : as for `archive.build`."""
-    given = example_fmus.module("kite_power_system")
+    given = example("power_system.kite_power_system")
     power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
     return [
         write("kite_power_system", given.FMUS, given.START, power, Path(folder), platforms),
@@ -53,7 +54,7 @@ def write(name, fmus, start, fidelities, folder, platforms=None):
 
 def _structure(name, fidelity, fmus, variables, values):
     """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
-    wiring = example_fmus.module("kite_power_system")
+    wiring = example("power_system.kite_power_system")
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
     root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
     system = SubElement(root, "ssd:System", name=name)

@@ -28,9 +28,10 @@ def add_advice(added):
     added("costs", "measuring.unit_costs", "measure the unit costs anew (costs.csv of this package)")
     added("thresholds", "advice.thresholds", "measure the thresholds anew (thresholds.csv of this package)")
 
-    option = added("page", "advice.page", "measure and write docs/how_much_tether.md and its figures")
+    option = added("page", "advice.page", "measure and write docs/use/how_much_tether.md and its figures")
     option("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
-    option("--out", type=folder, metavar="DIR", default=DOCS, help="folder of the page (default: docs)")
+    about = "folder for use/how_much_tether.md and figures/ (default: docs)"
+    option("--out", type=folder, metavar="DIR", default=DOCS, help=about)
     option("--store", type=folder, metavar="DIR", default=STUDY, help="folder of finished points (default: study)")
 
 
@@ -39,7 +40,8 @@ def add_limits_and_costs(added):
     option = added("stability", "stability.report", "find where the tethers hold and where they refuse")
     option("--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)")
     option("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
-    option("--out", type=folder, default=DOCS, metavar="DIR", help="folder for stability.md and figures/ (default docs)")
+    about = "folder for measurements/stability.md and figures/ (default docs)"
+    option("--out", type=folder, default=DOCS, metavar="DIR", help=about)
     about = "of finished points (default: stability_<seed>.jsonl in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
     about = "file of results of another version, to compare with on the points of both"
@@ -54,7 +56,8 @@ def add_limits_and_costs(added):
     option("--flights", action="store_true", help="only the races of the two flights, without compiled C")
     option("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    option("--out", type=folder, metavar="DIR", default=BENCHMARK, help="folder for benchmarks.md and benchmarks.csv")
+    about = "folder for measurements/benchmarks.md and data/benchmarks.csv"
+    option("--out", type=folder, metavar="DIR", default=BENCHMARK, help=about)
     option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
 
 

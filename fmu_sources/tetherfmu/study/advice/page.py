@@ -1,4 +1,4 @@
-"""The page docs/how_much_tether.md, with numbers that are measured here; also, whether the advisor keeps its word."""
+"""The page docs/use/how_much_tether.md, with numbers that are measured here; also, whether the advisor keeps its word."""
 
 from dataclasses import replace
 from time import process_time
@@ -125,4 +125,5 @@ def run(options):
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
     draw_chart(figures / "decision.png")
-    (options.out / "how_much_tether.md").write_text(how_much_tether(results, others), encoding="utf-8")
+    (options.out / "use").mkdir(parents=True, exist_ok=True)
+    (options.out / "use" / "how_much_tether.md").write_text(how_much_tether(results, others), encoding="utf-8")

@@ -99,7 +99,7 @@ def compared(both):
 
 
 def figures(results, both, folder):
-    """Draw the heat maps into a folder; returns their paths, as seen from it, by title."""
+    """Draw the heat maps into figures/ of a folder; returns their paths there, by title."""
     path = "figures/stability_{}.png".format
     for name, figure in FIGURES.items():
         draw(results, figure, folder / path(name))
@@ -110,11 +110,12 @@ def figures(results, both, folder):
 
 
 def write(results, before, also, folder, with_figures):
-    """Write stability.md, and its figures if asked for, to a folder (Path); returns the summary as text.
+    """Write measurements/stability.md in a folder (Path), and its figures if asked for; returns the summary as text.
 
     results, before, also : tables of results, of now, of another version and of another seed (which may both be empty).
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    pages = folder / "measurements"
+    pages.mkdir(parents=True, exist_ok=True)
     points, both = prepared(results), common(results, before) if len(before) else {}
     core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
     held = f"{100.0 * core.held.mean():.1f} % of {len(core)} points are converged or stable."
@@ -123,7 +124,7 @@ def write(results, before, also, folder, with_figures):
     drawn = figures(points, both, folder) if with_figures else {}
     found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
     text = page("stability/page.md.j2", figures=drawn, **found, **tables, **bounds)
-    (folder / "stability.md").write_text(text, encoding="utf-8")
+    (pages / "stability.md").write_text(text, encoding="utf-8")
     return f"{markdown(by_variant(points))}\n{held}"
 
 
