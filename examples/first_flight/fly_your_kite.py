@@ -1,27 +1,13 @@
-"""How does a kite of your own fly on a tether? The shortest closed loop: a kite in Python, a tether FMU.
+"""How does a kite of your own fly on a tether? The FMU moves it under the load that you compute: change `load`, `START`."""
 
-    python examples/first_flight/fly_your_kite.py
+from shutil import rmtree
 
-The FMU moves the kite, a point mass at the end of its tether: it gets the load on the kite and gives its motion. The load is
-lift and drag in the wind, with round numbers of a soft kite for the coefficients; put in your own. The kite rises until its
-tether points where lift, drag and weight together point, atan((lift - weight)/drag) above the horizon, and a little less for
-the weight of the tether.
-"""
-
-import sys
-from pathlib import Path
-
+import fmpy
 import numpy as np
 
-from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
-from shared.fmu_tools import add_fmu, find_fmu, running, variables_of
-
-STEP, COUNT = 0.02, 3000  # communication step [s], one minute
-WIND, MASS, AREA, LIFT, DRAG = np.array([8.0, 0.0, 0.0]), 10.0, 10.0, 0.7, 0.15  # m/s, kg, m2, coefficients
-START = {"kite_mass": MASS, "initial_length": 200.0, "initial_kite_position[1]": 160.0, "initial_kite_position[3]": 120.0}
+FMU, STEP, COUNT = "dist/TetherDynamicFree.fmu", 0.02, 3000  # communication steps [s], a minute of them
+WIND, AREA, LIFT, DRAG = np.array([8.0, 0.0, 0.0]), 10.0, 0.7, 0.15  # m/s, m2, coefficients of a soft kite
+START = {"kite_mass": 10.0, "initial_length": 200.0, "initial_kite_position[1]": 160.0, "initial_kite_position[3]": 120.0}
 
 
 def load(position, velocity):
@@ -32,36 +18,27 @@ def load(position, velocity):
     return 0.5 * 1.225 * AREA * np.linalg.norm(wind) * (DRAG * wind + lift)
 
 
-def fly(fmu_file):
-    """Fly; array with a row of time [s], position [m], velocity [m/s] and tension [N] for each communication step."""
-    variables, rows = variables_of(fmu_file, free=True), []
-    loads, motion = variables.of("kite_load"), variables.of("kite_position", "kite_velocity")
-    found = motion + variables.of("kite_tension")
-    with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
+if __name__ == "__main__":
+    folder, description, rows = fmpy.extract(FMU), fmpy.read_model_description(FMU), []
+    place = {variable.name: variable.valueReference for variable in description.modelVariables}
+    names = "wind_velocity", "kite_load", "kite_position", "kite_velocity"
+    wind, loads, x, v = ([place[f"{name}[{i}]"] for i in (1, 2, 3)] for name in names)
+    fmu = fmpy.instantiate_fmu(folder, description, debug_logging=True)
+    try:
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal([variables.reference[name] for name in START], START.values())
+        fmu.setReal([*map(place.get, START), *wind], [*START.values(), *WIND])
         fmu.enterInitializationMode()
-        fmu.setReal(variables.of("wind_velocity"), WIND)
         fmu.exitInitializationMode()
         for k in range(COUNT):
-            x, v = np.split(np.array(fmu.getReal(motion)), 2)  # 1. Where the kite is, and how fast, at the start of a step.
-            fmu.setReal(loads, load(x, v))  # 2. The load on it.
-            fmu.doStep(k * STEP, STEP)  # 3. The tether moves it to the end of the step.
-            rows.append([(k + 1) * STEP, *fmu.getReal(found)])
-            stop_if_pressed()
-    return np.array(rows)
-
-
-@command
-def main(arguments=None):
-    """Print where the kite is and how hard it pulls, every ten seconds."""
-    parser = Parser(description="Fly a kite of your own in a closed loop.")
-    add_fmu(parser, "dist/TetherDynamicFree.fmu")
-    given = parser.parse_args(arguments)
-    for time, x, y, z, *_, tension in fly(given.fmu or find_fmu("TetherDynamicFree"))[499::500]:
+            fmu.setReal(loads, load(*np.reshape(fmu.getReal(x + v), (2, 3))))  # 1. The load where the kite is now
+            fmu.doStep(k * STEP, STEP)  # 2. moves the kite on its tether to the end of the step.
+            rows.append([(k + 1) * STEP, *fmu.getReal([*x, *v, place["kite_tension"]])])
+        fmu.terminate()
+    except fmpy.fmi1.FMICallException as refusal:
+        raise SystemExit(f"The flight ended at {len(rows) * STEP:.2f} s: {refusal} Above, the FMU says why.") from None
+    finally:
+        fmu.freeInstance()
+        rmtree(folder, ignore_errors=True)
+    for time, x, y, z, *_, tension in rows[499::500]:
         elevation = np.degrees(np.arctan2(z, np.hypot(x, y)))
-        print(f"{time:3.0f} s: {elevation:4.1f} deg above the horizon, pulls with {tension:3.0f} N")
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        print(f"{time:.0f} s: {elevation:.1f} deg above the horizon, pulls with {tension:.0f} N")
