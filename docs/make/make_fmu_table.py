@@ -15,11 +15,11 @@ MEASURED, COSTS = DATA / "fmus.csv", DATA / "benchmarks.csv"
 SCENES = {"reel": "taut, reeling", "figure_of_eight": "figure of eight", "circle": "slack circle"}
 SEGMENTS, STEP, TOLERANCE, OWN_ERROR, NAMES = 20, 0.02, 1e-4, 1e-3, ("kite_force",)
 NEEDED_FOR = {
-    "TetherStraight": "direction and tension of a tether that is pulled taut",
+    "TetherStraight": "direction and tension of a taut tether",
     "TetherCatenary": "sag and end forces at rest or in slow flight",
     "TetherQuasiSteady": "shape and forces of a flying kite, without waves",
-    "TetherDynamic": "all that, and snap loads, slack, waves, swinging",
-    "TetherDynamicFree": "the same, with a kite that the FMU moves: you give the force on it",
+    "TetherDynamic": "all of these, and snap loads, slack, waves, swinging",
+    "TetherDynamicFree": "the same, where the FMU moves the kite under the force that you compute",
 }
 
 
@@ -60,7 +60,7 @@ def table():
     spent = costs()
     with MEASURED.open(encoding="utf-8", newline="") as file:
         errors = {name: values for name, *values in list(csv.reader(file))[1:]}
-    lines = ["| file | for a scene that needs | time per step | " + " | ".join(SCENES.values()) + " |", "|---" * 6 + "|"]
+    lines = ["| file | use it for | time per step | " + " | ".join(SCENES.values()) + " |", "|---" * 6 + "|"]
     for name, purpose in NEEDED_FOR.items():
         cost = f"{spent[name]:.0f} µs" if name in spent else "-"
         found = [f"{100.0 * float(error):.2g} %" for error in errors.get(name, ())] or ["-"] * len(SCENES)

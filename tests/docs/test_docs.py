@@ -115,9 +115,9 @@ def as_here(command):
     ]
 
 
-@pytest.mark.parametrize(("text", "prints"), [(README, 2), (page("start"), 4)], ids=["README", "start"])
+@pytest.mark.parametrize(("text", "prints"), [(README, 1), (page("start"), 4)], ids=["README", "start"])
 def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
-    """As a reader does it in an empty folder with the FMUs; the blocks of both pages fly the same CSV file."""
+    """As a reader does it in an empty folder with the FMUs; the first page after the README flies a CSV file."""
     shutil.copytree(fmu_folder, tmp_path / "dist")
     log = next(code for language, code in blocks(page("start")) if "savetxt" in code)
     ran([sys.executable, "-c", log], tmp_path)
@@ -130,7 +130,7 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
         else:
             printed.append(ran([sys.executable, "-c", code], tmp_path))
     assert len([each for each in printed if each.strip()]) >= prints
-    assert (tmp_path / "result.csv").exists()
+    assert (tmp_path / "result.csv").exists() is ("write_csv" in text)
 
 
 def test_blocks_for_users_of_tethers_jl(tmp_path):
