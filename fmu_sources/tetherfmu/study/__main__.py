@@ -40,7 +40,7 @@ def add_limits_and_costs(added):
     option = added("stability", "stability.report", "find where the tethers hold and where they refuse")
     option("--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)")
     option("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
-    about = "folder for measurements/stability.md and figures/ (default docs)"
+    about = "folder for measurements/, data/ and figures/ (default: docs)"
     option("--out", type=folder, default=DOCS, metavar="DIR", help=about)
     about = "of finished points (default: stability_<seed>.jsonl in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
