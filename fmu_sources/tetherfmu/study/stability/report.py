@@ -1,6 +1,6 @@
 """The command `python -m tetherfmu.study stability`: it judges random points, and writes their page.
 
-The page, stability.md, has tables by variant, refusals, the worst points and heat maps, and the extreme scenarios with a known
+The page, stability.md, has tables by variant, refusals, the worst points, heat maps and the extreme scenarios with a known
 answer (extremes.md.j2), which are not measured here. The table by region is a CSV file.
 """
 
