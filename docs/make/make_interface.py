@@ -33,13 +33,13 @@ In a communication step from t to t + h:
 2. do the step,
 3. read the outputs: they belong to t + h.
 
-Within the step the tether leads its ends on a smooth curve to the predicted position $p + v h + a h^2/2$, with $a$ from
+Within the step the tether moves its ends on a smooth curve to the predicted position $p + v h + a h^2/2$, with $a$ from
 the last two velocities ([Driven ends](../models/theory.md#driven-ends)). Position and velocity of an end must fit
-together; the tether follows the position and trusts the velocity. It gives one warning if they contradict each other, as
+together; the tether follows the position and relies on the velocity. It gives one warning if they contradict each other, as
 when `kite_velocity` is left at 0. The reel-out speed continues within the step as from its last to its present value
 ([Inputs within a step](../models/theory.md#inputs-within-a-step)); where it jumps, as the set points of a winch do, set
 `input_continuation` to 2 (held). The wind is held. A native FMU takes the derivatives of inputs instead of all these
-estimates, if the importer has them ([Derivatives](importing.md#derivatives)). The outputs at t = 0 are there when the
+estimates, if the importer has them ([Derivatives](../reference/derivatives.md)). The outputs at t = 0 are there when the
 initialization ends; in initialization mode they are calculated whenever they are read.
 
 A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
@@ -56,9 +56,8 @@ accelerated beyond 1000 g or moves faster than sound, or positions contradict ve
 
 ## Coupling by force
 
-A kite model that is moved by `kite_force` gets it one step late, which drives its motion along a taut tether: a force that
-is held needs steps shorter than 2 `kite_damping`/`kite_stiffness`, 1.5 ms for the default material. Other ways of exchange
-allow ten times as much, and `TetherDynamicFree.fmu`, which moves the kite itself, has no such limit:
+A kite model that integrates its motion from `kite_force` gets it one step late, which is destabilizing along a taut tether
+and limits the communication step. `TetherDynamicFree.fmu`, which integrates the motion of the kite itself, has no such limit:
 [Coupling](coupling.md).
 
 ## Inputs
@@ -84,8 +83,8 @@ before. These variables differ; all others are as above and below, and value ref
 
 {free}
 
-The load continues within the step as the reel-out speed does. With `kite_mass` 0 the end has the mass of the half segment
-only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step
+The load is extrapolated within the step as the reel-out speed is. With `kite_mass` 0 the end has the mass of the half
+segment only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step
 on. `end_velocities` concerns the ground end only.
 
 ## Parameters
