@@ -57,8 +57,8 @@ accelerated beyond 1000 g or moves faster than sound, or positions contradict ve
 ## Coupling by force
 
 A kite model that integrates its motion from `kite_force` gets it one step late, which is destabilizing along a taut tether
-and limits the communication step. `TetherDynamicFree.fmu`, which integrates the motion of the kite itself, has no such limit:
-[Coupling](coupling.md).
+and limits the communication step. `TetherDynamicFree.fmu`, which integrates the motion of the kite itself, has no such
+limit: [Coupling](coupling.md).
 
 ## Inputs
 
@@ -84,8 +84,8 @@ before. These variables differ; all others are as above and below, and value ref
 {free}
 
 The load is extrapolated within the step as the reel-out speed is. With `kite_mass` 0 the end has the mass of the half
-segment only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the first step
-on. `end_velocities` concerns the ground end only.
+segment only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the
+first step on. `end_velocities` concerns the ground end only.
 
 ## Parameters
 
