@@ -45,21 +45,21 @@ builds them beside the tethers, and two systems of them as SSP files.
 Wiring: variables of the same name belong together. What no FMU gives is set by name in each FMU that has it: the wind,
 its profile, the air density. The ground station is the origin.
 
-Both kites have one aerodynamics. The one without mass is the better partner: the bond between kite and tether is stiff,
-and in `TetherDynamicFree` it is solved inside. `FlyingKite` gets the force one communication step late, which limits the
-step to some milliseconds, unless it goes after the tether or the importer repeats steps ([Coupling](coupling.md)): its
+Both kites have the same aerodynamics. The one without mass is the better partner: the coupling of kite and tether is stiff,
+and `TetherDynamicFree` solves it inside. `FlyingKite` gets the force one communication step late, which limits the
+step to some milliseconds, unless it steps after the tether or the importer repeats steps ([Coupling](coupling.md)): its
 state can be saved and restored bit for bit, as that of every example FMU.
 
 ## Exchange
 
 Inputs belong to the start of a communication step, outputs to its end, as in the tethers. `input_continuation` says how
-the inputs go on within the step: `linear` (1), as from their last two values, is for importers in which all FMUs step
-from the same communication point; `held` (2) leaves them as they are; `interpolated` (3) is for importers that step one
-FMU after the other and hand over outputs of the end of the step.
+the inputs change within the step: `linear` (1), extrapolated from their last two values, is for importers in which all FMUs
+step from the same communication point; `held` (2) keeps them constant; `interpolated` (3) is for importers that step one
+FMU after the other and pass on outputs of the end of the step.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite or out of its range, or if the step is not
-positive; the state then does not change. The winch brakes, and says so, where the tether comes to its shortest or longest
-length. It refuses the step if it is jammed: if it has not the torque to stop there.
+positive; the state then does not change. The winch brakes, with a message, where the tether reaches its shortest or longest
+length. It refuses the step if its torque is not enough to stop there.
 
 ## A kite power system
 
