@@ -156,6 +156,9 @@ def test_blocks_of_cranes_and_drones(tmp_path):
     found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
     assert float(found[0]) == pytest.approx(hanging, abs=1.0)  # N, no digits printed
     assert re.search(r"(\d+) N at rest, .*, and at most (\d+) N", page("cranes_and_drones")).groups() == found
+    hoisting = float(re.search(r"hoisted by 64\.\d m, tension while hoisting: at most (\d+) N", text)[1])
+    assert hanging * (1.0 + 0.25 / 9.81) < hoisting < hanging * (1.0 + 0.5 / 9.81)  # at most twice a: mass on a spring
+    assert f"It prints at most {hoisting:.0f} N" in page("cranes_and_drones")
     pulls = re.search(r"largest pull on the drone: ([\d.]+) N, by FMI 3 ([\d.]+) N", text)
     assert pulls[1] == pulls[2]
     assert all((tmp_path / name).exists() for name in ("crane.png", "drone.png"))
