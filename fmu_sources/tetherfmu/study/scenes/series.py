@@ -19,7 +19,7 @@ def read_columns(path):
     except OSError as error:
         raise ValueError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
-        raise ValueError(f"{path}: is not a CSV file with a header row ({str(error).strip()})") from None
+        raise ValueError(f"{path}: is no CSV file with a header row ({str(error).strip()})") from None
     table = cells[1:].set_axis(cells.iloc[0].str.strip(), axis=1)
     numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
     for problem in problems(table, numbers):
