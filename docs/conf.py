@@ -9,7 +9,7 @@ from pathlib import Path
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
 DOCS = Path(__file__).resolve().parent
-sys.path[:0] = [str(DOCS), str(DOCS.parent / "fmu_sources")]
+sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
 
 from tetherfmu.runtime import __version__ as release  # noqa: E402
 
@@ -24,7 +24,7 @@ extensions = [
     "sphinx_design",
     "links_to_functions",
 ]
-exclude_patterns = ["*.py", "site_files"]
+exclude_patterns = ["data", "make", "site_files"]
 
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4

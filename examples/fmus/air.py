@@ -1,4 +1,4 @@
-"""Wind and air density at a height, the laws of the tether (docs/theory.md, "Air") for a single body, without a compiler."""
+"""Wind and air density at a height, the laws of the tether (docs/models/theory.md, "Air"), without a compiler."""
 
 from math import exp, log
 

@@ -4,7 +4,8 @@
     figure of eight  p = R d(azimuth + a sin(phi), elevation + b sin(2 phi))
 
 R distance, c direction to the centre, e1 horizontal and e2 upward across it, d(azimuth, elevation) a direction;
-a `half_width`, b `half_height`, phi rate times time. The start values are the circle of `examples/circular_flight.py`.
+a `half_width`, b `half_height`, phi rate times time. The start values are the circle of
+`examples/first_flight/circular_flight.py`.
 """
 
 from dataclasses import dataclass

@@ -29,6 +29,7 @@ def find_libraries():
 
 if status := find_libraries():
     sys.exit(status)
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
 import matplotlib  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
@@ -65,12 +66,6 @@ class Lesson(NamedTuple):
     simulated: float  # time that was simulated [s]
     seconds: float  # time that it took [s]
     movie: Movie | None = None
-
-
-def example(name):
-    """The module of an example that is no lesson, from the folder above."""
-    sys.path.append(str(Path(__file__).resolve().parents[1]))
-    return import_module(name)
 
 
 def timed(function, *arguments, repeats=2, **options):

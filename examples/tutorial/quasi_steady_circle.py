@@ -6,13 +6,13 @@ the path.
 """
 
 import numpy as np
-from lessons import STEP, TALL, Lesson, command_line, curve, example, plt, tidy
+from lessons import STEP, TALL, Lesson, command_line, curve, plt, tidy
 from tether_11 import draw_shapes
 
+from first_flight.circular_flight import circle
 from tetherfmu import MovingEnd, TetherDynamic, TetherQuasiSteady, inputs_along
 from tetherfmu.console.colours import COLOUR
 
-circle = example("circular_flight").circle
 RATE, LENGTH, STEPS = 0.05, 525.0, 6283  # rad/s, m, communication steps: one turn
 KITE = MovingEnd(lambda time: circle(time, RATE)[0], lambda time: circle(time, RATE)[1])
 

@@ -1,6 +1,6 @@
 """What does a kite on a circle feel from its tether? The first lesson with an FMU.
 
-The kite flies one turn on a cone, 500 m away, on 525 m of tether (examples/circular_flight.py). FMPy drives
+The kite flies one turn on a cone, 500 m away, on 525 m of tether (examples/first_flight/circular_flight.py). FMPy drives
 TetherDynamic.fmu, which is built if dist/ has none: positions and velocities of the kite go in every 20 ms, forces and
 shape come out. The file replaces the Python class of lessons 06 to 10: every tool that imports FMUs gets these numbers.
 """
@@ -8,11 +8,10 @@ shape come out. The file replaces the Python class of lessons 06 to 10: every to
 from functools import cache
 
 import numpy as np
-from lessons import TALL, Lesson, Movie, command_line, curve, example, plt, tidy
+from lessons import TALL, Lesson, Movie, command_line, curve, plt, tidy
 
+from first_flight import circular_flight
 from tetherfmu.console.colours import BLACK, COLOUR, COMPONENTS, REFERENCE
-
-circular_flight = example("circular_flight")
 
 
 @cache

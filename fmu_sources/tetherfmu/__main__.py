@@ -16,7 +16,7 @@ COMMANDS = {  # name: (module, what it does)
     "advise": (STUDY, "say which FMU, segments, tolerance and communication step a scene needs"),
     "tradeoff": (STUDY, "measure error and cost of every configuration in a scene"),
     "stability": (STUDY, "find where the tethers hold and where they refuse"),
-    "benchmark": (STUDY, "measure what the tethers cost, in races too"),
+    "benchmark": (STUDY, "measure what the tethers cost, including comparisons"),
 }
 
 

@@ -2,8 +2,8 @@
 
     d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - damping loss - drag loss
 
-Every term is written out in docs/theory.md, "Energy", and computed in `kernels/step/power_balance.py`. What the powers do
-not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
+Every term is written out in docs/models/theory.md, "Energy", and computed in `kernels/step/power_balance.py`. What the
+powers do not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from tetherfmu.runtime.status import code
 
 
 class Outputs(NamedTuple):
-    """Outputs of a tether at an instant, SI units; docs/interface.md has their full meaning.
+    """Outputs of a tether at an instant, SI units; docs/use/interface.md has their full meaning.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class PlausibilityWarning(UserWarning):
     """Something that no tether and no kite does, one warning since `initialize`; the numbers stay what they are.
 
     A stretch beyond 5 %, an end that is accelerated beyond 1000 g or faster than sound, velocities that contradict
-    positions; docs/theory.md, "Plausibility".
+    positions; docs/models/theory.md, "Plausibility".
 
     Examples
     --------

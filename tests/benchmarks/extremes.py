@@ -1,4 +1,4 @@
-"""How far from theory are the extreme scenarios? Prints the table of docs/extremes.md.
+"""How far from theory are the extreme scenarios? Prints the table of docs/measurements/stability.md.
 
     python tests/benchmarks/extremes.py [--long]
 
@@ -156,7 +156,7 @@ def main(arguments=None):
     groups = [snap, stop, released, resonance, spinning, sessions, noise]
     if parser.parse_args(arguments).long:
         groups += [undamped, long_runs]
-    print("| scenario | oracle | error | energy from nowhere |\n|---|---|---|---|")
+    print("| scenario | oracle | error | energy residual |\n|---|---|---|---|")
     for group in groups:
         for scenario, oracle, error, residual in group():
             print(f"| {scenario} | {oracle} | {error} | {'-' if residual is None else f'{abs(residual):.0e}'} |", flush=True)

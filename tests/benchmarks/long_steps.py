@@ -3,7 +3,7 @@
     python tests/benchmarks/long_steps.py
 
 The tether is the dynamic one with 20 segments, tolerance 1e-6; error: root mean square of the difference from steps of 2 ms,
-whose mean reel-out speeds are given, over that of the force. See docs/theory.md, "Inputs within a step".
+whose mean reel-out speeds are given, over that of the force. See docs/models/theory.md, "Inputs within a step".
 """
 
 from pathlib import Path

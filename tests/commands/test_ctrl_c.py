@@ -100,7 +100,7 @@ def test_while_an_fmu_flies(tmp_path, fmu_folder, send):
 @EACH_WAY
 def test_while_an_example_runs(tmp_path, fmu_folder, send):
     (tmp_path / "dist").symlink_to(fmu_folder)
-    script = EXAMPLES / "forces_over_wind_and_slack.py"
+    script = EXAMPLES / "at_rest" / "forces_over_wind_and_slack.py"
     runs_it = f"sys.path.insert(0, {str(EXAMPLES)!r}); runpy.run_path({str(script)!r}, run_name='__main__')"
     code = f"{LISTENING}import runpy, sys; {runs_it}"
     loaded = lambda leader: "TetherDynamic" in Path(f"/proc/{leader}/maps").read_text()  # noqa: E731
@@ -115,7 +115,7 @@ def test_while_a_system_of_fmus_flies(tmp_path, fmu_folder, example_folder, send
         (tmp_path / "dist" / each.name).symlink_to(each)
     temporary = tmp_path / "temporary"
     temporary.mkdir()
-    script = EXAMPLES / "pumping_cycle.py"
+    script = EXAMPLES / "power_system" / "pumping_cycle.py"
     runs_it = f"sys.path.insert(0, {str(EXAMPLES)!r}); runpy.run_path({str(script)!r}, run_name='__main__')"
     keeps = f"import tempfile; tempfile.tempdir = {str(temporary)!r}\n"
     loaded = lambda _: len(list(temporary.rglob("*.so"))) > 4  # noqa: E731 (the tether has its kernels, too)

@@ -1,5 +1,6 @@
 """The page on how much tether a scene needs has the words and the tables of the sources that write it."""
 
+import csv
 import re
 from pathlib import Path
 
@@ -7,11 +8,12 @@ import pytest
 
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.study.advice.figures import questions
-from tetherfmu.study.advice.page import declared
+from tetherfmu.study.advice.page import BY_SCENE, declared
 from tetherfmu.study.measuring.tables import TEMPLATES
 
 TEMPLATE = "advice/page.md.j2"
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "how_much_tether.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGE = (DOCS / "use" / "how_much_tether.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "thresholds"])
@@ -32,3 +34,8 @@ def test_sections_come_in_the_order_of_the_template():
 def test_the_decision_chart_ends_at_each_variant_once():
     asked, last = questions()
     assert sorted([*(variant for *_, variant in asked), last]) == sorted(COLOUR)
+
+
+def test_the_file_of_the_advice_has_the_columns_of_the_sources():
+    text = (DOCS / "data" / "advice_by_scene.csv").read_text(encoding="utf-8")
+    assert next(csv.reader(text.splitlines())) == list(BY_SCENE)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/**/*.md")])
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 
 
@@ -34,7 +34,7 @@ def test_links_lead_somewhere(path):
 
 
 def test_the_readme_links_to_pages_that_are_there_for_each_kind_of_user():
-    table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## For you")[2].partition("##")[0]
+    table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Where to go next")[2].partition("##")[0]
     rows = [row for row in table.splitlines() if "](" in row]
     assert rows
     assert all(len(LINK.findall(row)) == 3 for row in rows)

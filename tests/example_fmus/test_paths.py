@@ -9,7 +9,7 @@ import pytest
 from example_fmus.example_slaves import Model
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "examples"))
-import circular_flight
+from first_flight import circular_flight
 
 AHEAD = {"kite_position": (170.0, 0.0, 100.0), "apparent_wind_speed": 15.0, "ground_tension": 1200.0, "tether_length": 250.0}
 

@@ -66,9 +66,8 @@ def test_the_same_bytes_again(ssp_folder, tmp_path):
 def by_the_example(names, start, fmus):
     """Rows of the tether's outputs by the Jacobi master of the example."""
     sys.path.append(str(EXAMPLES))
-    import circular_flight
-    import kite_power_system
-    import pumping_cycle
+    from first_flight import circular_flight
+    from power_system import kite_power_system, pumping_cycle
 
     circular_flight.find_fmu = pumping_cycle.find_fmu = lambda name: Path(fmus) / f"{name}.fmu"
     rows = []
@@ -155,7 +154,7 @@ def test_circle_in_libcosim(ssp_folder, fmu_folder, example_folder, tmp_path):
 @needs_libcosim
 def test_snippet_of_the_manual(ssp_folder, tmp_path):
     """It prints the tension to which libcosim comes step by step."""
-    page = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "use" / "importing.md").read_text(encoding="utf-8")
     snippets = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     (snippet,) = [code for code in snippets if "libcosim" in code]
     (tmp_path / "dist").symlink_to(ssp_folder, target_is_directory=True)
@@ -169,7 +168,7 @@ def test_snippet_of_the_manual(ssp_folder, tmp_path):
 
 def by_circular_flight(fmus):
     sys.path.append(str(EXAMPLES))
-    from circular_flight import fly
+    from first_flight.circular_flight import fly
 
     return fly(Path(fmus) / "TetherDynamic.fmu", wind=(8.0, 0.0, 0.0), duration=0.02 * STEPS).kite_force
 

@@ -7,12 +7,12 @@ import sys
 import matplotlib.pyplot as plt
 import numpy as np
 
-from tetherfmu.libraries.sources import EXAMPLES
+from tetherfmu.libraries.examples import EXAMPLES
 
 
-def run_python(*arguments, room="."):
-    """Run Python with the modules of the examples, and those of a room of them; the finished process."""
-    path = os.pathsep.join([str(EXAMPLES), str(EXAMPLES / room), *sys.path])
+def run_python(*arguments):
+    """Run Python with the rooms of the examples; the finished process."""
+    path = os.pathsep.join([str(EXAMPLES), *sys.path])
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
         env={**os.environ, "PYTHONPATH": path},
@@ -23,10 +23,10 @@ def run_python(*arguments, room="."):
     )
 
 
-def run(fmu_folder, code, room="."):
+def run(fmu_folder, code):
     """What Python code prints that finds the FMUs of this test run; it must end cleanly."""
     find = f"fmu_tools.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'"
-    done = run_python("-c", f"import fmu_tools\n{find}\nimport circular_flight\n{code}", room=room)
+    done = run_python("-c", f"from shared import fmu_tools\n{find}\nfrom first_flight import circular_flight\n{code}")
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -30,7 +30,7 @@ def of_scene(place):
 def test_an_fmu_of_a_scene_flies_the_circle(place, tmp_path):
     fmu = of_scene(place)
     options = ("--fmu", fmu, "--duration", 1, "--wind", 8, 0, 0, "--out", tmp_path)
-    done = run_python(EXAMPLES / "circular_flight.py", *options)
+    done = run_python(EXAMPLES / "first_flight" / "circular_flight.py", *options)
     assert done.returncode == 0, done.stderr
     assert done.stderr == f"{fmu} has no output ground_force and no shape: not shown\n"
     assert re.search(r"_short: \|kite\| \d+\.\d N at most; 50 steps", done.stdout)
@@ -40,7 +40,8 @@ def test_an_fmu_of_a_scene_flies_the_circle(place, tmp_path):
 def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):
     own = place / "TetherCatenary.fmu"
     said = run(
-        fmu_folder, f"import forces_over_wind_and_slack as e; e.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])"
+        fmu_folder,
+        f"from at_rest import forces_over_wind_and_slack as e; e.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])",
     )
     assert [line.split(":")[0] for line in said.splitlines()] == ["dynamic", "TetherCatenary"]
     assert (tmp_path / "forces_over_wind_and_slack.png").exists()
@@ -48,7 +49,9 @@ def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):
 
 def test_an_fmu_of_ones_own_beside_the_catenary(fmu_folder, tmp_path):
     own = fmu_folder / "TetherDynamic.fmu"
-    said = run(fmu_folder, f"import catenary; catenary.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])")
+    said = run(
+        fmu_folder, f"from at_rest import catenary; catenary.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])"
+    )
     assert [line.split(":")[0] for line in said.splitlines()] == ["catenary", "TetherDynamic"]
 
 
@@ -57,18 +60,16 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     monkeypatch.syspath_prepend(EXAMPLES)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dist").symlink_to(fmu_folder)
-    import catenary
-    import forces_over_wind_and_slack
+    from at_rest import catenary, forces_over_wind_and_slack
 
     assert catenary.main(["--fmu", str(fmu_folder / "TetherDynamicFree.fmu")]) == 2
     assert "free kite end" in capsys.readouterr().err
     assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
     assert "has no variable ground_force" in capsys.readouterr().err
     for name, wrong, words in (
-        ("bridle", "TetherDynamicFree", "has a free kite end"),
-        ("iterated_master", "TetherDynamicFree", "has a free kite end"),
-        ("pumping_cycle", "TetherDynamic", "has no free kite end"),
-        ("fly_your_kite", "TetherDynamic", "has no free kite end"),
+        ("coupling.bridle", "TetherDynamicFree", "has a free kite end"),
+        ("coupling.iterated_master", "TetherDynamicFree", "has a free kite end"),
+        ("power_system.pumping_cycle", "TetherDynamic", "has no free kite end"),
     ):
         assert import_module(name).main(["--fmu", str(fmu_folder / f"{wrong}.fmu")]) == 2
         assert words in capsys.readouterr().err
@@ -77,5 +78,5 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
 
 def test_a_bridle_with_legs_of_ones_own(fmu_folder):
     own = fmu_folder / "TetherQuasiSteady.fmu"
-    *_, last = run(fmu_folder, f"import bridle; bridle.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
+    *_, last = run(fmu_folder, f"from coupling import bridle; bridle.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
     assert float(re.search(r"([\d.]+) %", last)[1]) > 1.0  # its legs carry no waves; those of TetherDynamic have 0.4 %

@@ -13,7 +13,7 @@ PUBLISHED = {  # forces on the ground station and on the kite [N]: exact catenar
 
 
 def test_catenary(fmu_folder, tmp_path):
-    printed = run(fmu_folder, f"import catenary; catenary.main(['--out', {str(tmp_path)!r}])")
+    printed = run(fmu_folder, f"from at_rest import catenary; catenary.main(['--out', {str(tmp_path)!r}])")
     found = {
         line.split(":")[0]: [float(each) for each in re.findall(r"-?\d+\.\d{3}", line)] for line in printed.splitlines()
     }
@@ -29,7 +29,7 @@ def test_forces_over_wind_and_slack(fmu_folder, tmp_path):
         fmu_folder,
         f"""
 import numpy as np
-from forces_over_wind_and_slack import main, survey
+from at_rest.forces_over_wind_and_slack import main, survey
 main(["--out", {str(tmp_path)!r}])
 forces = survey(slacks=(-0.01, 0.02), winds=(0.0, 10.0, 20.0))
 assert np.array_equal(forces["dynamic"], forces["quasi_steady"])

@@ -16,7 +16,9 @@ FIGURES = ("first_shape.png", "forces.png", "shapes.png")
 def run_example(fmu_folder, folder, *arguments):
     """Two seconds of flight; the finished process."""
     fmu = fmu_folder / "TetherDynamic.fmu"
-    return run_python(EXAMPLES / "circular_flight.py", "--fmu", fmu, "--duration", 2, "--out", folder, *arguments)
+    return run_python(
+        EXAMPLES / "first_flight" / "circular_flight.py", "--fmu", fmu, "--duration", 2, "--out", folder, *arguments
+    )
 
 
 def test_prints_one_line_and_writes_three_figures(fmu_folder, tmp_path):
@@ -46,7 +48,7 @@ def test_writes_a_self_contained_page(fmu_folder, tmp_path):
 
 
 def test_says_that_plotly_is_missing(tmp_path):
-    code = "import sys; sys.modules['plotly'] = None; import circular_flight; circular_flight.main(['--html'])"
+    code = "import sys; sys.modules['plotly'] = None; from first_flight import circular_flight as e; e.main(['--html'])"
     done = run_python("-c", code)
     assert done.stderr == 'plotly is not installed: pip install "tetherfmu[html]"\n'
 
@@ -55,8 +57,8 @@ def test_several_flights_share_figures_and_end_cleanly(fmu_folder, tmp_path):
     """Three libraries in one process, and what each flight must fulfil: times, kite on its circle, weight at rest."""
     code = f"""
 import numpy as np
-from circular_flight import circle, fly
-from flight_figures import plot_first_shape, plot_forces, plot_shapes
+from first_flight.circular_flight import circle, fly
+from shared.flight_figures import plot_first_shape, plot_forces, plot_shapes
 
 options = {{"still": {{}}, "windy": {{"wind": (8, 0, 0)}}, "slow": {{"rate": 1e-6, "start": "static_equilibrium"}}}}
 flights = {{name: fly({str(fmu_folder / "TetherDynamic.fmu")!r}, duration=2.0, **each) for name, each in options.items()}}

@@ -14,7 +14,7 @@ def numbers(said):
 def test_a_bridle_of_fmus_is_that_of_the_python_api(fmu_folder):
     """Both compute the same exchange; the loads are summed in another order, which moves the last digits."""
     code = """
-import bridle, ways_of_coupling
+from coupling import bridle, ways_of_coupling
 scene = bridle.bridle(0.1)
 forces, positions = bridle.fly(scene, *map(circular_flight.find_fmu, ("TetherDynamicFree", "TetherDynamic")), 0.002)
 expected = ways_of_coupling.fly("free end, linear", scene, 0.002)
@@ -28,13 +28,13 @@ print(abs(forces - expected.forces).max(), abs(positions - expected.positions).m
 
 def test_the_bridle_pulls_as_the_whole_system(fmu_folder):
     """The rule allows steps of 4 ms; at 2 ms the forces are within 1 %."""
-    said = run(fmu_folder, "import bridle; bridle.main(['--quick'])")
+    said = run(fmu_folder, "from coupling import bridle; bridle.main(['--quick'])")
     assert len(re.findall(r"knot at \(.+\) m, legs pull with \d+, \d+, \d+ N", said)) == 5
     assert float(re.search(r"error of the forces at these times: (\S+) %", said)[1]) < 1.0
 
 
 ITERATED = """
-import iterated_master as master
+from coupling import iterated_master as master
 iterated = [circular_flight.find_fmu(name) for name in ("FlyingKite", "TetherDynamic")]
 free = [circular_flight.find_fmu(name) for name in ("PointMassKite", "TetherDynamicFree")]
 """
@@ -66,17 +66,17 @@ except RuntimeError as error:
 
 
 def test_the_study_of_coupling_runs_from_end_to_end(tmp_path):
-    done = run_python(EXAMPLES / "coupling_limits.py", "--quick", "--out", tmp_path)
+    done = run_python(EXAMPLES / "coupling" / "coupling_limits.py", "--quick", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert len(re.findall(r"^\| way", done.stdout, re.M)) == 3
     for name in ("errors", "growth", "limits"):
         assert_is_drawn(tmp_path / "figures" / f"coupling_{name}.png")
-    assert len(list(tmp_path.glob("coupling_*.csv"))) == 4
+    assert len(list(tmp_path.glob("data/coupling_*.csv"))) == 4
 
 
 @pytest.mark.parametrize("example", ["bridle.py", "iterated_master.py"])
 def test_a_wrong_step_is_refused_in_one_line(example):
-    done = run_python(EXAMPLES / example, "--step", "-1")
+    done = run_python(EXAMPLES / "coupling" / example, "--step", "-1")
     assert done.returncode == 2
     assert re.fullmatch(r".+--step: '-1' is not possible; it must be .+\n", done.stderr)
 
@@ -86,7 +86,7 @@ MISSING = [("bridle", "scipy", "examples"), ("coupling_limits", "pandas", "study
 
 @pytest.mark.parametrize(("example", "package", "extra"), MISSING)
 def test_a_missing_package_is_named_in_one_line(example, package, extra):
-    code = f"import sys; sys.modules[{package!r}] = None; import {example}; sys.exit({example}.main([]))"
+    code = f"import sys; sys.modules[{package!r}] = None; from coupling import {example}; sys.exit({example}.main([]))"
     done = run_python("-c", code)
     assert done.returncode == 2
     assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'

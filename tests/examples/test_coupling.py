@@ -1,4 +1,4 @@
-"""Coupling a kite of finite mass with its tether: errors, orders, growth and limits, see examples/coupling_study.py.
+"""Coupling a kite of finite mass with its tether: errors, orders, growth and limits (examples/coupling/coupling_study.py).
 
 They are judged by the motion of kite and tether as one set of equations, written in numpy and integrated by DOP853 of scipy,
 and by the linear theory of a taut tether: exact map of a communication step, and the formula of first order in the step h
@@ -18,11 +18,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "examples"))
 
-import coupling_study as limits  # noqa: E402
-from axial_chain import STEPS, AxialChain  # noqa: E402
-from monolithic import exact  # noqa: E402
-from ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started  # noqa: E402
-
+from coupling import coupling_study as limits  # noqa: E402
+from coupling.axial_chain import STEPS, AxialChain  # noqa: E402
+from coupling.monolithic import exact  # noqa: E402
+from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started  # noqa: E402
 from tetherfmu import TetherDynamic, TetherDynamicFree  # noqa: E402
 from tetherfmu.results import StepRefused  # noqa: E402
 from tetherfmu.runtime.parameters import Environment, Tether  # noqa: E402
@@ -149,7 +148,7 @@ def test_largest_stable_step(way, kite_mass, length):
 
 
 def read(name):
-    with (ROOT / "docs" / f"coupling_{name}.csv").open(encoding="utf-8") as file:
+    with (ROOT / "docs" / "data" / f"coupling_{name}.csv").open(encoding="utf-8") as file:
         return [
             {key: value if key in ("way", "kite", "scene") else float(value or "nan") for key, value in row.items()}
             for row in csv.DictReader(file)
@@ -170,7 +169,7 @@ def test_the_rules_are_on_the_safe_side():
     ("name", "table"), [("errors", limits.percent_table), ("knots", limits.knot_table), ("limits", limits.limit_table)]
 )
 def test_tables_of_the_page_are_those_of_the_files(name, table):
-    page = (ROOT / "docs" / "coupling.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "use" / "coupling.md").read_text(encoding="utf-8")
     assert table(limits.pd.DataFrame(read(name))) in page
 
 
@@ -193,7 +192,7 @@ def test_one_chain_is_the_whole_system_in_series():
 
 
 def test_ways_are_all_in_the_figure():
-    from coupling_figures import COLOURS
+    from coupling.coupling_figures import COLOURS
 
     assert set(COLOURS) == set(WAYS)
     assert len(set(COLOURS.values())) == len(WAYS)

@@ -12,7 +12,7 @@ import pytest
 from native.programs import WARNINGS, available
 from tetherfmu import TetherDynamic
 
-SOURCE = Path(__file__).resolve().parents[2] / "examples" / "fly_from_c.c"
+SOURCE = Path(__file__).resolve().parents[2] / "examples" / "hosts" / "fly_from_c.c"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 STEP, SPEED, ROUNDING = 0.02, 5.0, 0.5e-3  # s, m/s, N: three digits are printed
 

@@ -12,7 +12,7 @@ import pytest
 from native.programs import available
 from tetherfmu import TetherDynamic
 
-SOURCE = Path(__file__).resolve().parents[2] / "examples" / "fly_from_cpp.cpp"
+SOURCE = Path(__file__).resolve().parents[2] / "examples" / "hosts" / "fly_from_cpp.cpp"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 STEP, COUNT, ROUNDING = 0.02, 1000, 0.5e-3  # s, -, N: three digits are printed

@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "circular_flight.py"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "first_flight" / "circular_flight.py"
 
 
 def test_a_tether_that_is_too_short(fmu_folder, tmp_path):

@@ -11,7 +11,7 @@ REPORT = r"(cycle 1|all): (\d+\.\d\d) s, mean power (\d+) W, mean force (\d+) N,
 
 
 def flown(folder, code):
-    return run(folder, f"import kite_power_system, numpy, pumping_cycle\n{code}")
+    return run(folder, f"import numpy\nfrom power_system import kite_power_system, pumping_cycle\n{code}")
 
 
 def test_coarse_steps_give_the_power_of_fine_ones(folder):

@@ -11,7 +11,7 @@ from running import assert_is_drawn, run
 
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.commands.tutorial import lessons
-from tetherfmu.libraries.sources import EXAMPLES
+from tetherfmu.libraries.examples import EXAMPLES
 
 LONGEST = 3.0  # seconds of processor time of a lesson
 LEAST_LINES, MOST_LINES = 20, 60  # of its file: what a newcomer reads at a sitting
@@ -129,10 +129,10 @@ def test_copies_run_where_they_are(tmp_path, capsys):
     assert tetherfmu(["tutorial", "--copy", str(place)]) == 0
     assert "tetherfmu[examples]" in capsys.readouterr().out
     assert (place / "scenes" / "circle.toml").is_file()
-    assert (place / "circular_flight.py").is_file()
+    assert (place / "first_flight" / "circular_flight.py").is_file()
     assert not list(place.rglob("__pycache__"))
     readme = (place / "README.md").read_text(encoding="utf-8")
-    assert "docs/coupling.md" in readme
+    assert "docs/use/coupling.md" in readme
     assert "](../" not in readme
     mine, changed = place / "tutorial" / "mine.py", place / "tutorial" / "tether_01.py"
     mine.write_text("mine")

@@ -147,7 +147,7 @@ def taut(motion):
 
 
 def test_06b_the_published_law_leaves_no_segment_taut():
-    """As docs/tutorial.md says of scenes 06 and 07."""
+    """As docs/use/tutorial.md says of scenes 06 and 07."""
     assert taut(tether_06.simulate(1e-6, **LAW)[:, 0]) == 0.0
     assert taut(tether_07.simulate(duration=10.0, **LAW)) == 0.0
     assert taut(tether_06.simulate(1e-6)[:, 0]) > 0.98
@@ -186,7 +186,7 @@ def test_the_catenary_has_the_published_forces(name, model):
 
 
 def test_without_waves_the_slow_circle_is_close_to_that_with_waves():
-    """Manoeuvre rate times wave time is 0.05/s times some 7 s: by docs/theory.md the forces differ by some percent."""
+    """Manoeuvre rate times wave time is 0.05/s times some 7 s: by theory.md the forces differ by some percent."""
     steady, dynamic = (quasi_steady_circle.fly(model, every=50) for model in (TetherQuasiSteady, TetherDynamic))
     size = np.linalg.norm(dynamic.kite_force, axis=1).max()
     assert np.linalg.norm(steady.kite_force - dynamic.kite_force, axis=1).max() < 0.05 * size

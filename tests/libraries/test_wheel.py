@@ -77,9 +77,9 @@ def test_the_sdist_can_be_tested_and_released(packages):
         "pyproject.toml",
         "build_fmus.py",
         "LICENSE",
-        "examples/circular_flight.py",
+        "examples/first_flight/circular_flight.py",
         "tests/conftest.py",
-        "docs/theory.md",
+        "docs/models/theory.md",
     )
     assert names >= {*needed, "fmu_sources/tetherfmu/export/slaves/tether_dynamic.py"}
     assert not [name for name in names if "__pycache__" in name or "/compiled/" in name]

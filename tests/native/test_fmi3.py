@@ -219,7 +219,7 @@ def test_simulate_fmu(fmi3_folder):
 
 def test_snippet_of_the_manual(native_folder, fmi3_folder, tmp_path):
     """It runs, and gives the same number twice."""
-    page = (Path(__file__).parents[2] / "docs" / "importing.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "use" / "importing.md").read_text(encoding="utf-8")
     snippet = next(re.finditer(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))[1]
     for name, folder in (("native", native_folder), ("fmi3", fmi3_folder)):
         (tmp_path / name).symlink_to(folder, target_is_directory=True)

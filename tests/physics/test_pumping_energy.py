@@ -15,7 +15,7 @@ FELT = ("heading", "apparent_wind_speed")
 def flying():
     """Tether and models of the pumping cycle, with a short cycle; the models are started as the masters do it."""
     slave("Winch")  # finds the folder of the examples
-    from kite_power_system import START
+    from power_system.kite_power_system import START
 
     start = {**START, "longest_length": 225.0}
     models = {}

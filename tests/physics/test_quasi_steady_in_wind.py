@@ -13,7 +13,7 @@ from tetherfmu.runtime import layout as at
 
 STEP = 0.02
 RATES = (0.05, 0.025, 0.0125)  # [rad/s]
-TABLE = (1.41, 0.46, 0.11)  # [%], in docs/theory.md, "Validity"
+TABLE = (1.41, 0.46, 0.11)  # [%], in docs/models/theory.md, "Validity"
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 """Do a step with FMPy and let the process end: `python leave.py FMU END`.
 
 END: nothing (the instance lives on), free (the instance is freed, the library stays loaded), unload (as `freeInstance` of
-FMPy does) or handler (nothing but the exit handler of docs/fmi.md).
+FMPy does) or handler (nothing but the exit handler of docs/contributors/fmus.md).
 """
 
 import atexit

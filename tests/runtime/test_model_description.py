@@ -1,4 +1,4 @@
-"""The model description is valid, complete and offers the interface of docs/interface.md."""
+"""The model description is valid, complete and offers the interface of docs/use/interface.md."""
 
 import math
 import subprocess

@@ -72,7 +72,7 @@ def run_apart(path):
             return json.loads(result.read_text(encoding="utf-8")), None
     if done.returncode < 0 or done.returncode > 255:
         text = f"the process that ran the FMU died (exit code {done.returncode}); it said last: {said or 'nothing'}"
-        return None, Finding(PROBLEM, text, "look at `Traps for hosts` in docs/fmi.md of TetherFMU")
+        return None, Finding(PROBLEM, text, "look at `Traps for hosts` in docs/reference/fmi.md of TetherFMU")
     remedy = "take an FMU for this processor and system" if NOT_LOADED in said else ""
     return None, Finding(PROBLEM, f"the run of the evidence set failed: {said}", remedy)
 

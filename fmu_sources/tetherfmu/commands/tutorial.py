@@ -4,18 +4,17 @@ import argparse
 import ast
 import re
 import shutil
+from importlib import import_module
 
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder
-from tetherfmu.libraries.sources import EXAMPLES
-
-from .example_files import example
+from tetherfmu.libraries.examples import EXAMPLES, example
 
 ROOM = "tutorial"
 NEEDED = (  # what to install for the copied files
     'all of them: pip install "tetherfmu[examples]"',
-    'circular_flight.py and pumping_cycle.py with --html: pip install "tetherfmu[html]"',
-    'coupling_limits.py, tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
+    'first_flight/circular_flight.py and power_system/pumping_cycle.py with --html: pip install "tetherfmu[html]"',
+    'coupling/coupling_limits.py, tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
 )
 LINK_TO_DOCS = re.compile(r"\[([^]]*)\]\(\.\./docs/[^)]*\)")  # of a README, which leads nowhere from a copy
 
@@ -85,8 +84,9 @@ def run(given):
     options = [] if given.out is None else ["--out", str(given.out)]
     options += [f"--{name.replace('_', '-')}" for name in ("show", "animate", "save_frames") if getattr(given, name)]
     known = lessons()
+    example(ROOM)  # after which lessons are found by their names, as scripts find each other
     for name in known if "all" in given.lessons else given.lessons:
-        status = example(known[name].stem, ROOM).main(options, f"tetherfmu tutorial {name}")
+        status = import_module(known[name].stem).main(options, f"tetherfmu tutorial {name}")
         if status:
             return status
     return 0

@@ -3,12 +3,10 @@
 import json
 import tempfile
 from html import escape
-from importlib import import_module
 from pathlib import Path
-from sys import path as search_path
 from xml.etree import ElementTree
 
-from tetherfmu.libraries.sources import EXAMPLES
+from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.resources import OPTIONS_FILE
 
@@ -26,16 +24,9 @@ SLAVES = {  # name: script
 PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
 
 
-def module(name):
-    """Module of the examples, such as `fmus.winch`."""
-    if str(EXAMPLES) not in search_path:
-        search_path.append(str(EXAMPLES))
-    return import_module(name)
-
-
 def slave(name):
     """Class of the slave of an FMU of the examples."""
-    return getattr(module(f"fmus.{Path(SLAVES[name]).stem}"), name)
+    return getattr(example(f"fmus.{Path(SLAVES[name]).stem}"), name)
 
 
 def table_of(name):
@@ -68,7 +59,7 @@ def build(name, folder, starts=()):
 
 def _page(name, script, description):
     """Text of documentation/index.html: the equations as the sources have them, and the tables of all variables."""
-    texts = [module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
+    texts = [example(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
     shown = texts if name.endswith("Kite") else texts[:2]
     return filled(
         "example.html",

@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from fmpy import read_model_description
 
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text
 
@@ -33,7 +34,7 @@ def write_all(folder, options=None):
     options : `BuildOptions` of their tethers, of which the purpose and the start values are replaced.
     """
     options = options or BuildOptions()
-    given = example_fmus.module("kite_power_system")
+    given = example("power_system.kite_power_system")
     power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
     return [
         write("kite_power_system", given.FMUS, given.START, power, Path(folder), options),
@@ -62,7 +63,7 @@ def write(name, fmus, start, fidelities, folder, options):
 
 def _structure(name, fidelity, fmus, variables, values):
     """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
-    wiring = example_fmus.module("kite_power_system")
+    wiring = example("power_system.kite_power_system")
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
     root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
     system = SubElement(root, "ssd:System", name=name)

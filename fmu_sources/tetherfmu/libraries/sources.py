@@ -6,8 +6,6 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
-IN_WHEEL = PACKAGE / "examples"
-EXAMPLES = IN_WHEEL if IN_WHEEL.exists() else PACKAGE.parents[1] / "examples"  # in a checkout they are beside the package
 HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
 RECIPE = ("ahead_of_time", "intermediate_code", "linking", "processors")  # modules beside this one, how a library is made
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)

@@ -1,7 +1,7 @@
 """The FMI shell that all slaves share: table of variables, phases, messages. The only module that knows PythonFMU.
 
-What it must never do (docs/fmi.md): let an exception escape, except the guarded one that stops a wrong initialization; log
-while it is being made; pass a `%` to the log unescaped.
+What it must never do (docs/contributors/fmus.md): let an exception escape, except the guarded one that stops a wrong
+initialization; log while it is being made; pass a `%` to the log unescaped.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""What PythonFMU's library leaves undone (docs/fmi.md): references that it gives away, and the end of a process."""
+"""What PythonFMU's library leaves undone (docs/contributors/fmus.md): lost references, the end of a process."""
 
 import ctypes
 import os

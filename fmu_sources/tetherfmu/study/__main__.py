@@ -19,7 +19,7 @@ def add_advice(added):
 
     option = added("tradeoff", "advice.scene_report", "measure error and cost of every configuration in a scene")
     option("scene", metavar="SCENE", help="scene file (TOML)")
-    option("--out", type=folder, metavar="DIR", help="folder of results (default: study/NAME); goes on where it was stopped")
+    option("--out", type=folder, metavar="DIR", help="folder of results (default: study/NAME); continues a stopped run")
     option("--processes", type=number(1, whole=True), metavar="N", help="default: one per core")
     option("--dask", type=address, metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
@@ -28,33 +28,36 @@ def add_advice(added):
     added("costs", "measuring.unit_costs", "measure the unit costs anew (costs.csv of this package)")
     added("thresholds", "advice.thresholds", "measure the thresholds anew (thresholds.csv of this package)")
 
-    option = added("page", "advice.page", "measure and write docs/how_much_tether.md and its figures")
+    option = added("page", "advice.page", "measure and write docs/use/how_much_tether.md and its figures")
     option("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")
-    option("--out", type=folder, metavar="DIR", default=DOCS, help="folder of the page (default: docs)")
+    about = "folder for use/, data/ and figures/ (default: docs)"
+    option("--out", type=folder, metavar="DIR", default=DOCS, help=about)
     option("--store", type=folder, metavar="DIR", default=STUDY, help="folder of finished points (default: study)")
 
 
 def add_limits_and_costs(added):
     """Declare the commands that measure what the tethers stand and cost; see `add_advice`."""
-    option = added("stability", "stability.report", "find where the tethers hold and where they refuse")
+    option = added("stability", "stability.report", "find where the tethers are stable and where they refuse")
     option("--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)")
     option("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
-    option("--out", type=folder, default=DOCS, metavar="DIR", help="folder for stability.md and figures/ (default docs)")
+    about = "folder for measurements/, data/ and figures/ (default: docs)"
+    option("--out", type=folder, default=DOCS, metavar="DIR", help=about)
     about = "of finished points (default: stability_<seed>.jsonl in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
     about = "file of results of another version, to compare with on the points of both"
     option("--before", type=file, metavar="FILE", help=about)
     option("--also", type=file, metavar="FILE", help="file of results of another seed, for a table of their own")
     option("--processes", type=number(1, whole=True), help="how many at a time (default: one per core)")
-    option("--quick", action="store_true", help="a few points and no figures: shows that it runs")
+    option("--quick", action="store_true", help="smoke test: a few points and no figures")
     option("--point", type=number(0, whole=True), help="judge this point alone and print it")
 
-    option = added("benchmark", "benchmark.report", "measure what the tethers cost, in races too")
-    option("--quick", action="store_true", help="a few seconds, for a look whether it runs; no steady numbers")
-    option("--flights", action="store_true", help="only the races of the two flights, without compiled C")
+    option = added("benchmark", "benchmark.report", "measure what the tethers cost, including comparisons")
+    option("--quick", action="store_true", help="smoke test of a few seconds, timings unreliable")
+    option("--flights", action="store_true", help="only the comparisons of the two flights, without compiled C")
     option("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    option("--out", type=folder, metavar="DIR", default=BENCHMARK, help="folder for benchmarks.md and benchmarks.csv")
+    about = "folder for measurements/benchmarks.md and data/benchmarks.csv"
+    option("--out", type=folder, metavar="DIR", default=BENCHMARK, help=about)
     option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
 
 

@@ -67,7 +67,7 @@ def test_found_in_balance_and_stable(n, slack, up, wind, aside):
 
 
 def test_few_are_refused():
-    """As docs/numerics.md says, "Initial shape"."""
+    """As docs/models/numerics.md says, "Initial shape"."""
     cases = (10, 15, 20, 30, 50), (0.02, 0.1, 0.3, 0.5, 0.7, 0.9), (1, -1)
     cases += (0.1, 0.2, 0.5, 1.0, 2.0, 4.0), (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0)
     refused = []

@@ -1,6 +1,6 @@
 """White noise on the kite's inputs, 1 mm and 1 cm/s at 20 ms, makes white noise in the forces, of a size that follows
 from linear theory: along a taut line, nodes of mass m on springs k and dampers c, m du_i/dt^2 = k (u_(i-1) - 2 u_i +
-u_(i+1)) + c (...)'. The end moves along the cubic of docs/theory.md, "Driven ends", over which the linear system is
+u_(i+1)) + c (...)'. The end moves along the cubic of docs/models/theory.md, "Driven ends", over which the linear system is
 solved exactly, by a matrix exponential.
 
 The straight line has no waves: its noise is EA/L times that of the end's target p + v h + a h^2/2, a = (v - v_last)/h,

@@ -13,9 +13,9 @@ def tables(fmu_folder, tmp_path_factory):
     """Rows of each table of a quick run without peers, as dicts, by the title of the table."""
     folder = tmp_path_factory.mktemp("benchmark")
     assert main(["benchmark", "--quick", "--no-peers", "--fmus", str(fmu_folder), "--out", str(folder)]) == 0
-    assert (folder / "benchmarks.md").read_text(encoding="utf-8").startswith("# Accuracy and speed\n")
+    assert (folder / "measurements" / "benchmarks.md").read_text(encoding="utf-8").startswith("# Accuracy and speed\n")
     found, columns = {}, ()
-    with open(folder / "benchmarks.csv", newline="", encoding="utf-8") as file:
+    with open(folder / "data" / "benchmarks.csv", newline="", encoding="utf-8") as file:
         for title, *cells in list(csv.reader(file))[1:]:
             if title == "table":
                 columns = cells

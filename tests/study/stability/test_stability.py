@@ -174,7 +174,7 @@ def test_the_quick_map_goes_on_after_a_kill(quick_map):
 def test_the_quick_map_holds(quick_map):
     """The page is written, and most points are converged or stable: 60 points tell shares to a few percent only."""
     folder, _, _ = quick_map
-    page = (folder / "stability.md").read_text(encoding="utf-8")
+    page = (folder / "measurements" / "stability.md").read_text(encoding="utf-8")
     assert page.startswith("# Stability\n")
     assert read(folder / "stability_1.jsonl").verdict.isin(("converged", "stable")).mean() >= 0.8
 

@@ -7,7 +7,7 @@
     density      rho(z) = rho exp(-z/H),  H = 0: rho(z) = rho
 
 z [m] above z = 0, h reference height [m], z0 surface roughness [m]. The factor f on the reference wind is never
-negative. Theory: docs/theory.md, "Air".
+negative. Theory: docs/models/theory.md, "Air".
 """
 
 from math import exp, log

@@ -9,7 +9,7 @@ the drag of a segment sits on each of its nodes:
 The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
 only. Flat arrays of node vectors have 3 (n + 1) numbers, interleaved ones are those of `linear_algebra.both_ends`; `mass`
 has n + 1.
-Theory: docs/theory.md, "The chain".
+Theory: docs/models/theory.md, "The chain".
 """
 
 import numpy as np
@@ -142,7 +142,7 @@ def end_force(chain, kite_end, x, v, mass):
 
     Force of the end segment plus half of its drag plus weight of its half there; without inertia, and without a point mass
     at the end, which is not of the tether.
-    Source: docs/theory.md, "End forces".
+    Source: docs/models/theory.md, "End forces".
     """
     s = chain.n - 1 if kite_end else 0
     i = chain.n if kite_end else 0

@@ -14,7 +14,7 @@ a position the derived velocity, of the wind the rate 0. Given derivatives wait 
 
 A chain with waves needs more: the curves of its ends and what moves freely (`BoundaryConditions`).
 
-Theory: docs/theory.md, "Inputs within a step" and "Driven ends".
+Theory: docs/models/theory.md, "Inputs within a step" and "Driven ends".
 """
 
 from collections import namedtuple

@@ -12,7 +12,7 @@ differences u = (p - p_last)/h_last belong to the middles of the steps, so that
 
     a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
 
-Theory: docs/theory.md, "Driven ends".
+Theory: docs/models/theory.md, "Driven ends".
 """
 
 from ..compilation import kernel

@@ -5,7 +5,7 @@
     potential energy m g z
 
 The Rosenbrock step, Newton's method, backward Euler, the outputs and the power balance all call this file. `load` takes
-numbers and pairs (`linear_algebra.pairs`) alike. Theory: docs/theory.md, "The chain" and "Quasi-steady".
+numbers and pairs (`linear_algebra.pairs`) alike. Theory: docs/models/theory.md, "The chain" and "Quasi-steady".
 """
 
 from ..compilation import kernel

@@ -11,7 +11,7 @@ A segment joins node p (towards the ground) to node q (towards the kite):
 
     F = 1/4 rho cd d l |w| w,  w = W - (W . e) e,  W = air - (v_p + v_q)/2                          (half drag)
 
-Node p feels T e + F, node q feels -T e + F. Theory: docs/theory.md, "One segment".
+Node p feels T e + F, node q feels -T e + F. Theory: docs/models/theory.md, "One segment".
 
 The derivatives of these forces travel in a record of `RECORD` numbers. With the symmetric
 A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
@@ -78,7 +78,7 @@ def tension(chain, length, length_rate, rest, k, c):
     """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
 
     Length [m] and its rate [m/s], unstretched length [m], k [N/m], c [N s/m].
-    Source: docs/theory.md, "One segment".
+    Source: docs/models/theory.md, "One segment".
     """
     return k * (length - rest) + c * seen_rate(chain, length, length_rate)
 

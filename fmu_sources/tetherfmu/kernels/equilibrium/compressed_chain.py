@@ -7,7 +7,7 @@ equilibrium but unstable if
     all segments are parallel, and T < 0 in two segments, or in one and sum_s l/T > 0.
 
 It leaves to the side, in a direction that depends on nothing but its own: towards x, or towards y if it stands along x.
-Source: docs/numerics.md, "Compressed chains".
+Source: docs/models/numerics.md, "Compressed chains".
 """
 
 from tetherfmu.runtime import layout as at

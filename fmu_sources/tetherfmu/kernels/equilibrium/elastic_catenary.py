@@ -10,7 +10,7 @@ the kite end). With the tension (H, V - w L/2) at the ground end and (H, V + w L
 The two equations say that the complementary energy  integral (T + T^2/2EA) ds - a H - b V  is stationary in (H, V). It is
 convex, so Newton's method with a line search on it finds the only solution from any start, slack or taut.
 
-Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/theory.md, "Elastic catenary".
+Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/models/theory.md, "Elastic catenary".
 """
 
 from math import asinh, log, log1p, sinh, sqrt

@@ -6,7 +6,7 @@ A position x is a number with the relative error eps = 2^-52, so the tension of 
 
 The loads of the nodes have not: with them, the tension vectors follow from that of the first segment, and that one from the
 span of the chain (`hanging_chain.py`). Where the tether is slack, an error of the span changes them by little.
-Source: docs/numerics.md, "Stiff tethers".
+Source: docs/models/numerics.md, "Stiff tethers".
 """
 
 from math import inf

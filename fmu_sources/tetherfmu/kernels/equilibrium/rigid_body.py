@@ -4,7 +4,7 @@ Every node turns with omega and moves away with the extension rate s; in static 
 
     v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
 
-There is no damping: nothing changes but the direction. Source: docs/theory.md, "Quasi-steady".
+There is no damping: nothing changes but the direction. Source: docs/models/theory.md, "Quasi-steady".
 """
 
 from collections import namedtuple

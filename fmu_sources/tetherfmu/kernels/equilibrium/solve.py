@@ -1,4 +1,4 @@
-"""Stable equilibrium of a chain between two given ends: the ladder of methods, numbered as in docs/numerics.md.
+"""Stable equilibrium of a chain between two given ends: the ladder of methods, numbered as in docs/models/numerics.md.
 
 1. First guess: the hanging chain under the mean load (`first_guess.py`, `hanging_chain.py`).
 2. Newton's method with the stiffnesses of the segments (`newton.py`).

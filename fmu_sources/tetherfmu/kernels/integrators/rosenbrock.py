@@ -11,7 +11,7 @@ stage.
 
 Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
 smooth equations; a step that goes too far beyond the transition is rejected (`taut_slack.transition_error`). See
-docs/numerics.md, "Rosenbrock step".
+docs/models/numerics.md, "Rosenbrock step".
 """
 
 from collections import namedtuple

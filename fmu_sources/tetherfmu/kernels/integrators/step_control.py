@@ -2,7 +2,7 @@
 
 The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
 transition may have got wrong (`transition_error`), and the error of the tension of the dampers (`damper_error`), each over
-what is allowed (`allowed_errors`). See docs/numerics.md, "Rosenbrock step".
+what is allowed (`allowed_errors`). See docs/models/numerics.md, "Rosenbrock step".
 """
 
 from math import ceil, inf, sqrt

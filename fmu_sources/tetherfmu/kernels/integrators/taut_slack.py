@@ -7,7 +7,7 @@ k (l - l0)^2/2. Where the segment ends a distance |l - l0| beyond the transition
 
 too much (it went slack) or too little (it became taut) in the spring, and `keep_energy` moves it from or to the speed along
 the segment. Without it steps create energy where segments become taut and lose some where they go slack. The two do not
-balance, since slack segments allow longer steps: an undamped tether swung itself up. Source: docs/numerics.md,
+balance, since slack segments allow longer steps: an undamped tether swung itself up. Source: docs/models/numerics.md,
 "Rosenbrock step".
 """
 

@@ -109,7 +109,7 @@ def missing_tension(chain, s, x, held):
 def correct_end_forces(chain, state, x, outputs):
     """Forces and tensions at the ends and the largest tension in the outputs (modified), where positions do not hold them.
 
-    Source: docs/numerics.md, "Stiff tethers".
+    Source: docs/models/numerics.md, "Stiff tethers".
     """
     held = vector_at(state, at.GROUND_TENSION_VECTOR)
     if dot(held, held) == 0.0:

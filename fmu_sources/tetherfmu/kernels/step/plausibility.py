@@ -10,7 +10,7 @@ between the last two that explains the way d best (0 <= theta <= 1; so no jump o
 sums go on until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must contradict:
 a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper sum.
 
-Limits: runtime/plausibility.py. Theory: docs/theory.md, "Plausibility".
+Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
 
 from math import sqrt

@@ -1,4 +1,4 @@
-"""Energies of a chain and the powers that change them. Source: docs/theory.md, "Energy"."""
+"""Energies of a chain and the powers that change them. Source: docs/models/theory.md, "Energy"."""
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK

@@ -1,6 +1,6 @@
 """The catenary tether: weight plus the mean drag along its chord is one uniform load on an elastic line.
 
-Source: docs/theory.md, "Elastic catenary".
+Source: docs/models/theory.md, "Elastic catenary".
 """
 
 from tetherfmu.runtime import layout as at

@@ -4,7 +4,7 @@ Load of the air per length of the chord, with W the wind at the height of the po
 
     f(xi) = 1/2 rho cd d |w| w,   w = W - (W . e) e,   velocity (1 - xi) v_ground + xi v_kite,   xi = 0 .. 1
 
-Source: docs/theory.md, "Straight line" and "Elastic catenary".
+Source: docs/models/theory.md, "Straight line" and "Elastic catenary".
 """
 
 import numpy as np

@@ -2,7 +2,7 @@
 
 All nodes turn about the ground end with the kite. The same chain as the dynamic tether, with its drag and end forces, but
 no waves and no damping. Source: P. Williams, Cable Modeling Approximations for Rapid Simulation, J. Guidance, Control, and
-Dynamics 40 (2017) 1779; docs/theory.md, "Quasi-steady".
+Dynamics 40 (2017) 1779; docs/models/theory.md, "Quasi-steady".
 """
 
 from tetherfmu.runtime import layout as at

@@ -1,7 +1,7 @@
 """The straight tether: tension EA (c/L - 1) along its chord c, none if slack.
 
 The load of the air goes to the ends so that its force and its moment are kept, parts 1 - xi and xi; for a tether that turns
-about the ground a quarter of rho cd d c v^2/2 comes to the kite. Source: docs/theory.md, "Straight line".
+about the ground a quarter of rho cd d c v^2/2 comes to the kite. Source: docs/models/theory.md, "Straight line".
 """
 
 from tetherfmu.runtime import layout as at

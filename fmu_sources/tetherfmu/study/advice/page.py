@@ -1,4 +1,4 @@
-"""The page docs/how_much_tether.md, with numbers that are measured here; also, whether the advisor keeps its word."""
+"""The page docs/use/how_much_tether.md and its tables; also, how often the advice holds."""
 
 from dataclasses import replace
 from time import process_time
@@ -10,7 +10,7 @@ from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store
-from tetherfmu.study.measuring.tables import page
+from tetherfmu.study.measuring.tables import factor, page, percent
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.standard import SEED, random_scenes
@@ -22,6 +22,17 @@ from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 
 NAMES = ("kite_force",)
 UNSEEN = 40
+BY_SCENE = (  # columns of the table of the cheapest tethers and the advised ones
+    "scene",
+    "allowed",
+    "cheapest",
+    "error",
+    "times real time, kernel",
+    "times real time, FMPy",
+    "advised",
+    "error of the advised",
+    "cost ratio",
+)
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
 
 
@@ -95,10 +106,37 @@ def declared():
     return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 
 
-def how_much_tether(results, verdicts):
-    """The page as Markdown.
+def by_scene(cases):
+    """Table of the cheapest tether and the advised one; `cases` are scene, allowed error, point or None, and verdict."""
+    rows = []
+    for scene, level, best, verdict in cases:
+        found = "none", "-", "-", "-"
+        if best is not None:
+            found = best.config.words(), percent(best.error), factor(best.cost), factor(best.host_cost)
+        ratio = f"{verdict['cost'] / best.cost:.2g}" if best is not None else "-"
+        rows.append((scene.name, percent(level), *found, verdict["advised"], percent(verdict["error"]), ratio))
+    return pd.DataFrame(rows, columns=BY_SCENE)
 
-    results : maps scenes to (reference, table of points, verdicts on the advice by level).  verdicts : on unseen scenes.
+
+def by_unseen(verdicts):
+    """Table of what the advisor said of scenes and what is true; `verdicts` are as of `judged`."""
+    rows = []
+    for each in verdicts:
+        row = {"scene": each["scene"], "allowed": percent(each["allowed"])}
+        for way, said in (("", each), ("fast: ", each["fast"])):
+            met = "yes" if said["met"] else "no" if said["wrong"] else "not claimed"
+            predicted = f"{percent(said['least'])} to {percent(said['expected'])}"
+            found = {"advised": said["advised"], "predicted": predicted, "true": percent(said["error"]), "met": met}
+            row |= {way + name: text for name, text in found.items()}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def write(results, verdicts, folder):
+    """Write the page and its tables to a folder (Path).
+
+    results : maps scenes to (reference, table of points, verdicts on the advice by level).  verdicts : on unseen scenes,
+    None where no reference could be flown.
     """
     cases = [
         (scene, level, cheapest(points, level), verdict)
@@ -106,8 +144,15 @@ def how_much_tether(results, verdicts):
         for level, verdict in zip(LEVELS, verdicts, strict=True)
     ]
     dearest = max(verdict["cost"] / best.cost for *_, best, verdict in cases if best is not None)
-    facts = {"cases": cases, "dearest": dearest, "unseen": verdicts, "summary": summary}
-    return page("advice/page.md.j2", **declared(), **facts, results=results)
+    unseen = [each for each in verdicts if each]
+    facts = {"cases": cases, "dearest": dearest, "unseen": unseen, "summary": summary}
+    pages, data = folder / "use", folder / "data"
+    for each in (pages, data):
+        each.mkdir(parents=True, exist_ok=True)
+    text = page("advice/page.md.j2", **declared(), **facts, results=results)
+    (pages / "how_much_tether.md").write_text(text, encoding="utf-8")
+    by_scene(cases).to_csv(data / "advice_by_scene.csv", index=False)
+    by_unseen(unseen).to_csv(data / "advice_unseen.csv", index=False)
 
 
 def run(options):
@@ -125,4 +170,4 @@ def run(options):
     draw_scenes(results, NAMES, figures / "scenes.png")
     draw_sweeps(figures / "thresholds.png")
     draw_chart(figures / "decision.png")
-    (options.out / "how_much_tether.md").write_text(how_much_tether(results, others), encoding="utf-8")
+    write(results, others, options.out)

@@ -1,4 +1,4 @@
-"""Measure where each tether stops being enough: `python -m tetherfmu.study thresholds` writes thresholds.csv and sweeps.csv.
+"""Measure where each tether ceases to be adequate; `python -m tetherfmu.study thresholds` writes thresholds.csv, sweeps.csv.
 
 Sweeps of one of the numbers of `reasons.py` each, against a converged reference, with so short communication steps that
 these do not count:

@@ -1,7 +1,7 @@
 """Peer: the same equations in CasADi, integrated by CVODES (BDF) with the exact sparse Jacobian.
 
-The equations are those of docs/theory.md, "One segment" and "The chain", for a uniform tether, uniform wind and density. The
-unknown is y = (positions, velocities) of the nodes that move freely.
+The equations are those of docs/models/theory.md, "One segment" and "The chain", for a uniform tether, uniform wind and
+density. The unknown is y = (positions, velocities) of the nodes that move freely.
 """
 
 import shutil

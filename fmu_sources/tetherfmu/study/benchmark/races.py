@@ -123,8 +123,8 @@ def equal_errors(runs):
         for each in errors:
             for solver, theirs in others.groupby("solver", sort=False):
                 rows.append((scene, n, each, OURS, solver, 1e3 * seconds_at(ours, each), 1e3 * seconds_at(theirs, each)))
-    table = pd.DataFrame(rows, columns=("scene", "segments", "error m", "we", "peer", "our ms", "its ms"))
-    return table.assign(ratio=table["its ms"] / table["our ms"]).dropna()
+    table = pd.DataFrame(rows, columns=("scene", "segments", "error m", "TetherFMU", "peer", "TetherFMU ms", "peer ms"))
+    return table.assign(ratio=table["peer ms"] / table["TetherFMU ms"]).dropna()
 
 
 def draw(runs, path):

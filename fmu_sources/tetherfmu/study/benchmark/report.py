@@ -49,12 +49,14 @@ def scenes(quick, flights):
 
 
 def write(tables, folder, figure, slopes):
-    """Write benchmarks.md and benchmarks.csv to a folder (Path); returns the page."""
-    folder.mkdir(parents=True, exist_ok=True)
-    figure = Path(os.path.relpath(figure, folder)).as_posix() if figure else None
+    """Write measurements/benchmarks.md and data/benchmarks.csv in a folder (Path); returns the page."""
+    pages, data = folder / "measurements", folder / "data"
+    for each in (pages, data):
+        each.mkdir(parents=True, exist_ok=True)
+    figure = Path(os.path.relpath(figure, pages)).as_posix() if figure else None
     text = page("benchmark/page.md.j2", tables=tables, figure=figure, slopes=slopes)
-    (folder / "benchmarks.md").write_text(text, encoding="utf-8")
-    with open(folder / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
+    (pages / "benchmarks.md").write_text(text, encoding="utf-8")
+    with open(data / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
         pd.DataFrame(columns=["circumstances", circumstances()]).to_csv(file, index=False)
         for title, table in tables.items():
             table.set_axis([title] * len(table)).to_csv(file, index_label="table")

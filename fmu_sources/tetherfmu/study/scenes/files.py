@@ -1,4 +1,4 @@
-"""Scenes as files: what is flown with which tether in which wind; see docs/how_much_tether.md, "Scene files"."""
+"""Scenes as files: what is flown with which tether in which wind; see docs/use/how_much_tether.md, "Scene files"."""
 
 import hashlib
 import tomllib
@@ -48,7 +48,7 @@ class Wind:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the user asks for; errors are relative, see docs/how_much_tether.md, "Errors and cost"."""
+    """What the user asks for; errors are relative, see docs/use/how_much_tether.md, "Errors and cost"."""
 
     outputs: tuple = ("kite_force",)
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)

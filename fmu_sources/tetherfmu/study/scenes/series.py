@@ -13,13 +13,13 @@ FEWEST_ROWS = 4  # that a C2 spline needs
 
 
 def read_columns(path):
-    """Columns of a CSV file with a head line, a DataFrame of numbers; ValueError says in one line what is wrong."""
+    """Columns of a CSV file with a header row, a DataFrame of numbers; ValueError says in one line what is wrong."""
     try:
         cells = pd.read_csv(path, header=None, dtype=str, skipinitialspace=True, na_filter=False)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
-        raise ValueError(f"{path}: is no CSV file with a head line ({str(error).strip()})") from None
+        raise ValueError(f"{path}: is no CSV file with a header row ({str(error).strip()})") from None
     table = cells[1:].set_axis(cells.iloc[0].str.strip(), axis=1)
     numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
     for problem in problems(table, numbers):

@@ -1,6 +1,7 @@
 """The command `python -m tetherfmu.study stability`: it judges random points, and writes their page.
 
-The page, stability.md, has tables by variant and by region, refusals, the worst points, and heat maps.
+The page, stability.md, has tables by variant, refusals, the worst points, heat maps and the extreme scenarios with a known
+answer (extremes.md.j2), which are not measured here. The table by region is a CSV file.
 """
 
 import sys
@@ -99,7 +100,7 @@ def compared(both):
 
 
 def figures(results, both, folder):
-    """Draw the heat maps into a folder; returns their paths, as seen from it, by title."""
+    """Draw the heat maps into figures/ of a folder; returns their paths there, by title."""
     path = "figures/stability_{}.png".format
     for name, figure in FIGURES.items():
         draw(results, figure, folder / path(name))
@@ -110,20 +111,25 @@ def figures(results, both, folder):
 
 
 def write(results, before, also, folder, with_figures):
-    """Write stability.md, and its figures if asked for, to a folder (Path); returns the summary as text.
+    """Write the page, the table by region, and if asked for the figures, to a folder (Path); returns the summary as text.
 
     results, before, also : tables of results, of now, of another version and of another seed (which may both be empty).
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    pages, data = folder / "measurements", folder / "data"
+    for each in (pages, data):
+        each.mkdir(parents=True, exist_ok=True)
     points, both = prepared(results), common(results, before) if len(before) else {}
     core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
     held = f"{100.0 * core.held.mean():.1f} % of {len(core)} points are converged or stable."
-    tables = {"by_variant": by_variant, "by_region": by_region, "refusals": refusals, "worst": worst, "compared": compared}
+    tables = {"by_variant": by_variant, "refusals": refusals, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
     drawn = figures(points, both, folder) if with_figures else {}
     found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
     text = page("stability/page.md.j2", figures=drawn, **found, **tables, **bounds)
-    (folder / "stability.md").write_text(text, encoding="utf-8")
+    (pages / "stability.md").write_text(text, encoding="utf-8")
+    regions = {name: by_region(points, name) for name in DYNAMIC}
+    whole = pd.concat(regions, names=["variant"]).reset_index("variant")
+    whole.to_csv(data / "stability_by_region.csv", index=False, float_format="%.3g")
     return f"{markdown(by_variant(points))}\n{held}"
 
 

@@ -1,0 +1,140 @@
+"""Write docs/use/example_fmus.md from the sources of the example FMUs: `python docs/make/make_example_fmus.py`."""
+
+import sys
+from pathlib import Path
+
+from make_interface import table
+
+from tetherfmu.export import documents
+from tetherfmu.export.documents import allowed, folded, meaning, unit
+from tetherfmu.export.example_fmus import SLAVES, slave, table_of
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+
+
+def start(each):
+    """Start value of a variable or of a vector of them; angles in degrees, too."""
+    display = each[0].quantity.display
+    return f"{each[0].start:.6g} ({display[1] * each[0].start:.3g} {display[0]})" if display else documents.start(each)
+
+
+PAGE = Path(__file__).resolve().parents[1] / "use" / "example_fmus.md"
+COLUMNS = {INPUT: (unit, start, meaning), OUTPUT: (unit, meaning), PARAMETER: (unit, start, allowed, meaning)}
+TITLES = {INPUT: "Inputs", OUTPUT: "Outputs", PARAMETER: "Parameters"}
+TEXT = """# Example FMUs
+
+<!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
+
+Partners for a tether: kites, a winch, a flight controller, a prescribed flight. They are PythonFMU slaves of 70 to
+150 lines (`examples/fmus/`), to fly at once and to put your own model into. They need what a tether FMU of PythonFMU
+needs, and no kernels.
+
+```text
+tetherfmu build --examples
+```
+
+builds them beside the tethers, and two systems of them as SSP files.
+
+| FMU | in | out | for |
+|---|---|---|---|
+| `PointMassKite` | motion of the kite, wind, steering, depower | `kite_load` | `TetherDynamicFree`, which has the mass |
+| `FlyingKite` | `kite_force`, wind, steering, depower | motion of the kite | tethers with a driven kite end |
+| `Winch` | `ground_tension`, `tether_length`, set point | `reel_out_speed` | every tether |
+| `FlightController` | motion of the kite, tension, length | steering, depower, `set_speed` | both kites, the winch |
+| `KiteOnPath` | | motion of the kite | tethers with a driven kite end |
+
+Wiring: variables of the same name belong together. What no FMU gives is set by name in each FMU that has it: the wind,
+its profile, the air density. The ground station is the origin.
+
+Both kites have the same aerodynamics. The one without mass is the better partner: the coupling of kite and tether is stiff,
+and `TetherDynamicFree` solves it inside. `FlyingKite` gets the force one communication step late, which limits the
+step to some milliseconds, unless it steps after the tether or the importer repeats steps ([Coupling](coupling.md)): its
+state can be saved and restored bit for bit, as that of every example FMU.
+
+## Exchange
+
+Inputs belong to the start of a communication step, outputs to its end, as in the tethers. `input_continuation` says how
+the inputs change within the step: `linear` (1), extrapolated from their last two values, is for importers in which all FMUs
+step from the same communication point; `held` (2) keeps them constant; `interpolated` (3) is for importers that step one
+FMU after the other and pass on outputs of the end of the step.
+
+A step is refused (`fmi2Discard`) with a message if an input is not finite or out of its range, or if the step is not
+positive; the state then does not change. The winch brakes, with a message, where the tether reaches its shortest or longest
+length. It refuses the step if its torque is not enough to stop there.
+
+## A kite power system
+
+`python examples/power_system/pumping_cycle.py` flies `TetherDynamicFree`, `PointMassKite`, `FlightController` and `Winch`
+through FMPy:
+
+![Force, reel-out speed, power and length over three traction phases](../figures/pumping_series.png)
+
+![Path of the kite in space, coloured by force](../figures/pumping_path.png)
+
+Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`; AMD EPYC, 2 cores, Linux, Python 3.11, 2026-11-22):
+
+| exchange | step | segments | mean power | mean force | peak force |
+|---|---|---|---|---|---|
+| `--master jacobi` | 20 ms | 10 | 4038 W | 1808 N | 3531 N |
+| `--master gauss_seidel` | 20 ms | 10 | 4039 W | 1808 N | 3536 N |
+| `--master jacobi --step 0.005` | 5 ms | 10 | 4036 W | 1806 N | 3528 N |
+| `--master jacobi --step 0.001` | 1 ms | 10 | 4034 W | 1806 N | 3527 N |
+| `--segments 30` | 20 ms | 30 | 4038 W | 1808 N | 3530 N |
+| `--segments 1` | 20 ms | 1 | 4167 W | 1818 N | 3694 N |
+
+The load comes one step late: with steps of 40 ms the Jacobi exchange is unstable, and the example allows 30 ms. In steps
+of 20 ms with 10 segments a second of flight took 5.3 ms (188 times real time).
+Over a cycle the work at both ends, drag, damping and stored energy balance within 1 % of what the drum gains
+(`tests/physics/test_pumping_energy.py`). The coefficients are those of the sources below; the flight is plausible, but not a
+measured one.
+
+## A model of your own
+
+Copy a file of `examples/fmus`: a class that declares inputs, outputs and records of parameters, and has two methods,
+`first` and `next`, from numbers to numbers. `model_slave.py` does the rest: range checks, refusals, states, the model
+description. Add its name to `SLAVES` in `export/example_fmus.py`, or call `build` there. A kite that need not be an FMU
+is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
+
+## Systems as SSP files
+
+`kite_power_system.ssp` is the system above, `circular_flight.ssp` is `KiteOnPath` and `TetherDynamic`: the circle of
+`examples/first_flight/circular_flight.py`. The FMUs in them carry their start values, because not every importer sets
+enumerations or reads parameter sets. Three system structures of the power system differ in the parameter set of the tether:
+
+| system structure | segments | relative_tolerance |
+|---|---|---|
+| `SystemStructure_coarse.ssd` | 3 | 1e-3 |
+| `SystemStructure.ssd` | 10 | 1e-4 |
+| `SystemStructure_fine.ssd` | 30 | 1e-6 |
+
+libcosim (`CosimExecution.from_ssp_file` of libcosimpy, on the extracted file) flies them as the Jacobi master of the
+example does, to ten digits; so does Ecos (`EcosSimulation(ssp_path=...)` of ecospy). fmu-manipulation-toolbox makes one
+FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); its signals are local variables. It starts the kite
+without its first steering, which moves the path by centimetres. `simulate_ssp` of FMPy sets all connected inputs to 0 in
+the first step, with which a kite at the ground station is refused: use one of the others."""
+
+
+def section(name):
+    """Equations, sources and tables of an FMU."""
+    module = sys.modules[slave(name).__module__]
+    parts = [f"## {name}", f"```text\n{module.__doc__.partition(': ')[2].strip()}\n```"]
+    for causality, columns in COLUMNS.items():
+        listed = folded([variable for variable in table_of(name) if variable.causality == causality])
+        if listed:
+            rows = [(f"`{vector}`", *(column(each) for column in columns)) for vector, each in listed]
+            parts += [f"{TITLES[causality]}:", table(("name", *(column.__name__ for column in columns)), rows)]
+    return "\n\n".join(parts)
+
+
+def aerodynamics():
+    """What both kites share."""
+    text = sys.modules[slave("PointMassKite").__module__.replace("point_mass_kite", "aerodynamics")].__doc__
+    return f"## Aerodynamics of both kites\n\n```text\n{text.strip()}\n```"
+
+
+def page():
+    """Text of docs/use/example_fmus.md."""
+    return "\n\n".join([TEXT.strip(), aerodynamics(), *map(section, SLAVES)]) + "\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,175 @@
+"""Write docs/use/interface.md from the table of FMI variables: `python docs/make/make_interface.py`."""
+
+from pathlib import Path
+
+from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.documents import folded, meaning, start
+from tetherfmu.runtime.model_description import number_text
+from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+from tetherfmu.runtime.variables import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variants import class_name
+
+PAGE = Path(__file__).resolve().parents[1] / "use" / "interface.md"
+FMU_OF = {variant: class_name(variant) for variant in IGNORED}
+TEXT = """# Interface
+
+<!-- Written by docs/make/make_interface.py from the sources: edit those, and run it again. -->
+
+Inputs, outputs and parameters of {fmus}.
+Names, units, causality and signs are the same in each, so that one replaces another without rewiring; only
+`TetherDynamicFree.fmu` differs at [the kite end](#a-free-kite-end).
+FMI 2.0 co-simulation, SI units, structured names; what differs in FMI 3.0: [Importing](importing.md).
+
+Frame: right-handed, z up, origin where you want it; gravity acts along -z, heights count from z = 0.
+
+Signs: a force is what the tether exerts on the body that its name says: `kite_force` goes into the equations of motion of
+the kite as it is. Tension is positive when the tether pulls. `reel_out_speed` is positive when the tether gets longer.
+
+## Exchange
+
+In a communication step from t to t + h:
+
+1. set the inputs with the values at t (an input that is not set keeps its value),
+2. do the step,
+3. read the outputs: they belong to t + h.
+
+Within the step the tether moves its ends on a smooth curve to the predicted position $p + v h + a h^2/2$, with $a$ from
+the last two velocities ([Driven ends](../models/theory.md#driven-ends)). Position and velocity of an end must fit
+together; the tether follows the position and relies on the velocity. It gives one warning if they contradict each other, as
+when `kite_velocity` is left at 0. The reel-out speed continues within the step as from its last to its present value
+([Inputs within a step](../models/theory.md#inputs-within-a-step)); where it jumps, as the set points of a winch do, set
+`input_continuation` to 2 (held). The wind is held. A native FMU takes the derivatives of inputs instead of all these
+estimates, if the importer has them ([Derivatives](../reference/derivatives.md)). The outputs at t = 0 are there when the
+initialization ends; in initialization mode they are calculated whenever they are read.
+
+A tool that knows positions only sets `end_velocities` to 2 (derived). For smooth motion that costs little (figures of eight
+at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm: 1.6 % instead of 0.3 %); in the first step
+the ends rest.
+
+A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
+leave segments shorter than 1 cm, or the solver fails. The state then does not change, and the next good step
+works. A parameter out of range is refused when the initialization ends, with the allowed range.
+
+One warning each is logged, and the numbers stay what they are, when a segment is stretched by more than 5 %, an end is
+accelerated beyond 1000 g or moves faster than sound, or positions contradict velocities
+([Plausibility](../models/theory.md#plausibility)).
+
+## Coupling by force
+
+A kite model that integrates its motion from `kite_force` gets it one step late, which is destabilizing along a taut tether
+and limits the communication step. `TetherDynamicFree.fmu`, which integrates the motion of the kite itself, has no such
+limit: [Coupling](coupling.md).
+
+## Inputs
+
+{inputs}
+
+## Outputs
+
+{outputs}
+
+K is a build option, `--shape-points`, {points} by default; 0 leaves the shape out. End forces contain the weight of the half
+segment that is lumped at the end, not its inertia ([End forces](../models/theory.md#end-forces)).
+
+In some tethers an output has another meaning:
+
+{notes}
+
+## A free kite end
+
+In `TetherDynamicFree.fmu` the kite end is a point mass that moves under the force of the tether, its weight and a load. The
+importer computes the load from `kite_position` and `kite_velocity`, which are outputs there: those at the end of the step
+before. These variables differ; all others are as above and below, and value references are the same in all tethers:
+
+{free}
+
+The load is extrapolated within the step as the reel-out speed is. With `kite_mass` 0 the end has the mass of the half
+segment only. The start is the `initial_shape` between the ground end and `initial_kite_position`; the load acts from the
+first step on. `end_velocities` concerns the ground end only.
+
+## Parameters
+
+All are fixed: set them before the initialization ends.
+
+{parameters}
+
+"Greater than" excludes the limit itself; FMI can only say min and max, so an importer may let the limit pass, and the FMU
+refuses it. Two more rules: with wind_profile 3 or 4 surface_roughness must be less than wind_reference_height, and
+initial_length must be at least 0.01 m for each segment.
+
+`segments` starts at the build option `--segments`, {segments} by default.
+
+Parameters that a tether ignores (their range is checked all the same):
+
+{ignored}
+"""
+
+
+def table(head, rows):
+    """Markdown table of rows of texts."""
+    lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
+
+
+def signals(causality):
+    """Table of the inputs or of the outputs."""
+    listed = [v for v in variables("dynamic", DEFAULT_OPTIONS["shape_points"]) if v.causality == causality]
+    head = ("name", "unit", "start", "meaning") if causality == INPUT else ("name", "unit", "meaning")
+    rows = []
+    for name, each in folded(listed):
+        columns = [f"`{name}`", each[0].quantity.unit or "-", meaning(each)]
+        if causality == INPUT:
+            columns.insert(2, start(each))
+        rows.append(columns)
+    return table(head, rows)
+
+
+def parameters():
+    """Table of the parameters."""
+    rows = [
+        (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.range(), v.quantity.meaning)
+        for v in variables("dynamic", 0)
+        if v.causality == PARAMETER
+    ]
+    return table(("name", "unit", "start", "allowed", "meaning"), rows)
+
+
+def free_kite():
+    """Table of the variables that only the tether with a free kite end has, or has in another role."""
+    driven = {(v.name, v.causality) for v in variables("dynamic", 0)}
+    listed = [v for v in variables("dynamic_free", 0) if (v.name, v.causality) not in driven]
+    rows = []
+    for name, each in folded(listed):
+        first = start(each) if each[0].start is not None else ""
+        allowed = each[0].quantity.range() if each[0].causality == PARAMETER else ""
+        rows.append((f"`{name}`", each[0].causality, each[0].quantity.unit, first, allowed, meaning(each)))
+    return table(("name", "causality", "unit", "start", "allowed", "meaning"), rows)
+
+
+def by_tether(texts, last_column):
+    """Table of what tethers say of a variable, equal texts in one row; texts : variant -> name -> text."""
+    tethers = {}
+    for variant, fmu in FMU_OF.items():
+        for name, text in texts[variant].items():
+            tethers.setdefault((name, text), []).append(fmu)
+    rows = [(f"`{name}`", ", ".join(fmus), text) for (name, text), fmus in tethers.items()]
+    return table(("name", "FMU", last_column), rows)
+
+
+def page():
+    """Text of docs/use/interface.md."""
+    return TEXT.format(
+        fmus=", ".join(f"`{name}.fmu`" for name in SLAVES),
+        inputs=signals(INPUT),
+        outputs=signals(OUTPUT),
+        free=free_kite(),
+        parameters=parameters(),
+        notes=by_tether(NOTES, "meaning"),
+        ignored=by_tether(IGNORED, "why"),
+        points=DEFAULT_OPTIONS["shape_points"],
+        segments=DEFAULT_OPTIONS["segments"],
+    )
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,1 @@
+"""How does a tether hang at rest, and how hard does it pull?"""

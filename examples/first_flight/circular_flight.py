@@ -1,0 +1,225 @@
+"""Which forces does a tether put on a kite that flies a circle, and on the ground station?
+
+The kite flies one turn on a cone, 500 m from the ground station, on a tether 5 % longer than that. This script is the
+importer: it moves the kite, and drives the tether, an FMU, step by step through FMPy.
+
+    python examples/first_flight/circular_flight.py --wind 8 0 0 --html
+
+Exchange. In a communication step of length h the tether gets position p and velocity v of the kite at the *start* of the
+step; its outputs belong to the *end* of the step. Within the step it leads its kite end along a smooth curve to the
+predicted position p + v h + a h^2/2, with the acceleration a estimated from the last two velocities; the error of its forces
+is of second order in h. A kite model that feels the force has only the one from the end of the step before: it sees it one
+communication step late. This flight path is prescribed and feels nothing; with a kite model of your own, keep h well below
+the time in which its motion answers to a change of the force.
+
+Start. The tether starts turning with the kite. `--start static_equilibrium` starts it at rest while the kite already flies:
+the jolt, 274 N at the ground in still air instead of 46 N, is damped out within some ten seconds.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.options import Parser, file, folder, number
+from tetherfmu.console.progress import now
+from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from shared.fmu_tools import find_fmu, running, variables_of
+
+TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
+SHOWN = ("ground_force", "kite_force", "shape")  # outputs
+STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
+DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
+TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
+
+
+class Flight(NamedTuple):
+    """What a flight gave, SI units: one row per communication point, the first at the start.
+
+    An output that the FMU does not have is None: `tetherfmu build --scene` leaves out what its scene does not ask for.
+    """
+
+    time: np.ndarray  # (rows,)
+    ground_force: np.ndarray | None  # (rows, 3), of the tether on the ground station
+    kite_force: np.ndarray | None  # (rows, 3), of the tether on the kite
+    shape: np.ndarray | None  # (rows, points, 3), ground first, kite last
+    wall_time: float  # of all communication steps
+
+
+def circle(time, rate):
+    """Position [m] and velocity [m/s] of the kite: a turn at `rate` [rad/s] about an axis 20 deg above the horizon."""
+    radius, cos, sin = DISTANCE * np.sin(HALF_ANGLE), np.cos(rate * time), np.sin(rate * time)
+    position = TURN @ (radius * cos, radius * sin, DISTANCE * np.cos(HALF_ANGLE))
+    return position, TURN @ (-radius * rate * sin, radius * rate * cos, 0.0)
+
+
+def co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed):
+    """Initialize the tether and do `count` communication steps; returns rows of outputs and the wall time [s].
+
+    inputs, outputs : value references of kite position and velocity, and of what is read.  stop_if_pressed : for Ctrl-C.
+    """
+    fmu.setReal(inputs, np.concatenate(circle(0.0, rate)))
+    fmu.exitInitializationMode()
+    rows = [fmu.getReal(outputs)]
+    started = perf_counter()
+    for k in range(count):
+        # 1. The kite at the start of the step. A kite model would move here, under the force in rows[-1].
+        position, velocity = circle(k * step, rate)
+        # 2. The tether gets it, and goes to the end of the step; FMPy raises if it refuses the step.
+        fmu.setReal(inputs, [*position, *velocity])
+        fmu.doStep(k * step, step)
+        # 3. Its forces and its shape at the end of the step, the time (k + 1) step.
+        rows.append(fmu.getReal(outputs))
+        stop_if_pressed()
+    return np.array(rows), perf_counter() - started
+
+
+def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady"):
+    """Fly the circle with a tether FMU; returns the `Flight`.
+
+    length [m] : of the tether, unstretched.  rate [rad/s] : of the turn.  wind [m/s].  step [s] : communication step.
+    duration [s] : None for one turn.  start : a key of `STARTS`, how the tether is at the start.
+    """
+    duration = duration or 2.0 * np.pi / rate
+    count = round(duration / step)
+    if count == 0:
+        raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
+    variables = variables_of(fmu_file)
+    inputs, outputs = variables.of("kite_position", "kite_velocity"), outputs_of(variables)
+    references = [each for vector in outputs.values() for each in vector]
+    with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
+        fmu.setupExperiment(startTime=0.0)
+        fmu.setReal(variables.of("initial_length"), [length])
+        fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
+        fmu.enterInitializationMode()
+        if any(wind):
+            fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays
+        rows, wall_time = co_simulate(fmu, inputs, references, rate, step, count, stop_if_pressed)
+        fmu.terminate()
+    return flight_of(step * np.arange(count + 1), rows, outputs, wall_time)
+
+
+def outputs_of(variables):
+    """Dict name -> value references of the outputs that a `Flight` has."""
+    outputs = variables.those_of(*SHOWN)
+    if not outputs:
+        raise WrongUse(f"{variables.file} has none of the outputs {', '.join(SHOWN)}")
+    return outputs
+
+
+def flight_of(time, rows, outputs, wall_time):
+    """`Flight` of the values of its outputs, array (rows, values)."""
+    ends = np.cumsum([len(references) for references in outputs.values()])[:-1]
+    columns = zip(outputs, np.split(rows, ends, axis=1), strict=True)
+    found = {name: values.reshape(len(rows), -1, 3) for name, values in columns}
+    ground, kite = (found[name][:, 0] if name in found else None for name in SHOWN[:2])
+    return Flight(time, ground, kite, found.get("shape"), wall_time)
+
+
+def summary(name, flight):
+    """One line on a flight: largest forces, communication steps, times real time."""
+    forces = {"|ground|": flight.ground_force, "|kite|": flight.kite_force}
+    largest = [f"{end} {np.linalg.norm(force, axis=1).max():.1f} N" for end, force in forces.items() if force is not None]
+    count, speed = len(flight.time) - 1, flight.time[-1] / flight.wall_time
+    at_most = f"{', '.join(largest)} at most; " if largest else ""
+    return f"{name}: {at_most}{count} steps; {speed:.0f} times real time"
+
+
+def tether(text):
+    """A variant of the tether by any of its names, or "all"."""
+    try:
+        return text if text == "all" else variant_of(text, VARIANTS)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{error}, or all") from None
+
+
+def parse(arguments, prog):
+    """Command line options."""
+    parser = Parser(prog=prog, description="Fly a kite on a circle and plot its tether.")
+    option = parser.add_argument
+    allowed = ", ".join(TETHERS)
+    option("--tether", type=tether, default="dynamic", metavar="NAME", help=f"{allowed}, or all (default: dynamic)")
+    option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead")
+    option(
+        "--length",
+        type=number(1e-3, 1e5, "m"),
+        default=525.0,
+        metavar="L",
+        help="of the tether, unstretched [m] (default: 525)",
+    )
+    option("--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help="of the turn [rad/s] (default: 0.05)")
+    option(
+        "--wind",
+        type=number(unit="m/s"),
+        nargs=3,
+        default=[0.0] * 3,
+        metavar=("WX", "WY", "WZ"),
+        help="[m/s] (default: none)",
+    )
+    option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help="of the flight [s] (default: one turn)")
+    option("--start", choices=STARTS, default="quasi_steady", help="the tether at the start (default: quasi_steady)")
+    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
+    option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+    return parser.parse_args(arguments)
+
+
+def report_missing(fmu_file, flight, html):
+    """Say on stderr which outputs an FMU does not have; WrongUse if the page needs them."""
+    missing = [name for name in SHOWN if getattr(flight, name) is None]
+    if html and "shape" in missing:
+        raise WrongUse(f"{fmu_file} has no output shape, which --html shows; build it with --shape-points 21")
+    if missing:
+        print(f"{fmu_file} has no output {' and no '.join(missing)}: not shown", file=sys.stderr)
+
+
+def write_figures(flights, folder):
+    """Write three figures to a folder; returns their paths, none if matplotlib is missing."""
+    try:
+        from shared.flight_figures import plot_first_shape, plot_forces, plot_shapes
+    except ImportError:
+        print("no figures: they need matplotlib (pip install matplotlib)", file=sys.stderr)
+        return []
+    drawn = {"first_shape": plot_first_shape, "forces": plot_forces, "shapes": plot_shapes}
+    if any(flight.shape is None for flight in flights.values()):
+        del drawn["first_shape"], drawn["shapes"]
+    if all(flight.kite_force is None and flight.ground_force is None for flight in flights.values()):
+        del drawn["forces"]
+    paths = [folder / f"{name}.png" for name in drawn]
+    for path, plot in zip(paths, drawn.values(), strict=True):
+        plot(flights).savefig(path, dpi=150)
+    return paths
+
+
+@command
+def main(arguments=None, prog=None):
+    """Fly, print a line on each flight, write the figures, print where they are."""
+    given = parse(arguments, prog)
+    if given.html:
+        from shared.flight_page import write_page  # before the flight, which would be in vain without plotly
+    names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
+    flights = {}
+    for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
+        now(f"flying {fmu_file}")
+        flight = fly(fmu_file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
+        report_missing(fmu_file, flight, given.html)
+        flights[fmu_file.stem] = flight
+        print(summary(fmu_file.stem, flight))
+    given.out.mkdir(parents=True, exist_ok=True)
+    now("drawing")
+    written = write_figures(flights, given.out)
+    if given.html:
+        written.append(given.out / "circular_flight.html")
+        write_page(flights, written[-1])
+    for path in written:
+        print(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""What the rooms share: FMUs are found, loaded and read by name; flights are drawn, and shown on pages in space."""

@@ -1,0 +1,16 @@
+"""The examples: those of a checkout, or those that a wheel carries. Their rooms are packages in one folder."""
+
+import sys
+from importlib import import_module
+
+from .sources import PACKAGE
+
+IN_WHEEL = PACKAGE / "examples"
+EXAMPLES = IN_WHEEL if IN_WHEEL.exists() else PACKAGE.parents[1] / "examples"  # in a checkout they are beside the package
+
+
+def example(name):
+    """Module of an example, such as `coupling.bridle`; the examples import each other by the same names."""
+    if str(EXAMPLES) not in sys.path:
+        sys.path.insert(0, str(EXAMPLES))
+    return import_module(name)
