@@ -6,19 +6,18 @@ interface page are made from this record. To add an output, declare it here befo
 
 from dataclasses import dataclass, replace
 from inspect import cleandoc
-from math import degrees, inf, pi
+from math import inf, pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .dependencies import FORCE, FORM, LENGTH
 from .limits import LARGEST_INTEGER, MAX_SEGMENTS
-from .quantities import Quantity
+from .quantities import DEGREES, Quantity
 
 if TYPE_CHECKING:
     from numpy import ndarray
 
 SCALAR, VECTOR, POINTS = (), (3,), ("points", 3)  # shapes of outputs
 ANY, NOT_NEGATIVE, COUNTED = (-inf, inf), (0.0, inf), (0, LARGEST_INTEGER)  # minimum and maximum
-DEGREES = ("deg", degrees(1.0))
 
 
 @dataclass(frozen=True)
