@@ -109,10 +109,11 @@ def inputs_along(
     ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
     ends = [(name, end_of(name, end)) for name, end in ends]
     signals = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
-    for k, row in enumerate(rows):
-        time, places = start + k * step, by_name(row)
+    columns = by_name(rows)
+    for k in range(steps):
+        time = start + k * step
         for name, end in ends:
-            places[f"{name}_position"][:], places[f"{name}_velocity"][:] = end.at(time)
+            columns[f"{name}_position"][k], columns[f"{name}_velocity"][k] = end.at(time)
         for name, signal in signals.items():
-            places[name][:] = signal(time) if callable(signal) else signal
+            columns[name][k] = signal(time) if callable(signal) else signal
     return rows

@@ -5,30 +5,32 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.outputs import BY_NAME, KITE_MOTION, OUTPUT_TABLE, PLACES, SCALAR, VECTOR, Outputs
+from tetherfmu.runtime.outputs import BY_NAME, KITE_MOTION, OUTPUT_TABLE, PLACES, SCALAR, Outputs
 from tetherfmu.runtime.status import code
 
 SCALARS = tuple(each.name for each in OUTPUT_TABLE if each.shape == SCALAR)
+_COUNTS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Integer")
+_NUMBERS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Real")
+_VECTORS = tuple(name for name in PLACES if name not in SCALARS)
 
 
 def outputs_of(values, kite_end):
     """`Outputs` from an array in the order of `layout.py`, and from position and velocity of the kite end, (2, 3)."""
-    numbers = values[: at.SHAPE].tolist()
-    found = dict(zip(KITE_MOTION, kite_end, strict=True))
-    for name, place in PLACES.items():
-        if BY_NAME[name].shape != SCALAR:
-            found[name] = _vectors(values, name)
-        else:
-            found[name] = int(numbers[place]) if BY_NAME[name].kind == "Integer" else numbers[place]
-    return Outputs(**found)
+    scalars = values[: at.SHAPE].tolist()
+    found = {name: scalars[place] for name, place in _NUMBERS}
+    for name, place in _COUNTS:
+        found[name] = int(scalars[place])
+    for name in _VECTORS:
+        found[name] = _vectors(values, name)
+    return Outputs(**found, **dict(zip(KITE_MOTION, kite_end, strict=True)))
 
 
 def _vectors(values, name):
     """A vector, or the points of the shape, from an array of outputs; from many rows of them one of each row."""
-    place, size = PLACES[name], BY_NAME[name].size
-    if BY_NAME[name].shape == VECTOR:
-        return values[..., place : place + size]
-    return values[..., place:].reshape(*values.shape[:-1], (values.shape[-1] - place) // size, size)
+    place = PLACES[name]
+    if name != "shape":
+        return values[..., place : place + 3]
+    return values[..., place:].reshape(*values.shape[:-1], (values.shape[-1] - place) // 3, 3)
 
 
 class Flown(NamedTuple):
