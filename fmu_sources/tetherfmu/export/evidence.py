@@ -127,8 +127,8 @@ def _flat(values, names):
     row = []
     for name in names:
         vector, _, index = name.partition("[")
-        value = values.get(vector, (0.0, 0.0, 0.0))
-        row.append(float(value[int(index[:-1]) - 1] if index else value))
+        value = values.get(vector, 0.0)
+        row.append(float(value[int(index[:-1]) - 1] if index and vector in values else value))
     return row
 
 

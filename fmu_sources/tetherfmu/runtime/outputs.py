@@ -7,15 +7,13 @@ interface page are made from this record. To add an output, declare it here befo
 from dataclasses import dataclass, replace
 from inspect import cleandoc
 from math import inf, pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from .dependencies import FORCE, FORM, LENGTH
 from .limits import LARGEST_INTEGER, MAX_SEGMENTS
 from .quantities import DEGREES, Quantity
 
-if TYPE_CHECKING:
-    from numpy import ndarray
-
+Array = Any  # of numpy in the Python API, which an FMU does without
 SCALAR, VECTOR, POINTS = (), (3,), ("points", 3)  # shapes of outputs
 ANY, NOT_NEGATIVE, COUNTED = (-inf, inf), (0.0, inf), (0, LARGEST_INTEGER)  # minimum and maximum
 
@@ -54,10 +52,10 @@ class Outputs(NamedTuple):
     (5, 3)
     """
 
-    ground_force: "ndarray" = output(
+    ground_force: Array = output(
         "N", "force of the tether on the ground station", FORCE, shape=VECTOR, terminal="ground.force"
     )
-    kite_force: "ndarray" = output("N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force")
+    kite_force: Array = output("N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force")
     ground_tension: float = output("N", "tension of the first segment", FORCE)
     kite_tension: float = output("N", "tension of the last segment", FORCE)
     max_tension: float = output("N", "largest tension of all segments now", FORCE)
@@ -93,11 +91,11 @@ class Outputs(NamedTuple):
     solver_steps: int = output("", "internal steps of the solver since the start", (), COUNTED)
     solver_rejections: int = output("", "internal steps that it took back since the start", (), COUNTED)
     solver_iterations: int = output("", "Newton iterations since the start, for shapes and fixed steps", FORCE, COUNTED)
-    shape: "ndarray" = output("m", "points on the tether at equal unstretched length", FORM, shape=POINTS)
-    kite_position: "ndarray" = output(
+    shape: Array = output("m", "points on the tether at equal unstretched length", FORM, shape=POINTS)
+    kite_position: Array = output(
         "m", "position of the kite attachment point", ("kite_position[*]",), shape=VECTOR, terminal="kite.position"
     )
-    kite_velocity: "ndarray" = output(
+    kite_velocity: Array = output(
         "m/s", "velocity of the kite attachment point", ("kite_velocity[*]",), shape=VECTOR, terminal="kite.velocity"
     )
 
