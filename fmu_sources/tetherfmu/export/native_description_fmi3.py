@@ -3,7 +3,7 @@
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.inputs import INPUT_TABLE
+from tetherfmu.runtime.inputs import inputs_of
 from tetherfmu.runtime.model_description import INITIAL, UNITS, number_text, units, variability
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
@@ -49,7 +49,9 @@ def text(name, about, table, shape_points, step, token):
 def terminals(table):
     """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force."""
     known = {variable.name.partition("[")[0] for variable in table}
-    members = {each.terminal: each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE) if each.terminal and each.name in known}
+    # motion, then force, then what only a free kite end is given
+    declared = (*inputs_of(kite_is_free=False), *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
+    members = {each.terminal: each.name for each in declared if each.terminal and each.name in known}
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     listed = SubElement(root, "Terminals")
     for end, meaning_of_end in TERMINALS.items():
