@@ -66,11 +66,10 @@ class TetherModel:
         _kite_mass: float = 0.0,
         **quantities: float | str,
     ):
-        name = type(self).__name__
+        name, self._variant = type(self).__name__, BY_NAME[self.variant]
         tethers = arguments.tethers_of(name, tether)
         environment, solver = arguments.record_of(name, environment, Environment), arguments.record_of(name, solver, Solver)
         tethers, environment, solver = arguments.with_quantities(name, quantities, tethers, environment, solver)
-        self._variant = BY_NAME[self.variant]
         if not self._variant.has_nodes and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
@@ -146,15 +145,9 @@ class TetherModel:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            self._set(
-                kite_position=kite_position,
-                kite_velocity=kite_velocity,
-                ground_position=ground_position,
-                ground_velocity=ground_velocity,
-                reel_out_speed=reel_out_speed,
-                wind_velocity=wind_velocity,
-                kite_load=ZERO,
-            )
+            kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": ZERO}
+            ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
+            self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -214,17 +207,9 @@ class TetherModel:
         ValueError
             If an argument has another shape; nothing is changed.
         """
-        return self._step(
-            step,
-            tether_length,
-            kite_position=kite_position,
-            kite_velocity=kite_velocity,
-            ground_position=ground_position,
-            ground_velocity=ground_velocity,
-            reel_out_speed=reel_out_speed,
-            wind_velocity=wind_velocity,
-            kite_load=kite_load,
-        )
+        kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
+        ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
+        return self._step(step, tether_length, **kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
 
     def _step(self, step, tether_length=None, **given):
         """What `step` does; given : inputs by name."""
