@@ -6,11 +6,10 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.documents import folded, meaning, start
 from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
-from tetherfmu.runtime.variables import IGNORED, INPUT, NOTES, OUTPUT, PARAMETER, variables
-from tetherfmu.runtime.variants import class_name
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variants import TABLE, class_name
 
 PAGE = Path(__file__).resolve().parents[1] / "use" / "interface.md"
-FMU_OF = {variant: class_name(variant) for variant in IGNORED}
 TEXT = """# Interface
 
 <!-- Written by docs/make/make_interface.py from the sources: edit those, and run it again. -->
@@ -146,12 +145,12 @@ def free_kite():
     return table(("name", "causality", "unit", "start", "allowed", "meaning"), rows)
 
 
-def by_tether(texts, last_column):
-    """Table of what tethers say of a variable, equal texts in one row; texts : variant -> name -> text."""
+def by_tether(field, last_column):
+    """Table of what a field of `variants.Variant` says of variables, equal texts in one row."""
     tethers = {}
-    for variant, fmu in FMU_OF.items():
-        for name, text in texts[variant].items():
-            tethers.setdefault((name, text), []).append(fmu)
+    for variant in reversed(TABLE):
+        for name, text in getattr(variant, field).items():
+            tethers.setdefault((name, text), []).append(class_name(variant.name))
     rows = [(f"`{name}`", ", ".join(fmus), text) for (name, text), fmus in tethers.items()]
     return table(("name", "FMU", last_column), rows)
 
@@ -164,8 +163,8 @@ def page():
         outputs=signals(OUTPUT),
         free=free_kite(),
         parameters=parameters(),
-        notes=by_tether(NOTES, "meaning"),
-        ignored=by_tether(IGNORED, "why"),
+        notes=by_tether("meanings", "meaning"),
+        ignored=by_tether("ignored", "why"),
         points=DEFAULT_OPTIONS["shape_points"],
         segments=DEFAULT_OPTIONS["segments"],
     )

@@ -18,8 +18,8 @@ of KiteModels.jl, 0.075 of its range in a second, of which a quarter is used. Al
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
-from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import DEGREES, INPUT, OUTPUT
+from tetherfmu.runtime.quantities import DEGREES, check, quantity
+from tetherfmu.runtime.variables import INPUT, OUTPUT
 
 from .aerodynamics import angle_of, cross, dot, norm, unit
 from .kite_on_path import frame

@@ -11,8 +11,8 @@ a `half_width`, b `half_height`, phi rate times time. The start values are the c
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
-from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import DEGREES, OUTPUT
+from tetherfmu.runtime.quantities import DEGREES, check, quantity
+from tetherfmu.runtime.variables import OUTPUT
 
 from .model_slave import ModelSlave, vector
 

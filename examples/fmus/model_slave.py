@@ -17,13 +17,13 @@ from types import SimpleNamespace
 
 from tetherfmu.runtime import layout, saved_state, status
 from tetherfmu.runtime.base_slave import BaseSlave
+from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
 from tetherfmu.runtime.quantities import Quantity, check, checked, quantity
 from tetherfmu.runtime.resources import options_in
 from tetherfmu.runtime.saved_state import STEPPING, SavedState
 from tetherfmu.runtime.variables import Variable, parameters_of
 
 LINEAR, HELD, INTERPOLATED = 1, 2, 3
-SHORTEST_LAST_STEP = 0.25  # of the present step: a shorter one before it would make slopes of noise
 
 
 class Refused(ValueError):

@@ -6,9 +6,10 @@ The public names are imported when they are first used, so that a part which nee
 from importlib import import_module
 
 from .runtime import __version__
+from .runtime.variants import EVERY_VARIANT, class_name
 
 _HOMES = {
-    "models": ("TetherDynamic", "TetherDynamicFree", "TetherQuasiSteady", "TetherCatenary", "TetherStraight"),
+    "models": tuple(map(class_name, EVERY_VARIANT)),
     "results": ("Flown", "Outputs", "PlausibilityWarning", "StepRefused"),
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
     "materials": ("MATERIALS", "tether_of"),

@@ -7,17 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import BY_NAME, PLACES
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.quantities import quantities
-
-INPUTS = (  # name, place, size; not the wind, which may be given at each node
-    ("kite_position", at.KITE_POSITION, 3),
-    ("kite_velocity", at.KITE_VELOCITY, 3),
-    ("ground_position", at.GROUND_POSITION, 3),
-    ("ground_velocity", at.GROUND_VELOCITY, 3),
-    ("reel_out_speed", at.REEL_OUT_SPEED, 1),
-    ("kite_load", at.KITE_LOAD, 3),
-)
 
 
 def tethers_of(model, given):
@@ -100,13 +92,14 @@ def length_with(slack, chord, segments):
 
 
 def numbers_at(given):
-    """Numbers of those of `INPUTS` that are given: triples (first place, place behind, array); ValueError names a wrong one.
+    """Numbers of inputs that are given: triples (first place, place behind, array); ValueError names a wrong one.
 
-    given : a value for each of `INPUTS`, or None.
+    given : dict of names of inputs to their values, or None.
     """
     found = []
-    for (name, place, size), value in zip(INPUTS, given, strict=True):
+    for name, value in given.items():
         if value is not None:
+            place, size = PLACES[name], BY_NAME[name].size
             try:
                 numbers = array("d", (value,) if size == 1 else value)
             except (TypeError, ValueError):

@@ -14,6 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.instance import address
 
 WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load")  # inputs that powers depend on, beside the motion of the ends
@@ -87,10 +88,11 @@ def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
     reel_out_speed [m/s], wind_velocity [m/s], kite_load [N] : None for those of the last step.
     """
     inputs, state = np.array(instance.values[: at.INPUTS]), np.frombuffer(instance.state)
-    inputs[at.REEL_OUT_SPEED] = state[at.REELING] if reel_out_speed is None else reel_out_speed
-    inputs[at.WIND_VELOCITY : at.KITE_LOAD] = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
+    columns = by_name(inputs)
+    columns["reel_out_speed"][:] = state[at.REELING] if reel_out_speed is None else reel_out_speed
+    columns["wind_velocity"][:] = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
     if kite_load is not None:
-        inputs[at.KITE_LOAD :] = kite_load
+        columns["kite_load"][:] = kite_load
     found = np.zeros(len(fields(Energy)) + instance.segments)
     arrays = (address(each) for each in (instance.parameters, instance.state))
     instance.kernels.energy(instance.segments, *arrays, inputs.ctypes.data, found.ctypes.data, address(instance.work))

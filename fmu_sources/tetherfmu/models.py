@@ -88,8 +88,14 @@ class TetherDynamicFree(TetherModel):
         kite_load : (3,) array
             External force on the kite [N]: aerodynamics, control; not its weight. 0 from the start on until it is given.
         """
-        inputs = None, None, ground_position, ground_velocity, reel_out_speed, kite_load
-        return self._step(step, inputs, wind_velocity)
+        return self._step(
+            step,
+            kite_load=kite_load,
+            ground_position=ground_position,
+            ground_velocity=ground_velocity,
+            reel_out_speed=reel_out_speed,
+            wind_velocity=wind_velocity,
+        )
 
 
 class TetherQuasiSteady(TetherModel):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name
 
 
 def polar(distance, elevation, azimuth):
@@ -97,21 +97,23 @@ def inputs_along(
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
-    kite, ground : ends that move, or positions [m] of ends that stay; None: at (300, 0, 400) m and at the origin, wherever
-    `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite end) [N] : constant, or
-    functions of time [s].  start : time of the first step [s].  ValueError if an end is something else.
+    kite, ground : ends that move, or positions [m] of ends that stay; None: at the start values of `kite_position` and
+    `ground_position`, wherever `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite
+    end) [N] : constant, or functions of time [s].  start : time of the first step [s].  ValueError if an end is something
+    else.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 19)
     """
-    rows = np.zeros((steps, at.INPUTS))
-    kite = end_of("kite", (300.0, 0.0, 400.0) if kite is None else kite)
-    ground = end_of("ground", (0.0, 0.0, 0.0) if ground is None else ground)
-    for k, row in enumerate(rows):
+    rows = np.zeros((steps, COUNT))
+    ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
+    ends = [(name, end_of(name, end)) for name, end in ends]
+    signals = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
+    columns = by_name(rows)
+    for k in range(steps):
         time = start + k * step
-        for place, end in ((at.KITE_POSITION, kite), (at.GROUND_POSITION, ground)):
-            row[place : place + 6] = np.concatenate(end.at(time))
-        row[at.REEL_OUT_SPEED] = reel_out_speed(time) if callable(reel_out_speed) else reel_out_speed
-        for place, vector in ((at.WIND_VELOCITY, wind_velocity), (at.KITE_LOAD, kite_load)):
-            row[place : place + 3] = vector(time) if callable(vector) else vector
+        for name, end in ends:
+            columns[f"{name}_position"][k], columns[f"{name}_velocity"][k] = end.at(time)
+        for name, signal in signals.items():
+            columns[name][k] = signal(time) if callable(signal) else signal
     return rows

@@ -5,80 +5,32 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.outputs import BY_NAME, KITE_MOTION, OUTPUT_TABLE, PLACES, SCALAR, Outputs
 from tetherfmu.runtime.status import code
 
-
-class Outputs(NamedTuple):
-    """Outputs of a tether at an instant, SI units; docs/use/interface.md has their full meaning.
-
-    Attributes
-    ----------
-    ground_force, kite_force : (3,) arrays
-        Of the tether on the ground station and on the kite [N].
-    ground_tension, kite_tension, max_tension : float
-        Of the first and the last segment, and the largest of all [N].
-    tether_length : float
-        Unstretched [m].
-    ground_elevation, ground_azimuth : float
-        Direction in which the tether leaves the ground [rad]; azimuth anti-clockwise from the x axis, seen from above.
-    slack_segments : int
-        Segments that are shorter than unstretched.
-    kite_end_mass : float
-        Of the tether, lumped at the kite end [kg].
-    kite_stiffness, kite_damping : float
-        Along the tether, as the kite feels them [N/m, N s/m].
-    wave_time : float
-        Of a transverse wave over the tether [s].
-    sag : float
-        Largest distance of the tether from its chord [m].
-    solver_steps, solver_rejections, solver_iterations : int
-        Work since the start: internal steps, those that were taken back, Newton iterations.
-    shape : (points, 3) array
-        Points at equal unstretched length, ground first [m].
-    kite_position, kite_velocity : (3,) arrays
-        Of the kite end [m, m/s]: where a free one has moved to, or a driven one is led.
-
-    Examples
-    --------
-    >>> from tetherfmu import TetherStraight
-    >>> TetherStraight(initial_length=510.0, segments=4).initialize().shape.shape
-    (5, 3)
-    """
-
-    ground_force: np.ndarray
-    kite_force: np.ndarray
-    ground_tension: float
-    kite_tension: float
-    max_tension: float
-    tether_length: float
-    ground_elevation: float
-    ground_azimuth: float
-    slack_segments: int
-    kite_end_mass: float
-    kite_stiffness: float
-    kite_damping: float
-    wave_time: float
-    sag: float
-    solver_steps: int
-    solver_rejections: int
-    solver_iterations: int
-    shape: np.ndarray
-    kite_position: np.ndarray
-    kite_velocity: np.ndarray
+SCALARS = tuple(each.name for each in OUTPUT_TABLE if each.shape == SCALAR)
+_COUNTS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Integer")
+_NUMBERS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Real")
+_VECTORS = tuple(name for name in PLACES if name not in SCALARS)
 
 
 def outputs_of(values, kite_end):
     """`Outputs` from an array in the order of `layout.py`, and from position and velocity of the kite end, (2, 3)."""
-    return Outputs(
-        values[at.GROUND_FORCE : at.KITE_FORCE],
-        values[at.KITE_FORCE : at.GROUND_TENSION],
-        *values[at.GROUND_TENSION : at.SLACK_SEGMENTS].tolist(),
-        int(values[at.SLACK_SEGMENTS]),
-        *values[at.SLACK_SEGMENTS + 1 : at.SOLVER_STEPS].tolist(),
-        *map(int, values[at.SOLVER_STEPS : at.SHAPE].tolist()),
-        values[at.SHAPE :].reshape(-1, 3),
-        *kite_end,
-    )
+    scalars = values[: at.SHAPE].tolist()
+    found = {name: scalars[place] for name, place in _NUMBERS}
+    for name, place in _COUNTS:
+        found[name] = int(scalars[place])
+    for name in _VECTORS:
+        found[name] = _vectors(values, name)
+    return Outputs(**found, **dict(zip(KITE_MOTION, kite_end, strict=True)))
+
+
+def _vectors(values, name):
+    """A vector, or the points of the shape, from an array of outputs; from many rows of them one of each row."""
+    place = PLACES[name]
+    if name != "shape":
+        return values[..., place : place + 3]
+    return values[..., place:].reshape(*values.shape[:-1], (values.shape[-1] - place) // 3, 3)
 
 
 class Flown(NamedTuple):
@@ -128,26 +80,22 @@ class Flown(NamedTuple):
         """A scalar output by its name in `Outputs`, such as "max_tension", array (rows,); ValueError for other names."""
         if name not in SCALARS:
             raise ValueError(f"name is {name!r}; it must be one of {', '.join(SCALARS)}")
-        return self._observed()[:, getattr(at, name.upper())]
+        return self._observed()[:, PLACES[name]]
 
     @property
     def kite_force(self) -> np.ndarray:
         """Force on the kite [N], array (rows, 3)."""
-        return self._observed()[:, at.KITE_FORCE : at.KITE_FORCE + 3]
+        return _vectors(self._observed(), "kite_force")
 
     @property
     def ground_force(self) -> np.ndarray:
         """Force on the ground station [N], array (rows, 3)."""
-        return self._observed()[:, at.GROUND_FORCE : at.GROUND_FORCE + 3]
+        return _vectors(self._observed(), "ground_force")
 
     @property
     def shape(self) -> np.ndarray:
         """Points of the tether [m], array (rows, points, 3)."""
-        outputs = self._observed()
-        return outputs[:, at.SHAPE :].reshape(len(outputs), (outputs.shape[1] - at.SHAPE) // 3, 3)
-
-
-SCALARS = tuple(name for name, kind in Outputs.__annotations__.items() if kind is not np.ndarray)
+        return _vectors(self._observed(), "shape")
 
 
 class PlausibilityWarning(UserWarning):

@@ -11,17 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.plausibility import sentences
-from tetherfmu.runtime.variables import KITE_AT_START
-from tetherfmu.runtime.variants import WITHOUT_NODES, WITHOUT_WAVES, effective, library_of
+from tetherfmu.runtime.variants import BY_NAME, effective, library_of
 
 from . import arguments, compiled_flight, energy
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
-
-_ZERO = (0.0, 0.0, 0.0)
 
 
 class TetherModel:
@@ -68,11 +66,11 @@ class TetherModel:
         _kite_mass: float = 0.0,
         **quantities: float | str,
     ):
-        name = type(self).__name__
+        name, self._variant = type(self).__name__, BY_NAME[self.variant]
         tethers = arguments.tethers_of(name, tether)
         environment, solver = arguments.record_of(name, environment, Environment), arguments.record_of(name, solver, Solver)
         tethers, environment, solver = arguments.with_quantities(name, quantities, tethers, environment, solver)
-        if self.variant in WITHOUT_NODES and (len(tethers) > 1 or point_masses):
+        if not self._variant.has_nodes and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = arguments.checked_masses(point_masses, segments)
@@ -92,18 +90,18 @@ class TetherModel:
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
         length = self._state[at.LENGTH] if self._runs else self._parameters[at.INITIAL_LENGTH]
-        parts = [] if self.variant in WITHOUT_NODES else [f"{self.segments} segments"]
+        parts = [f"{self.segments} segments"] if self._variant.has_nodes else []
         parts += [f"{length:g} m unstretched", "running" if self._runs else "not initialized"]
         return f"<{type(self).__name__}: {', '.join(parts)}>"
 
     def initialize(
         self,
         kite_position: ArrayLike = KITE_AT_START,
-        kite_velocity: ArrayLike = _ZERO,
-        ground_position: ArrayLike = _ZERO,
-        ground_velocity: ArrayLike = _ZERO,
+        kite_velocity: ArrayLike = ZERO,
+        ground_position: ArrayLike = ZERO,
+        ground_velocity: ArrayLike = ZERO,
         reel_out_speed: float = 0.0,
-        wind_velocity: ArrayLike = _ZERO,
+        wind_velocity: ArrayLike = ZERO,
         *,
         slack: float | None = None,
         positions: ArrayLike | None = None,
@@ -140,15 +138,16 @@ class TetherModel:
         ValueError
             If an argument has another shape or is out of range.
         """
-        if positions is not None and self.variant in WITHOUT_WAVES:
+        if positions is not None and not self._variant.has_waves:
             raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
         nodes = arguments.motion_of_nodes(positions, velocities, self.segments)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            motion = kite_position, kite_velocity, ground_position, ground_velocity
-            self._set((*motion, reel_out_speed, _ZERO), wind_velocity)
+            kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": ZERO}
+            ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
+            self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -208,15 +207,16 @@ class TetherModel:
         ValueError
             If an argument has another shape; nothing is changed.
         """
-        inputs = kite_position, kite_velocity, ground_position, ground_velocity, reel_out_speed, kite_load
-        return self._step(step, inputs, wind_velocity, tether_length)
+        kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
+        ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
+        return self._step(step, tether_length, **kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
 
-    def _step(self, step, given, wind_velocity, tether_length=None):
-        """What `step` does; given : values of `arguments.INPUTS`."""
+    def _step(self, step, tether_length=None, **given):
+        """What `step` does; given : inputs by name."""
         self._check_started()
         before = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
         try:
-            self._set(given, wind_velocity)
+            self._set(**given)
             self._advance(arguments.number("step", step, "s"), tether_length)
         except ValueError:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = before
@@ -228,7 +228,7 @@ class TetherModel:
         """Do a communication step [s] with the inputs as they are set, to this length [m] at its end unless that is None."""
         continuation = self._parameters[at.INPUT_CONTINUATION]
         if tether_length is not None:
-            if self.variant not in WITHOUT_WAVES:
+            if self._variant.has_waves:
                 raise ValueError(
                     "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
                 )
@@ -348,16 +348,16 @@ class TetherModel:
         places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
         return {name: int(self._state[place]) for name, place in places.items()}
 
-    def _set(self, inputs, wind):
-        """Set those inputs of `arguments.INPUTS`, and the wind, that are not None; ValueError if a shape is wrong."""
-        for start, end, numbers in arguments.numbers_at(inputs):
+    def _set(self, wind_velocity=None, **given):
+        """Set those inputs that are not None, the wind as it may be given at each node; ValueError if a shape is wrong."""
+        for start, end, numbers in arguments.numbers_at(given):
             self._places[start:end] = numbers
-        if wind is not None:
-            self._set_wind(wind)
+        if wind_velocity is not None:
+            self._set_wind(wind_velocity)
 
     def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
         """Energies, powers and tensions of the present state, see `energy` and `kernels.step.power_balance`."""
-        if self.variant in WITHOUT_NODES:
+        if not self._variant.has_nodes:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
         self._check_started()
         return energy.account(self._instance, reel_out_speed, wind_velocity, kite_load)
@@ -365,7 +365,7 @@ class TetherModel:
     def _set_wind(self, wind):
         """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
         shape = np.shape(wind)
-        if shape == (self.segments + 1, 3) and self.variant not in WITHOUT_NODES:
+        if shape == (self.segments + 1, 3) and self._variant.has_nodes:
             wind = arguments.node_vectors("wind_velocity", wind, self.segments)
             self._parameters[-wind.size :] = wind.T.ravel()
             self._parameters[at.WIND_PROFILE] = at.AT_NODES
@@ -373,7 +373,7 @@ class TetherModel:
             self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
             self._parameters[at.WIND_PROFILE] = self._wind_profile
         else:
-            nodes = "" if self.variant in WITHOUT_NODES else f", or ({self.segments + 1}, 3) for a wind at each node"
+            nodes = f", or ({self.segments + 1}, 3) for a wind at each node" if self._variant.has_nodes else ""
             raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")
 
     def _motion(self):

@@ -5,7 +5,7 @@
 Two flights of the default tether: a circle, taut; and a kite that dives at the ground station and turns back, so that the
 tether goes slack and snaps again and again. Each step is one call of the kernel through ctypes. Times are of the processor
 (what the operating system takes away in between does not count) and of the clock, in microseconds, with the time of an
-empty measurement in them. Iterations: the largest number in a step; at most `implicit_euler.WORST_WORK`.
+empty measurement in them. Iterations: the largest number in a step; at most `limits.WORST_WORK`.
 """
 
 import argparse

@@ -10,7 +10,7 @@ import tetherfmu
 from tetherfmu.runtime.quantities import quantities
 
 PUBLIC = [name for name in tetherfmu.__all__ if name not in ("__version__", "MATERIALS")]
-MODULES = ("energy", "materials", "models", "paths", "results", "runtime.parameters")
+MODULES = ("energy", "materials", "models", "paths", "results", "runtime.outputs", "runtime.parameters")
 
 
 @pytest.mark.parametrize("name", MODULES)

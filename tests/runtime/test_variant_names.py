@@ -5,7 +5,6 @@ import pytest
 from tetherfmu import models
 from tetherfmu.commands.build import parse
 from tetherfmu.export.archive import SCRIPTS, SLAVES
-from tetherfmu.runtime.variables import IGNORED, NOTES
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name, variant_of
 
 every_variant = pytest.mark.parametrize("variant", EVERY_VARIANT)
@@ -32,10 +31,6 @@ def test_one_list_for_all(variant):
     assert getattr(models, class_name(variant)).variant == variant
     assert SLAVES[class_name(variant)][1] == variant
     assert (SCRIPTS / SLAVES[class_name(variant)][0]).is_file()
-
-
-def test_tables_have_the_same_variants():
-    assert set(IGNORED) == set(NOTES) == set(EVERY_VARIANT)
 
 
 def test_a_list_without_free_ends():

@@ -3,19 +3,22 @@
 An example takes them as `from tetherfmu.console.colours import COLOUR`.
 """
 
-from tetherfmu.runtime.variants import class_name
+from tetherfmu.runtime.variants import TABLE, class_name
 
-ORANGE, SKY_BLUE, GREEN = "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILLION, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#CC79A7", "#000000", "#808080"
+#: the palette, by the names that `runtime.variants` gives its variants
+PALETTE = {
+    "orange": "#E69F00",
+    "sky blue": "#56B4E9",
+    "green": "#009E73",
+    "blue": "#0072B2",
+    "vermillion": "#D55E00",
+    "purple": "#CC79A7",
+}
+ORANGE, SKY_BLUE, GREEN, BLUE, VERMILLION, PURPLE = PALETTE.values()
+BLACK, GREY = "#000000", "#808080"
 
 #: colour of a variant by its name
-COLOUR = {
-    "straight": ORANGE,
-    "catenary": GREEN,
-    "quasi_steady": BLUE,
-    "dynamic": VERMILLION,
-    "dynamic_free": PURPLE,
-}
+COLOUR = {each.name: PALETTE[each.colour] for each in TABLE}
 #: colour of a component of a vector, and of its magnitude: no variant has it; two are from the palette of Tol (2021)
 COMPONENTS = {"x": SKY_BLUE, "y": "#332288", "z": "#999933", "magnitude": BLACK}
 #: colour of what a variant is compared with: a formula, a peer, an experiment

@@ -9,17 +9,13 @@ from functools import partial
 from math import cos, hypot, sin
 
 from tetherfmu import models
+from tetherfmu.runtime.inputs import KITE_AT_START
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver
-from tetherfmu.runtime.variables import INPUT, KITE_AT_START, OUTPUT, names_of, variables
-from tetherfmu.runtime.variants import FREE
+from tetherfmu.runtime.variables import INPUT, OUTPUT, names_of, variables
+from tetherfmu.runtime.variants import BY_NAME
 
 STEP, STEPS = 0.05, 200  # of communication [s], and how many of them
 REFERENCE_TOLERANCE = 1e-9  # of the solver; 1e-10 changes the reference by 1e-8 of the largest force
-# Relative tolerance of the run where it is not the default: a free kite remembers each snap of a tether of one segment
-TOLERANCES = {"dynamic_free": 1e-7}
-# Deviation from the reference, as a part of the largest value. The solver of the dynamic tether makes 1e-3 at its default
-# tolerance; the others integrate nothing, so that only the digits of the files are left.
-ALLOWED = {"dynamic": 5e-3, "dynamic_free": 5e-3, "quasi_steady": 1e-6, "catenary": 1e-6, "straight": 1e-6}
 RECORDED = ("kite_force", "ground_tension", "kite_tension", "tether_length", "sag")  # and for 10 outputs one vector more
 KITE = ("flies into a part of a circle and outwards", "is pulled outwards and to and fro by its load")  # driven, free
 INPUT_DIGITS, OUTPUT_DIGITS = 10, 8  # so that the last bit of a mathematical library does not show
@@ -93,21 +89,29 @@ def scene_of(model, tether):
     model : class of the Python API.  tether : `Tether` of the start values.
     """
     at = inputs_at
-    if model.variant in FREE:
+    if BY_NAME[model.variant].kite_is_free:
         at = partial(inputs_of_free_kite, kite_force=model(tether).initialize().kite_force.tolist())
     return [{key: _rounded(value) for key, value in at(k * STEP).items()} for k in range(STEPS + 1)]
 
 
 def recorded(variant):
     """FMI names of the recorded outputs."""
-    vectors = (*RECORDED, "kite_position" if variant in FREE else "ground_force")
+    vectors = (*RECORDED, "kite_position" if BY_NAME[variant].kite_is_free else "ground_force")
     return [name for name in names_of(variables(variant, 0), OUTPUT) if name.partition("[")[0] in vectors]
 
 
 def facts(variant):
     """Numbers in assets/evidence.opt, the options of the run, and in its description assets/evidence.txt."""
-    tolerances = {"tolerance": TOLERANCES.get(variant, DEFAULT_TOLERANCE), "reference_tolerance": REFERENCE_TOLERANCE}
-    return {"step": STEP, "stop": STEP * STEPS, "allowed": ALLOWED[variant], "kite": KITE[variant in FREE], **tolerances}
+    tether = BY_NAME[variant]
+    tolerance = tether.evidence_tolerance or DEFAULT_TOLERANCE
+    return {
+        "step": STEP,
+        "stop": STEP * STEPS,
+        "allowed": tether.evidence_deviation,
+        "kite": KITE[tether.kite_is_free],
+        "tolerance": tolerance,
+        "reference_tolerance": REFERENCE_TOLERANCE,
+    }
 
 
 def reference(model, tether, scene):
@@ -123,8 +127,8 @@ def _flat(values, names):
     row = []
     for name in names:
         vector, _, index = name.partition("[")
-        value = values.get(vector, (0.0, 0.0, 0.0))
-        row.append(float(value[int(index[:-1]) - 1] if index else value))
+        value = values.get(vector, 0.0)
+        row.append(float(value[int(index[:-1]) - 1] if index and vector in values else value))
     return row
 
 

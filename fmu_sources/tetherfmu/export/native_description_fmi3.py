@@ -2,7 +2,9 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
+from tetherfmu.runtime.inputs import inputs_of
 from tetherfmu.runtime.model_description import attributes, items, units
+from tetherfmu.runtime.outputs import OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import Variable
 
@@ -25,11 +27,7 @@ CAPABILITIES = {
 }
 TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
 TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
-TERMINALS = {  # vectors of an end, by their names there
-    "kite": {"position": "kite_position", "velocity": "kite_velocity", "force": "kite_force", "load": "kite_load"},
-    "ground": {"position": "ground_position", "velocity": "ground_velocity", "force": "ground_force"},
-}
-MEANINGS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
+TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
 
 
 def text(name, about, table, shape_points, step, token):
@@ -51,13 +49,17 @@ def text(name, about, table, shape_points, step, token):
 def terminals(table):
     """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force."""
     known = {variable.name.partition("[")[0] for variable in table}
+    # motion, then force, then what only a free kite end is given
+    declared = (*inputs_of(kite_is_free=False), *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
+    members = {each.terminal: each.name for each in declared if each.terminal and each.name in known}
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     listed = SubElement(root, "Terminals")
-    for end, members in TERMINALS.items():
-        terminal = Element("Terminal", name=end, matchingRule="bus", description=MEANINGS[end])
-        for member, vector in members.items():
-            if vector in known:
-                SubElement(terminal, "TerminalMemberVariable", variableName=vector, memberName=member, variableKind="signal")
+    for end, meaning_of_end in TERMINALS.items():
+        terminal = Element("Terminal", name=end, matchingRule="bus", description=meaning_of_end)
+        for member, name in members.items():
+            if member.startswith(f"{end}."):
+                names = {"variableName": name, "memberName": member.partition(".")[2]}
+                SubElement(terminal, "TerminalMemberVariable", names, variableKind="signal")
         if len(terminal):
             listed.append(terminal)
     return xml_text(root)

@@ -6,9 +6,9 @@ Places in the flat arrays, variables, parameters with their ranges, sentences: w
 import re
 from math import pi
 
-from tetherfmu.runtime import layout, parameters, plausibility, quantities, refusals, saved_state, status
+from tetherfmu.runtime import inputs, layout, parameters, plausibility, quantities, refusals, saved_state, status
 from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER, parameters_at, references
-from tetherfmu.runtime.variants import FREE, WITHOUT_NODES, WITHOUT_WAVES, library_of
+from tetherfmu.runtime.variants import BY_NAME, library_of
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
@@ -43,6 +43,7 @@ def header(variant, table, shape_points, widths, token):
             "#ifndef TABLES_H",
             "#define TABLES_H",
             *_constants(variant, token),
+            *_inputs(),
             *_sizes(table, shape_points),
             *_parameters(table),
             *_variables(table, shape_points, widths),
@@ -70,9 +71,11 @@ def _constants(variant, token):
         "PI": pi,
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
-        "FREE_KITE": int(variant in FREE),
-        "WITHOUT_NODES": int(variant in WITHOUT_NODES),
-        "WITHOUT_WAVES": int(variant in WITHOUT_WAVES),
+        "FREE_KITE": int(BY_NAME[variant].kite_is_free),
+        "WITHOUT_NODES": int(not BY_NAME[variant].has_nodes),
+        "WITHOUT_WAVES": int(not BY_NAME[variant].has_waves),
+        "FAST_END_SPEED": inputs.FAST_END_SPEED,
+        "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
         "VARIANT": c_text(variant),
         "MAGIC": c_text(saved_state.MAGIC.decode()),
         "TOKEN": c_text(token),
@@ -85,6 +88,16 @@ def _constants(variant, token):
         *(f"#define {name} {value}" for name, value in defined.items()),
         f"typedef {_enumerated({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
         _enumerated({**kinds, "INDEPENDENT": INDEPENDENT}),
+    ]
+
+
+def _inputs():
+    """Name and scale of each input by its place."""
+    scales = [inputs.SCALES.index(each.scale) for each in inputs.INPUT_TABLE for _ in range(each.size)]
+    return [
+        _enumerated({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
+        _numbers("unsigned char INPUT_SCALE", scales),
+        _texts("INPUT_NAME", INPUT_NAMES),
     ]
 
 
@@ -165,5 +178,4 @@ def _sentences():
         _texts("KERNEL_SENTENCE", kernel),
         _texts("WARNING_SENTENCE", warnings),
         _texts("PHASE", refusals.PHASES),
-        _texts("INPUT_NAME", [INPUT_NAMES[place] for place in range(layout.INPUTS)]),
     ]

@@ -12,6 +12,7 @@ from time import monotonic
 
 from tetherfmu.runtime import kernel_library
 from tetherfmu.runtime.kernel_library import file_name, this_platform
+from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 
 from .ahead_of_time import TARGETS
 from .children import child
@@ -19,7 +20,7 @@ from .sources import PACKAGE, digest
 
 IN_WHEEL = PACKAGE / "libraries" / "compiled"
 TOOLS = ("llvmlite", "numba", "ziglang")
-SLOWEST_FIRST = {"dynamic": 14, "quasi_steady": 10, "catenary": 4, "straight": 3}  # seconds on two cores
+SECONDS = {variant: BY_NAME[variant].compile_seconds for variant in VARIANTS}
 SECONDS_TO_START = 5
 TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
 SLOW_WAY = 4  # times as long
@@ -54,9 +55,10 @@ def compiled_in(root, variants, platforms, way=None):
     way : "fast" or "plain", see `intermediate_code`; None for the one that fits the installed numba.
     """
     found = {variant: place(root, variant) for variant in variants}
-    missing = [variant for variant in SLOWEST_FIRST if variant in found and not has_all(found[variant], variant, platforms)]
+    missing = [variant for variant in found if not has_all(found[variant], variant, platforms)]
     if missing:
-        _compile({variant: found[variant] for variant in missing}, platforms, way or _fitting_way())
+        slowest_first = sorted(missing, key=SECONDS.get, reverse=True)
+        _compile({variant: found[variant] for variant in slowest_first}, platforms, way or _fitting_way())
     return found
 
 
@@ -99,7 +101,7 @@ def _fitting_way():
 
 def _compile(folders, platforms, way):
     """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
-    expected = SECONDS_TO_START + sum(SLOWEST_FIRST[variant] for variant in folders)
+    expected = SECONDS_TO_START + sum(SECONDS[variant] for variant in folders)
     expected *= SLOW_WAY if way == "plain" else 1
     print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
     began = monotonic()

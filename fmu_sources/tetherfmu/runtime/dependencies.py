@@ -1,79 +1,43 @@
-"""What each output depends on when initialization ends: the `dependencies` of FMI's InitialUnknowns.
+"""What an output depends on when initialization ends: the `dependencies` of FMI's InitialUnknowns.
 
-A test sets every input and parameter to another value and looks which outputs change.
+A dependency is the name of an input or a parameter: of a vector, which stands for its components, or of one component, where
+`[*]` is the same component as that of the output. `outputs` declares them for the dynamic tether, `variants` where another
+tether differs. A test sets every input and parameter to another value and looks which outputs change.
 """
 
-from .variants import FREE, library_of
+from .inputs import BY_NAME, DRIVEN_KITE, components
 
-
-def _vector(name):
-    return tuple(f"{name}[{i}]" for i in (1, 2, 3))
-
-
-_LENGTH = ("initial_length",)
-_KITE_MOTION = _vector("kite_position") + _vector("kite_velocity")
-_POSITIONS = _KITE_MOTION[:3] + _vector("ground_position")
-_STRETCH = (*_POSITIONS, *_LENGTH, "axial_stiffness", "diameter", "density")
-_AIR = (
-    *(_KITE_MOTION[3:] + _vector("ground_velocity") + _vector("wind_velocity")),
-    "end_velocities",
+POSITIONS = ("kite_position", "ground_position")
+LENGTH = ("initial_length",)
+STRETCH = (*POSITIONS, *LENGTH, "axial_stiffness", "diameter", "density")
+AIR = (
+    *("kite_velocity", "ground_velocity", "wind_velocity", "end_velocities"),
     *("diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
 )
-_SHAPE = (*_STRETCH, *_AIR, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
-_FORCE = (*_SHAPE, "axial_damping", "slack_damping_ratio", "damping_law", "reel_out_speed")
-
-_EVERY_TETHER = {
-    "tether_length": _LENGTH,
-    "kite_end_mass": (*_LENGTH, "segments", "diameter", "density"),
-    "kite_stiffness": (*_LENGTH, "axial_stiffness"),
-    "kite_damping": (*_LENGTH, "axial_damping"),
-    "solver_steps": (),
-    "solver_rejections": (),
-}
-_CHAIN = dict.fromkeys(("ground_elevation", "ground_azimuth", "slack_segments", "sag"), _SHAPE)
-_LINE = {"kite_damping": (), "slack_segments": (*_POSITIONS, *_LENGTH)}
-_PLAN = tuple(name for name in _POSITIONS if not name.endswith("[3]"))
-_ACROSS = (*_POSITIONS, *_LENGTH, "axial_stiffness", *_AIR)  # a horizontal force of the straight line knows no weight
-_BY_VARIANT = {
-    "dynamic": _CHAIN,
-    "quasi_steady": {**_CHAIN, "kite_damping": ()},
-    "catenary": {**_LINE, "kite_end_mass": ()},
-    "straight": {
-        **_LINE,
-        **{f"{end}_force[{i}]": _ACROSS for end in ("ground", "kite") for i in (1, 2)},
-        **dict.fromkeys(("ground_tension", "kite_tension", "max_tension"), (*_STRETCH, "gravity")),
-        "ground_elevation": _POSITIONS,
-        "ground_azimuth": _PLAN,
-        "wave_time": _STRETCH,
-        "sag": (),
-        "solver_iterations": (),
-    },
-}
+FORM = (*STRETCH, *AIR, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
+FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", "reel_out_speed")
 
 
-def depends_on(variant, name, shape_points, ignored):
-    """Names of the inputs and parameters that an output depends on when initialization ends.
+def depends_on(variant, output, element, shape_points, left_out=()):
+    """Names of the inputs and parameters that an element of an output depends on when initialization ends.
 
-    variant : one of `variants.EVERY_VARIANT`.  name : of the output.  shape_points : number of points of the output `shape`.
-    ignored : inputs and parameters without effect.
+    variant : `variants.Variant`.  output : `outputs.Output`.  element : its FMI name, such as "kite_force[2]".
+    shape_points : number of points of the output `shape`.  left_out : inputs and parameters that this FMU does not have.
     """
-    library = library_of(variant)
-    names = {**_EVERY_TETHER, **_BY_VARIANT[library]}.get(name, (name,) if name in _KITE_MOTION else _FORCE)
-    if name.startswith("shape"):
-        names = _of_point(library, *name[len("shape[") : -1].split(","), shape_points)
-    if variant in FREE:
-        names = (f"initial_{each}" if each in _KITE_MOTION else each for each in names)
-    unused = {*ignored, *(() if library == "dynamic" else ("reel_out_speed",))}
-    return tuple(each for each in dict.fromkeys(names) if each not in unused)
+    *point, component = element.removeprefix(output.name).strip("[]").split(",")
+    declared = variant.depends_on.get(element, variant.depends_on.get(output.name, output.depends_on))
+    if point:  # of the shape; its ends are those of the tether, which are given
+        declared = {shape_points: ("kite_position[*]",), 1: ("ground_position[*]",)}.get(int(point[0]), declared)
+    names = dict.fromkeys(each for name in declared for each in _components(variant, name, component))
+    unused = {*variant.ignored, *left_out, *(() if variant.has_waves else ("reel_out_speed",))}
+    return tuple(name for name in names if name not in unused)
 
 
-def _of_point(variant, point, axis, shape_points):
-    """What a coordinate of a point of the shape depends on: the ends of the tether are given."""
-    if int(point) == 1:
-        return (f"ground_position[{axis}]",)
-    if int(point) == shape_points:
-        return (f"kite_position[{axis}]",)
-    if variant == "straight":
-        return (f"ground_position[{axis}]", f"kite_position[{axis}]")
-    return _SHAPE
+def _components(variant, name, component):
+    """FMI names that the name of a dependency stands for; component : index in the output, for `[*]`."""
+    vector = name.partition("[")[0]
+    known = BY_NAME.get(vector)
+    names = components(name, known.size) if known and name == vector else (name.replace("*", component),)
+    is_parameter = variant.kite_is_free and known and known.of == DRIVEN_KITE  # where a free kite starts
+    return tuple(f"initial_{each}" for each in names) if is_parameter else names

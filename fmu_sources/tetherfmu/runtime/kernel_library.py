@@ -12,7 +12,7 @@ from ctypes import CDLL, CFUNCTYPE, c_double, c_int32, c_int64, c_void_p
 from functools import lru_cache
 from pathlib import Path
 
-from .variants import WITHOUT_NODES
+from .variants import BY_NAME
 
 Kernels = namedtuple("Kernels", "work_size initialize advance outputs fly energy", defaults=(None,))
 _ARRAY = c_void_p
@@ -31,7 +31,7 @@ SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
 
 def verbs(variant):
     """Names of the entry points of a variant, without its name: those with nodes also account for their energy."""
-    return Kernels._fields[: -1 if variant in WITHOUT_NODES else None]
+    return Kernels._fields[: None if BY_NAME[variant].has_nodes else -1]
 
 
 def this_platform():

@@ -13,6 +13,16 @@ All arrays hold 64-bit floats. Three-vectors take three consecutive places (x, y
 The kernels freeze these numbers.
 """
 
+from . import inputs, outputs
+from .limits import (  # noqa: F401 - for those who look for them here, as the kernels do
+    LARGEST_INPUT,
+    LARGEST_INTEGER,
+    LONGEST_STEP,
+    MAX_SEGMENTS,
+    MIN_SEGMENT_LENGTH,
+    WORK_BUDGET,
+)
+
 # parameters: scalars
 GRAVITY = 0
 AIR_DENSITY = 1
@@ -43,15 +53,13 @@ SEGMENT_PROPERTIES = 5
 # ... then the n + 1 extra point masses of the nodes [kg] ...
 # ... and last the wind at the nodes [m/s]: n + 1 numbers along x, along y, along z, read if WIND_PROFILE is AT_NODES
 
-# inputs
-KITE_POSITION = 0
-KITE_VELOCITY = 3
-GROUND_POSITION = 6
-GROUND_VELOCITY = 9
-REEL_OUT_SPEED = 12
-WIND_VELOCITY = 13
-KITE_LOAD = 16
-INPUTS = 19
+# inputs and outputs in the order of their tables: the place of kite_force is KITE_FORCE; that of an output with the name of
+# an input begins with OUTPUT_
+globals().update({name.upper(): place for name, place in inputs.PLACES.items()})
+INPUTS = inputs.COUNT
+for _name, _place in outputs.PLACES.items():
+    globals()[f"{'OUTPUT_' if _name in inputs.PLACES else ''}{_name.upper()}"] = _place
+SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities
 WARNING_KINDS = 7
@@ -82,26 +90,6 @@ GIVEN_DERIVATIVES = LAST_KITE_LOAD + 3  # sum of 2**k, k of the inputs whose der
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 
-# outputs
-GROUND_FORCE = 0
-KITE_FORCE = 3
-GROUND_TENSION = 6
-KITE_TENSION = 7
-MAX_TENSION = 8
-TETHER_LENGTH = 9
-GROUND_ELEVATION = 10
-GROUND_AZIMUTH = 11
-SLACK_SEGMENTS = 12
-KITE_END_MASS = 13
-KITE_STIFFNESS = 14
-KITE_DAMPING = 15
-WAVE_TIME = 16
-SAG = 17
-SOLVER_STEPS = 18
-SOLVER_REJECTIONS = 19
-SOLVER_ITERATIONS = 20
-SHAPE = 21
-
 # enumerations of the parameters
 STRAIN_RATE, STRETCH_RATE = 1, 2
 UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
@@ -111,13 +99,6 @@ GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
-
-LARGEST_INTEGER = 2**31 - 1  # of FMI 2.0
-LARGEST_INPUT = 1e9  # in magnitude, any input
-LONGEST_STEP = 1e6  # [s]
-MAX_SEGMENTS = 300
-WORK_BUDGET = 2_000_000  # segments times internal steps in one communication step: about a second
-MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
 
 
 def parameters_size(segments):

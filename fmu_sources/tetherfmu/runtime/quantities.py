@@ -1,10 +1,11 @@
 """Declaration of a physical quantity: unit, meaning, default, limits. Each is declared once; all else is made from it."""
 
 from dataclasses import dataclass, field, fields
-from math import inf, isfinite
+from math import degrees, inf, isfinite
 
 OUT_OF_RANGE = "{name} is {value!r}; it must be {range}"
 NOT_WHOLE = "{name} is {value!r}; it must be a whole number"
+DEGREES = ("deg", degrees(1.0))  # `Quantity.display` of an angle
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,12 @@ import json
 from functools import lru_cache
 from pathlib import Path
 
+from .parameters import Tether
+
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
-DEFAULT_OPTIONS = {"segments": 20, "shape_points": 21, "about": "", "step": 0.02}
+# one point of the output `shape` at each node
+DEFAULT_OPTIONS = {"segments": Tether.segments, "shape_points": Tether.segments + 1, "about": "", "step": 0.02}
 
 
 @lru_cache

@@ -10,7 +10,7 @@ from .kernel_library import load
 from .parameters import LOOSEST_TOLERANCE, check_series
 from .resources import KERNELS_FOLDER, options_in
 from .saved_state import STEPPING, SavedState
-from .variants import FREE, effective, library_of
+from .variants import BY_NAME, effective, library_of
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # of a free kite: outputs, at the places of inputs
 
@@ -24,6 +24,7 @@ class TetherSlave(BaseSlave):
         super().__init__(**kwargs)
         options = options_in(self.resources)
         self._about = options["about"]
+        self._kite_is_free = BY_NAME[self.variant].kite_is_free
         table = variables.table_of(self.variant, options)
         self._parameter_names = variables.names_of(table, variables.PARAMETER)
         self._instance = Instance(self._kernels(), options["shape_points"], room=len(self._parameter_names))
@@ -66,7 +67,7 @@ class TetherSlave(BaseSlave):
             self._instance.set_up(*self._records(self.values), tolerance=self._importer_tolerance)
         except (ValueError, OverflowError) as error:
             return str(error)
-        if self.variant not in FREE:
+        if not self._kite_is_free:
             return self._instance.start()
         before = self.values[_KITE_END]
         first = self._instance.parameters_at + self._parameter_names.index("initial_kite_position[1]")
@@ -89,7 +90,7 @@ class TetherSlave(BaseSlave):
 
     def _read_free_kite(self):
         """Outputs of a free kite end, after a step or when a state was set."""
-        if self.variant in FREE:
+        if self._kite_is_free:
             self.values[_KITE_END] = self._instance.kite_end()
 
     def _records(self, values):
@@ -134,7 +135,7 @@ class TetherSlave(BaseSlave):
         instance = self._instance
         self.values[:OUTPUTS_AT] = saved.values[:OUTPUTS_AT]
         self.values[OUTPUTS_AT : instance.parameters_at] = zeros(instance.parameters_at - OUTPUTS_AT)
-        if self.variant in FREE:
+        if self._kite_is_free:
             self.values[_KITE_END] = zeros(_KITE_END.stop - _KITE_END.start)
         self.values[instance.parameters_at :] = saved.values[instance.parameters_at :]
         if records:

@@ -3,7 +3,7 @@
 A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input, for example).
 """
 
-from . import layout as at
+from . import limits
 
 OK = 0
 INPUT_NOT_FINITE = 1
@@ -39,7 +39,8 @@ SENTENCES = {
         "the length (tether_length {length} m) and axial_stiffness: drag may stretch a soft tether without end"
     ),
     FIXED_STEPS_TOO_MANY: (
-        "a communication step of {step} s needs more than {budget} iterations (2 to 552 for each internal step of "
+        "a communication step of {step} s needs more than {budget} iterations "
+        f"(2 to {limits.WORST_WORK} for each internal step of "
         "fixed_step {fixed_step} s); use a longer fixed_step or a shorter communication step"
     ),
     OUTPUT_NOT_FINITE: (
@@ -48,7 +49,11 @@ SENTENCES = {
     ),
 }
 
-LIMITS = {"largest": at.LARGEST_INPUT, "longest": at.LONGEST_STEP, "shortest": at.MIN_SEGMENT_LENGTH}  # in the sentences
+LIMITS = {  # in the sentences
+    "largest": limits.LARGEST_INPUT,
+    "longest": limits.LONGEST_STEP,
+    "shortest": limits.MIN_SEGMENT_LENGTH,
+}
 
 
 def code(status):

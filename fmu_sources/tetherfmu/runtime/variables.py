@@ -1,24 +1,25 @@
-"""The table of FMI variables, made from the records. One table for every tether.
+"""The table of FMI variables, made from the declarations. One table for every tether.
 
-A variable lives at one place of the flat arrays (`layout.py`), which has its name: an input, an output, or a parameter of a
-record. Its value reference is its place in `Instance.values`. The motion of a free kite end is an output; it stands where it
-is an input in the other tethers, so that all have the same value references.
+Inputs are declared in `inputs`, outputs in `outputs`, parameters in the records of `parameters`; `variants` says what a
+tether has of them. The value reference of a variable is its place in `Instance.values`: that in the `inputs` array, then
+those of the `outputs` array, then the parameters. The motion of a free kite end is an output; it stands where it is an input
+in the other tethers, so that all have the same value references.
 """
 
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from math import degrees, pi
 
+from . import inputs, outputs
 from . import layout as at
 from .dependencies import depends_on
+from .inputs import DRIVEN_KITE, INPUT_TABLE, components, inputs_of
+from .outputs import ARRAY_ORDER, KITE_MOTION, SCALAR, VECTOR
 from .parameters import Environment, FreeKite, Solver, Tether
 from .quantities import Quantity, checked, quantities
-from .variants import FREE
+from .variants import BY_NAME
 
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
 RECORDS = (Tether, Environment, Solver)
-KITE_AT_START = (300.0, 0.0, 400.0)
-DEGREES = ("deg", degrees(1.0))
 
 
 @dataclass(frozen=True)
@@ -34,79 +35,46 @@ class Variable:
     depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends
 
 
-def _vector(name, causality, unit, meaning, start=(None, None, None)):
-    place = getattr(at, name.upper()) + (at.INPUTS if causality == OUTPUT else 0)
+INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.name, each.size))  # by their places
+
+
+def _elements(name, meaning, shape, shape_points):
+    """Pairs of FMI name and meaning: of a scalar, of the components of a vector, of those of all points of the shape."""
+    if shape == SCALAR:
+        return [(name, meaning)]
+    if shape == VECTOR:
+        return [(each, f"{meaning}, {axis}") for each, axis in zip(components(name, 3), "xyz", strict=True)]
+    rest = meaning.removeprefix("points")
     return [
-        Variable(f"{name}[{i + 1}]", causality, "Real", Quantity(unit, f"{meaning}, {axis}"), place + i, start[i])
-        for i, axis in enumerate("xyz")
+        (f"{name}[{k},{i}]", f"point {k} of {shape_points}{rest}, {axis}")
+        for k in range(1, shape_points + 1)
+        for i, axis in enumerate("xyz", start=1)
     ]
 
 
-_ZERO = (0.0, 0.0, 0.0)
-_KITE_MOTION = (
-    *_vector("kite_position", INPUT, "m", "position of the kite attachment point", KITE_AT_START),
-    *_vector("kite_velocity", INPUT, "m/s", "velocity of the kite attachment point", _ZERO),
-)
-_LOAD = "external force on the kite: aerodynamics, control; not its weight"
-_KITE_LOAD = tuple(_vector("kite_load", INPUT, "N", _LOAD, _ZERO))
+def _input_elements(each):
+    return _elements(each.name, each.meaning, VECTOR if each.size > 1 else SCALAR, 0)
 
 
 def _input_variables(variant):
-    reel_out = Quantity("m/s", "rate of change of the unstretched length; positive pays out")
-    return [
-        *(_KITE_LOAD if variant in FREE else _KITE_MOTION),
-        *_vector("ground_position", INPUT, "m", "position of the ground end", _ZERO),
-        *_vector("ground_velocity", INPUT, "m/s", "velocity of the ground end", _ZERO),
-        Variable("reel_out_speed", INPUT, "Real", reel_out, at.REEL_OUT_SPEED, 0.0),
-        *_vector("wind_velocity", INPUT, "m/s", "wind at wind_reference_height", _ZERO),
-    ]
+    for each in inputs_of(variant.kite_is_free):
+        place = inputs.PLACES[each.name]
+        for i, (name, meaning) in enumerate(_input_elements(each)):
+            yield Variable(name, INPUT, "Real", Quantity(each.unit, meaning), place + i, each.start[i])
 
 
-_AZIMUTH = "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above"
-_SCALAR_OUTPUTS = {  # unit, meaning, minimum, maximum
-    "ground_tension": Quantity("N", "tension of the first segment"),
-    "kite_tension": Quantity("N", "tension of the last segment"),
-    "max_tension": Quantity("N", "largest tension of all segments now"),
-    "tether_length": Quantity("m", "unstretched length now", 0.0),
-    "ground_elevation": Quantity(
-        "rad", "elevation at which the tether leaves the ground end", -pi / 2.0, pi / 2.0, display=DEGREES
-    ),
-    "ground_azimuth": Quantity("rad", _AZIMUTH, -pi, pi, display=DEGREES),
-    "slack_segments": Quantity("", "number of segments that are shorter than unstretched", 0, at.MAX_SEGMENTS),
-    "kite_end_mass": Quantity("kg", "tether mass lumped at the kite end", 0.0),
-    "kite_stiffness": Quantity("N/m", "stiffness along the tether that the kite feels, all segments taut", 0.0),
-    "kite_damping": Quantity("N.s/m", "damping along the tether that the kite feels, all segments taut", 0.0),
-    "wave_time": Quantity("s", "travel time of a transverse wave over the tether", 0.0),
-    "sag": Quantity("m", "largest distance of the tether from its chord", 0.0),
-    "solver_steps": Quantity("", "internal steps of the solver since the start", 0, at.LARGEST_INTEGER),
-    "solver_rejections": Quantity("", "internal steps that it took back since the start", 0, at.LARGEST_INTEGER),
-    "solver_iterations": Quantity(
-        "", "Newton iterations since the start, for shapes and fixed steps", 0, at.LARGEST_INTEGER
-    ),
-}
-INTEGER_OUTPUTS = ("slack_segments", "solver_steps", "solver_rejections", "solver_iterations")
-
-
-def _output_variables(variant, shape_points):
-    outputs = [
-        *_vector("ground_force", OUTPUT, "N", "force of the tether on the ground station"),
-        *_vector("kite_force", OUTPUT, "N", "force of the tether on the kite"),
-    ]
-    for name, quantity in _SCALAR_OUTPUTS.items():
-        kind = "Integer" if name in INTEGER_OUTPUTS else "Real"
-        outputs.append(Variable(name, OUTPUT, kind, quantity, at.INPUTS + getattr(at, name.upper())))
-    if variant in FREE:
-        outputs += [replace(each, causality=OUTPUT, start=None) for each in _KITE_MOTION]
-    for k in range(1, shape_points + 1):
-        for i, axis in enumerate("xyz", start=1):
-            meaning = f"point {k} of {shape_points} on the tether at equal unstretched length, {axis}"
-            place = at.INPUTS + at.SHAPE + 3 * (k - 1) + i - 1
-            outputs.append(Variable(f"shape[{k},{i}]", OUTPUT, "Real", Quantity("m", meaning), place))
-    return outputs
-
-
-# of all tethers together, by their places
-INPUT_NAMES = {each.place: each.name for each in (*_KITE_MOTION, *_input_variables("dynamic_free"))}
+def _output_variables(variant, shape_points, left_out):
+    """What is an input of this tether is no output of it."""
+    given = {each.name for each in inputs_of(variant.kite_is_free)}
+    for output in ARRAY_ORDER:
+        if output.name in given:
+            continue
+        place = inputs.PLACES[output.name] if output.name in KITE_MOTION else at.INPUTS + outputs.PLACES[output.name]
+        meaning = variant.meanings.get(output.name, output.quantity.meaning)
+        for i, (name, text) in enumerate(_elements(output.name, meaning, output.shape, shape_points)):
+            quantity = replace(output.quantity, meaning=text)
+            known = depends_on(variant, output, name, shape_points, left_out)
+            yield Variable(name, OUTPUT, output.kind, quantity, place + i, depends_on=known)
 
 
 def names_of(table, causality):
@@ -116,26 +84,7 @@ def names_of(table, causality):
 
 def records_of(variant):
     """Records whose quantities are the parameters of a variant."""
-    return (*RECORDS, FreeKite) if variant in FREE else RECORDS
-
-
-_IGNORED_WITHOUT_WAVES = {
-    **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
-    **dict.fromkeys(("relative_tolerance", "fixed_step"), "there is no motion to integrate"),
-    "initial_shape": "this tether is in equilibrium from the start",
-}
-_IGNORED_WITHOUT_NODES = {
-    **_IGNORED_WITHOUT_WAVES,
-    "slack_stiffness_ratio": "no part of this tether is in compression",
-    "segments": "this tether has no nodes",
-}
-IGNORED = {  # parameters that a variant ignores, and why
-    "dynamic": {},
-    "dynamic_free": {},
-    "quasi_steady": _IGNORED_WITHOUT_WAVES,
-    "catenary": _IGNORED_WITHOUT_NODES,
-    "straight": _IGNORED_WITHOUT_NODES,
-}
+    return (*RECORDS, FreeKite) if BY_NAME[variant].kite_is_free else RECORDS
 
 
 def parameters_of(record_classes, starts=None):
@@ -152,50 +101,19 @@ def parameters_of(record_classes, starts=None):
 
 def _parameter_variables(variant, starts):
     variables = []
-    for each in parameters_of(records_of(variant), starts):
-        if each.name in IGNORED[variant]:
-            meaning = f"{each.quantity.meaning} (ignored: {IGNORED[variant][each.name]})"
+    for each in parameters_of(records_of(variant.name), starts):
+        if each.name in variant.ignored:
+            meaning = f"{each.quantity.meaning} (ignored: {variant.ignored[each.name]})"
             each = replace(each, quantity=replace(each.quantity, meaning=meaning))
         variables.append(each)
-    if variant in FREE:
-        for each in _KITE_MOTION:
-            meaning = each.quantity.meaning.replace(", ", " at the start, ")
-            declared = Quantity(each.quantity.unit, meaning, -at.LARGEST_INPUT, at.LARGEST_INPUT)
-            name = f"initial_{each.name}"
-            variables.append(Variable(name, PARAMETER, "Real", declared, len(variables), starts.get(name, each.start)))
+    if variant.kite_is_free:
+        for each in (each for each in INPUT_TABLE if each.of == DRIVEN_KITE):
+            at_start = replace(each, name=f"initial_{each.name}", meaning=f"{each.meaning} at the start")
+            for (name, meaning), start in zip(_input_elements(at_start), each.start, strict=True):
+                declared = Quantity(each.unit, meaning, -at.LARGEST_INPUT, at.LARGEST_INPUT)
+                first = starts.get(name, start)
+                variables.append(Variable(name, PARAMETER, "Real", declared, len(variables), first))
     return variables
-
-
-_NO_WAVES = {
-    "kite_damping": "damping along the tether that the kite feels: 0, this tether has none",
-    "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
-    "solver_rejections": "internal steps that it took back since the start: 0, there is no motion to integrate",
-}
-_ONE_LINE = {
-    **_NO_WAVES,
-    "ground_tension": "tension at the ground end",
-    "kite_tension": "tension at the kite end",
-    "max_tension": "larger one of the tensions at the ends",
-    "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
-    "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
-}
-_AND_WEIGHT = (
-    ": its tension and its half of the weight, as far as that is along it; negative at the lower end of a slack tether"
-)
-NOTES = {  # meanings of outputs where they differ from the dynamic tether's
-    "dynamic": {},
-    "dynamic_free": {},
-    "quasi_steady": _NO_WAVES,
-    "catenary": _ONE_LINE,
-    "straight": {
-        **_ONE_LINE,
-        "ground_tension": f"force along the tether at the ground end{_AND_WEIGHT}",
-        "kite_tension": f"force along the tether at the kite end{_AND_WEIGHT}",
-        "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
-        "solver_iterations": "Newton iterations since the start: 0, this tether needs none",
-        "sag": "largest distance of the tether from its chord: 0, this tether is straight",
-    },
-}
 
 
 @lru_cache
@@ -206,17 +124,9 @@ def variables(variant, shape_points, starts=(), left_out=()):
     starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
     FMU for one scene goes without; such inputs stay 0.
     """
-    first = dict(starts)
-    inputs = [replace(variable, start=first.get(variable.name, variable.start)) for variable in _input_variables(variant)]
-    outputs = [
-        replace(
-            variable,
-            quantity=replace(variable.quantity, meaning=NOTES[variant].get(variable.name, variable.quantity.meaning)),
-            depends_on=depends_on(variant, variable.name, shape_points, (*IGNORED[variant], *left_out)),
-        )
-        for variable in _output_variables(variant, shape_points)
-    ]
-    table = (*inputs, *outputs, *_parameter_variables(variant, first))
+    tether, first = BY_NAME[variant], dict(starts)
+    given = [replace(each, start=first.get(each.name, each.start)) for each in _input_variables(tether)]
+    table = (*given, *_output_variables(tether, shape_points, left_out), *_parameter_variables(tether, first))
     return tuple(variable for variable in table if variable.name not in left_out)
 
 

@@ -1,12 +1,131 @@
-"""The variants of the tether, and how people spell them."""
+"""The variants of the tether: what each has, what it ignores, and how people spell them."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
-VARIANTS = ("straight", "catenary", "quasi_steady", "dynamic")  # with driven ends, from coarse to fine; each has a library
-FREE = ("dynamic_free",)  # with a free kite end; the library is that of the driven variant
-EVERY_VARIANT = (*VARIANTS, *FREE)
-WITHOUT_NODES = ("straight", "catenary")
-WITHOUT_WAVES = ("straight", "catenary", "quasi_steady")
+from .dependencies import AIR, LENGTH, POSITIONS, STRETCH
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One variant of the tether; what a field says of outputs and dependencies is where it differs from the dynamic one."""
+
+    name: str  # of its module in `kernels.variants`, or of no module if it uses the library of another
+    has_nodes: bool
+    has_waves: bool  # if not, it is in equilibrium at each instant
+    compile_seconds: float  # of its library, on two cores
+    colour: str  # in all pictures, see `console.colours`
+    # largest deviation from the reference of the evidence set, as a part of the largest value: what the solver makes at its
+    # default tolerance; where nothing is integrated, only the digits of the files are left
+    evidence_deviation: float
+    evidence_tolerance: float | None = None  # relative tolerance of that run; None for the default
+    library: str = ""  # the variant whose compiled library it uses; "" for its own
+    kite_is_free: bool = False
+    ignored: dict = field(default_factory=dict)  # parameters without effect, and why
+    meanings: dict = field(default_factory=dict)  # of outputs
+    depends_on: dict = field(default_factory=dict)  # of outputs or their components, see `dependencies`
+
+
+_IGNORED_WITHOUT_WAVES = {
+    **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
+    **dict.fromkeys(("relative_tolerance", "fixed_step"), "there is no motion to integrate"),
+    "initial_shape": "this tether is in equilibrium from the start",
+}
+_IGNORED_WITHOUT_NODES = {
+    **_IGNORED_WITHOUT_WAVES,
+    "slack_stiffness_ratio": "no part of this tether is in compression",
+    "segments": "this tether has no nodes",
+}
+_NO_WAVES = {
+    "kite_damping": "damping along the tether that the kite feels: 0, this tether has none",
+    "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
+    "solver_rejections": "internal steps that it took back since the start: 0, there is no motion to integrate",
+}
+_ONE_LINE = {
+    **_NO_WAVES,
+    "ground_tension": "tension at the ground end",
+    "kite_tension": "tension at the kite end",
+    "max_tension": "larger one of the tensions at the ends",
+    "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
+    "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
+}
+_AND_WEIGHT = (
+    ": its tension and its half of the weight, as far as that is along it; negative at the lower end of a slack tether"
+)
+_SLACK = (*POSITIONS, *LENGTH)  # whether one line is slack
+_ACROSS = (*POSITIONS, *LENGTH, "axial_stiffness", *AIR)  # a horizontal force of the straight line knows no weight
+
+STRAIGHT = Variant(
+    "straight",
+    has_nodes=False,
+    has_waves=False,
+    compile_seconds=3,
+    colour="orange",
+    evidence_deviation=1e-6,
+    ignored=_IGNORED_WITHOUT_NODES,
+    meanings={
+        **_ONE_LINE,
+        "ground_tension": f"force along the tether at the ground end{_AND_WEIGHT}",
+        "kite_tension": f"force along the tether at the kite end{_AND_WEIGHT}",
+        "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
+        "solver_iterations": "Newton iterations since the start: 0, this tether needs none",
+        "sag": "largest distance of the tether from its chord: 0, this tether is straight",
+    },
+    depends_on={
+        **{f"{end}_force[{i}]": _ACROSS for end in ("ground", "kite") for i in (1, 2)},
+        **dict.fromkeys(("ground_tension", "kite_tension", "max_tension"), (*STRETCH, "gravity")),
+        "ground_elevation": POSITIONS,
+        "ground_azimuth": tuple(f"{end}[{i}]" for end in POSITIONS for i in (1, 2)),
+        "slack_segments": _SLACK,
+        "kite_damping": (),
+        "wave_time": STRETCH,
+        "sag": (),
+        "solver_iterations": (),
+        "shape": tuple(f"{end}[*]" for end in POSITIONS),
+    },
+)
+CATENARY = Variant(
+    "catenary",
+    has_nodes=False,
+    has_waves=False,
+    compile_seconds=4,
+    colour="green",
+    evidence_deviation=1e-6,
+    ignored=_IGNORED_WITHOUT_NODES,
+    meanings=_ONE_LINE,
+    depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": ()},
+)
+QUASI_STEADY = Variant(
+    "quasi_steady",
+    has_nodes=True,
+    has_waves=False,
+    compile_seconds=10,
+    colour="blue",
+    evidence_deviation=1e-6,
+    ignored=_IGNORED_WITHOUT_WAVES,
+    meanings=_NO_WAVES,
+    depends_on={"kite_damping": ()},
+)
+DYNAMIC = Variant(
+    "dynamic",
+    has_nodes=True,
+    has_waves=True,
+    compile_seconds=14,
+    colour="vermillion",
+    evidence_deviation=5e-3,
+)
+DYNAMIC_FREE = replace(
+    DYNAMIC,
+    name="dynamic_free",
+    library="dynamic",
+    kite_is_free=True,
+    colour="purple",
+    evidence_tolerance=1e-7,  # a free kite remembers each snap of a tether of one segment
+)
+
+TABLE = (STRAIGHT, CATENARY, QUASI_STEADY, DYNAMIC, DYNAMIC_FREE)  # from coarse to fine
+BY_NAME = {each.name: each for each in TABLE}
+EVERY_VARIANT = tuple(BY_NAME)
+VARIANTS = tuple(each.name for each in TABLE if not each.kite_is_free)  # with driven ends; each has a library
 
 
 def class_name(variant):
@@ -16,7 +135,7 @@ def class_name(variant):
 
 def library_of(variant):
     """The variant whose compiled library serves a variant: its own, or that of the driven one."""
-    return variant.removesuffix("_free")
+    return BY_NAME[variant].library or variant
 
 
 def variant_of(text, variants=EVERY_VARIANT):
@@ -31,8 +150,8 @@ def variant_of(text, variants=EVERY_VARIANT):
 
 def effective(tether, variant):
     """The tether as a variant knows it: without damping where there are no waves, one segment where there are no nodes."""
-    if variant in WITHOUT_WAVES:
+    if not BY_NAME[variant].has_waves:
         tether = replace(tether, axial_damping=0.0)
-    if variant in WITHOUT_NODES:
+    if not BY_NAME[variant].has_nodes:
         tether = replace(tether, segments=1)
     return tether

@@ -13,7 +13,7 @@ from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.equilibrium.compressed_chain import NUDGE
 from tetherfmu.kernels.integrators import backward_euler, step_control
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import status
+from tetherfmu.runtime import limits, status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 MODELS = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
@@ -180,7 +180,7 @@ def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
 
 
 def test_a_fixed_step_takes_a_bounded_number_of_iterations():
-    """`backward_euler.WORST_WORK`, also where the iteration does not come to rest: a slack line in a hurricane."""
+    """`limits.WORST_WORK`, also where the iteration does not come to rest: a slack line in a hurricane."""
     tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
     model = TetherDynamic(tether, solver=Solver(fixed_step=0.1, initial_shape=3))
     inputs = {"kite_position": (6.0, 0.0, 8.0), "wind_velocity": (60.0, 10.0, 0.0)}
@@ -190,8 +190,8 @@ def test_a_fixed_step_takes_a_bounded_number_of_iterations():
         before = model.counters["iterations"]
         model.step(0.1, **inputs)
         most = max(most, model.counters["iterations"] - before)
-    assert most == backward_euler.WORST_WORK
+    assert most == limits.WORST_WORK
 
 
 def test_the_most_iterations_are_what_the_refusal_says():
-    assert f"2 to {backward_euler.WORST_WORK} for each" in status.SENTENCES[status.FIXED_STEPS_TOO_MANY]
+    assert f"2 to {limits.WORST_WORK} for each" in status.SENTENCES[status.FIXED_STEPS_TOO_MANY]

@@ -12,8 +12,7 @@ from kernels.variants.balance import VARIANTS
 from tetherfmu import StepRefused, models
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.variables import IGNORED
-from tetherfmu.runtime.variants import FREE
+from tetherfmu.runtime.variants import BY_NAME
 
 KITE = np.array([300.0, 40.0, 400.0])
 KITE_VELOCITY = np.array([-4.0, 19.0, 1.0])
@@ -138,10 +137,10 @@ def test_says_what_it_ignores_and_ignores_it(variant, name):
         # released from a stretched straight line, a dynamic tether has slack segments after a while, also with a free kite
         model = getattr(models, variant)(Tether(initial_length=400.0, **tether), solver=Solver(**solver), shape_points=5)
         model.initialize(kite_position=KITE, kite_velocity=KITE_VELOCITY, wind_velocity=WIND)
-        lead = {} if model.variant in FREE else {"kite_position": 0.81 * KITE}
+        lead = {} if BY_NAME[model.variant].kite_is_free else {"kite_position": 0.81 * KITE}
         return [model.step(0.1, **lead, wind_velocity=WIND, reel_out_speed=1.0) for _ in range(20)]
 
-    ignored = name in IGNORED[getattr(models, variant).variant]
+    ignored = name in BY_NAME[getattr(models, variant).variant].ignored
     unchanged = all(same(a, b) for a, b in zip(fly(), fly(**{name: CHANGED[name]}), strict=True))
     assert unchanged == ignored
 

@@ -15,17 +15,18 @@ differences u = (p - p_last)/h_last belong to the middles of the steps, so that
 Theory: docs/models/theory.md, "Driven ends".
 """
 
+from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
+
 from ..compilation import kernel
 from ..linear_algebra.vectors import add, add_scaled, dot, scale, sub
 
-STRONGEST_GROWTH = 4.0  # of the communication step over which an acceleration is extrapolated in full
 LARGEST_TURN = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
 
 
 @kernel
 def per_last_step(last_step, step):
-    """1/h_last [1/s], with h_last no shorter than a quarter of the communication step [s]."""
-    return 1.0 / max(last_step, step / STRONGEST_GROWTH)
+    """1/h_last [1/s], with h_last no shorter than `SHORTEST_LAST_STEP` times the communication step [s]."""
+    return 1.0 / max(last_step, SHORTEST_LAST_STEP * step)
 
 
 @kernel

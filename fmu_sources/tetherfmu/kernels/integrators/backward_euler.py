@@ -11,7 +11,7 @@ Its gradient is zero where the equations of motion hold with the forces of the n
 Euler. Its matrix is made positive definite (no negative tension across a segment), so that iterations descend; one that
 would not is shortened, or left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
 A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
-not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS`.
+not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS` (all three in `runtime/limits.py`).
 
 k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
 at the start of the iteration. A driven end is where its curve is; its old position counts as x - h v, so that the damper
@@ -25,6 +25,7 @@ from collections import namedtuple
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy, node_arrays, shared_arrays, shared_size
@@ -47,11 +48,6 @@ from ..linear_algebra.matrices import (
 )
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
 
-MOST_ITERATIONS = 8  # of a step and of its coarser parts
-LAST_ITERATIONS = 32  # of the finest parts
-PARTS = 4  # into which a step is divided, and each of them again
-FINEST = PARTS**2  # parts of the finest kind in a step
-WORST_WORK = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations for one fixed step
 MOST_HALVINGS = 8  # of a move that does not go down
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
@@ -311,7 +307,7 @@ def step(conditions, time, h, in_any_case, x, v, w):
 def careful_step(conditions, time, h, x, v, w):
     """One step of h [s] of (x, v) (modified), in parts where it does not come to rest as a whole.
 
-    Returns the number of iterations, at most `WORST_WORK`; negative where the matrix is singular.
+    Returns the number of iterations, at most `limits.WORST_WORK`; negative where the matrix is singular.
     """
     iterations = 0
     done = 0  # in parts of the finest kind

@@ -47,16 +47,17 @@ ends at 1e-9. If the first part of a pair fails, the second is tried. */
 static const double PARTS_WITH_STEPS[] = {1e-7, 1e-8}, PARTS_WITHOUT_STEPS[] = {1e-5, 1e-6};
 static const double SAME_STEP = 1e-3; /* relative difference of the next internal step: larger after other ones */
 
-/* Scale of an input, in its unit. step : [s], 0 for the start. */
+/* Scale of an input, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. */
 static double scale_of(const Arrays *arrays, unsigned place, double step)
 {
     double length = step > 0.0 ? arrays->state[AT_LENGTH] : arrays->parameters[AT_INITIAL_LENGTH];
     double segment = length / (double)arrays->segments;
-    bool is_position = place < AT_KITE_VELOCITY || (AT_GROUND_POSITION <= place && place < AT_GROUND_VELOCITY);
-    if (is_position) return segment;
-    if (place >= AT_KITE_LOAD) return arrays->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * arrays->segments];
-    if (place >= AT_WIND_VELOCITY) return 1000.0;
-    return segment < 100.0 * step ? segment / step : 100.0;
+    switch (INPUT_SCALE[place]) {
+    case SCALE_SEGMENT_LENGTH: return segment;
+    case SCALE_STIFFNESS: return arrays->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * arrays->segments];
+    case SCALE_FAST_WIND: return FAST_WIND_SPEED;
+    default: return segment < FAST_END_SPEED * step ? segment / step : FAST_END_SPEED; /* SCALE_SEGMENT_PER_STEP */
+    }
 }
 
 /* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's

@@ -8,7 +8,7 @@ from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 from tetherfmu.console.progress import now
-from tetherfmu.runtime.variants import class_name
+from tetherfmu.runtime.variants import TABLE, class_name
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.tables import page
@@ -90,9 +90,9 @@ class Search:
             segments, choices = finer[parts.index(part)]
 
     def cheaper(self):
-        """Try what may do at less cost: straight and catenary at the shortest step first, then all from the cheapest on."""
+        """Try what may do at less cost: those without nodes at the shortest step first, then all from the cheapest on."""
         costs = {config: least_cost(self.scene, config) for config in ladder(self.scene)}
-        for variant in ("straight", "catenary"):
+        for variant in (each.name for each in TABLE if not each.has_nodes):
             mine = [each for each in costs if each.variant == variant and costs[each] < self.least_that_does()]
             if mine:
                 self.fly(min(mine, key=lambda each: each.step))

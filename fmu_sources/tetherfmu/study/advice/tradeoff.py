@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
+from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import HOST_COST, Config, cost, run
@@ -51,12 +52,16 @@ def steps(scene):
 
 def ladder(scene):
     """All configurations of the study; at short steps the tolerance does not matter: the solver takes one step in each."""
-    tethers = (
-        product(("straight", "catenary"), (0,), (0.0,), steps(scene)),
-        product(("quasi_steady",), SEGMENTS, (0.0,), steps(scene)),
-        product(("dynamic",), SEGMENTS, TOLERANCES, steps(scene)),
+    choices = (
+        product(
+            (variant,),
+            SEGMENTS if BY_NAME[variant].has_nodes else (0,),
+            TOLERANCES if BY_NAME[variant].has_waves else (0.0,),
+            steps(scene),
+        )
+        for variant in VARIANTS
     )
-    configs = starmap(Config, chain(*tethers))
+    configs = starmap(Config, chain(*choices))
     return [each for each in configs if each.step > SHORT_STEP or each.tolerance <= TOLERANCES[-1]]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from tetherfmu.kernels.equations import segment
 from tetherfmu.kernels.equations.end_motion import curve, position_at, velocity_at
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name
 from tetherfmu.study.measuring.reference import free_state, right_hand_side
 from tetherfmu.study.scenes.standard import STEP, tether_at_start
 
@@ -93,7 +94,8 @@ def whole_run(scene, tolerance, compiled=False):
 
 def kite_curves(scene):
     """Coefficients of the curves on which the tether leads its kite end, array (12, communication steps)."""
-    positions, velocities = np.split(scene.inputs(STEP)[:, : at.GROUND_POSITION], 2, axis=1)
+    columns = by_name(scene.inputs(STEP))
+    positions, velocities = columns["kite_position"], columns["kite_velocity"]
     accelerations = np.diff(velocities, axis=0, prepend=velocities[:1]) / STEP
     end, curves = (tuple(positions[0]), tuple(velocities[0])), []
     for motion in zip(*(map(tuple, each.tolist()) for each in (positions, velocities, accelerations)), strict=True):

@@ -9,7 +9,7 @@ from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.parameters import Solver
-from tetherfmu.runtime.variants import VARIANTS, WITHOUT_NODES, effective
+from tetherfmu.runtime.variants import BY_NAME, VARIANTS, effective
 from tetherfmu.study.scenes.standard import STEP, circle_scene, tether_at_start
 
 from .races import interleaved
@@ -57,7 +57,7 @@ def kernel_table(segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
     """Time and work (internal steps or iterations) of the kernels per communication step or start."""
     jobs = {}
     for variant in VARIANTS:
-        for n in (1,) if variant in WITHOUT_NODES else segments:
+        for n in segments if BY_NAME[variant].has_nodes else (1,):
             fly = flight(variant, n, steps)
             jobs |= {(variant, what, n): partial(fly, what == OUTPUTS) for what in (FLIGHT, OUTPUTS)}
             if variant == "quasi_steady":
@@ -69,7 +69,7 @@ def kernel_table(segments=SEGMENTS, steps=STEPS, repeats=REPEATS):
         if what == OUTPUTS:  # flown with them less flown without them
             seconds -= times[variant, FLIGHT, n]
         name = f"{variant} {what}" + (" (warm)" if (variant, what) == ("quasi_steady", FLIGHT) else "")
-        count = None if variant in WITHOUT_NODES else n
+        count = n if BY_NAME[variant].has_nodes else None
         rows.append((name, count, 1e6 * seconds / calls, 0.0 if what == OUTPUTS else work[variant, what, n] / calls))
     table = pd.DataFrame(rows, columns=("what", "segments", "us per step", "work")).astype({"segments": "Int64"})
     table.insert(3, "ns per segment", 1e3 * table["us per step"] / table.segments.astype(float))

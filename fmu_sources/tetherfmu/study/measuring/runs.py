@@ -18,6 +18,7 @@ import pandas as pd
 
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.study.scenes.standard import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
@@ -25,7 +26,7 @@ UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COL
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
 HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
-SHAPE_POINTS = 21
+SHAPE_POINTS = DEFAULT_OPTIONS["shape_points"]
 UNWARNED = {"action": "ignore", "category": PlausibilityWarning}  # each run of a study would give the same warnings
 
 

@@ -10,7 +10,8 @@ from scipy.optimize import nnls
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
 from tetherfmu.results import StepRefused
-from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
+from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.study.scenes.standard import random_scenes
 
 from . import runs
@@ -24,9 +25,9 @@ SCENES, HOST_STEPS = 4, 3000
 def fitted(scenes, variant):
     """Unit costs [s] of a variant, fitted to the fastest of a few runs of some scenes."""
     rows = []
-    segments = SEGMENTS if variant in ("quasi_steady", "dynamic") else (0,)
+    segments = SEGMENTS if BY_NAME[variant].has_nodes else (0,)
     for scene, n, step in product(scenes, segments, STEPS):
-        config = runs.Config(variant, n, 1e-4 if variant == "dynamic" else 0.0, step)
+        config = runs.Config(variant, n, DEFAULT_TOLERANCE if BY_NAME[variant].has_waves else 0.0, step)
         try:
             flights = [runs.run(scene, config) for _ in range(REPEATS)]
         except StepRefused:

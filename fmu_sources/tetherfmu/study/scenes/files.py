@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
+from tetherfmu.runtime.inputs import COUNT, by_name
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
@@ -88,7 +89,7 @@ class Scene:
         return self.every * np.arange(self.count + 1)
 
     def inputs(self, step, exact=False):
-        """Inputs of all communication steps, array (steps, INPUTS), in the order of `layout`.
+        """Inputs of all communication steps, array (steps, INPUTS), in the order of `runtime.inputs`.
 
         step : communication step [s], a whole part of `every`.  exact : give the mean reel-out speed and the wind of the
         middle of each step instead of those of its start; no importer knows them, a reference does.
@@ -96,8 +97,19 @@ class Scene:
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
         speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
-        load = np.zeros((len(time), 3))
-        return np.column_stack([*motion[:4], speed, self.wind(time + 0.5 * step * exact), load])
+        given = {
+            "kite_position": motion.kite,
+            "kite_velocity": motion.kite_velocity,
+            "ground_position": motion.ground,
+            "ground_velocity": motion.ground_velocity,
+            "reel_out_speed": speed[:, np.newaxis],
+            "wind_velocity": self.wind(time + 0.5 * step * exact),
+        }
+        rows = np.zeros((len(time), COUNT))
+        columns = by_name(rows)
+        for name, numbers in given.items():
+            columns[name][:] = numbers
+        return rows
 
 
 def load(path):

@@ -1,14 +1,17 @@
 """A flight from a CSV file: any time series of the user, made smooth by splines."""
 
+from itertools import chain
+
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
+from tetherfmu.runtime.inputs import components, inputs_of
+
 from .flights import Motion
 
-AXES = ("[1]", "[2]", "[3]")
-VECTORS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
-COLUMNS = ("time", *(name + axis for name in VECTORS for axis in AXES), "reel_out_speed", "tether_length")
+VECTORS = {each.name: components(each.name, each.size) for each in inputs_of(kite_is_free=False) if each.size > 1}
+COLUMNS = ("time", *chain(*VECTORS.values()), "reel_out_speed", "tether_length")
 FEWEST_ROWS = 4  # that a C2 spline needs
 
 
@@ -34,7 +37,7 @@ def problems(table, numbers):
     for name in table.columns.difference(COLUMNS, sort=False):
         yield f"unknown column {name!r}; known are {', '.join(COLUMNS)}"
     given = {"kite_position", *(name.partition("[")[0] for name in table)}
-    needed = {"time", *(vector + axis for vector in given.intersection(VECTORS) for axis in AXES)}
+    needed = {"time", *chain(*(VECTORS[name] for name in given.intersection(VECTORS)))}
     for name in sorted(needed.difference(table)):
         yield f"the column {name} is missing"
     if "ground_velocity" in given and "ground_position" not in given:
@@ -65,16 +68,16 @@ class Series:
     def __init__(self, path):
         table, self.contents = read_columns(path), path.read_bytes()
         time = table["time"].to_numpy() - table["time"].iloc[0]
-        given = [table[[v + axis for axis in AXES]].to_numpy() if f"{v}[1]" in table else None for v in VECTORS]
-        kite, kite_velocity, ground, ground_velocity, wind = given
+        given = {name: table[[*each]].to_numpy() for name, each in VECTORS.items() if each[0] in table}
         self.duration = float(time[-1])
-        self._ends = curve(time, kite, kite_velocity), curve(time, ground, ground_velocity)
+        self._ends = [curve(time, given.get(f"{end}_position"), given.get(f"{end}_velocity")) for end in ("kite", "ground")]
         if "tether_length" in table:
             self._length = PchipInterpolator(time, table["tether_length"])
             self._speed, self.initial_length = self._length.derivative(), float(table["tether_length"].iloc[0])
         else:
             self._speed, self.initial_length = PchipInterpolator(time, table.get("reel_out_speed", 0.0 * time)), None
             self._length = self._speed.antiderivative()
+        wind = given.get("wind_velocity")
         self.wind = None if wind is None else PchipInterpolator(time, wind)
 
     def motion(self, time):

@@ -13,6 +13,7 @@ import pandas as pd
 
 from tetherfmu import models
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name, inputs_of
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
@@ -72,8 +73,9 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **optio
         options |= {"initial_shape": at.STATIC_EQUILIBRIUM, "free_ends": (False, True)}
     model = MODELS[variant](scene.tether, scene.environment, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
-    ends, wind_velocity = first[: at.REEL_OUT_SPEED].reshape(4, 3), first[at.WIND_VELOCITY : at.KITE_LOAD]
-    model.initialize(*ends, first[at.REEL_OUT_SPEED], wind_velocity)
+    given = by_name(first)
+    known = inputs_of(kite_is_free=False)
+    model.initialize(**{each.name: given[each.name] if each.size > 1 else given[each.name].item() for each in known})
     return model
 
 

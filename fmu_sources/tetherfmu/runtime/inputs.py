@@ -1,0 +1,101 @@
+"""The inputs of a tether, each declared once, in the order of the `inputs` array.
+
+The places of the array (`layout.py`), the FMI variables, the arguments of the Python API, the columns of flights, the scales
+of directional derivatives and the terminals of FMI 3 are made from this table.
+"""
+
+from dataclasses import dataclass
+
+EVERY_TETHER, DRIVEN_KITE, FREE_KITE = "every tether", "driven kite", "free kite"  # who has an input
+# the unit in which a directional derivative measures a change of an input; see `scale_of` in native/derivatives.c
+SEGMENT_LENGTH, SEGMENT_PER_STEP, FAST_WIND, STIFFNESS = SCALES = (
+    "SEGMENT_LENGTH",  # unstretched, of a segment [m]
+    "SEGMENT_PER_STEP",  # speed [m/s] of a segment length in the step, at most that of a fast end
+    "FAST_WIND",  # speed [m/s]
+    "STIFFNESS",  # E A of the first segment [N]
+)
+FAST_END_SPEED, FAST_WIND_SPEED = 100.0, 1000.0  # [m/s]
+KITE_AT_START = (300.0, 0.0, 400.0)  # [m]
+ZERO = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Input:
+    """A scalar or a vector that the importer sets before each step."""
+
+    name: str  # of the FMI variable, of the argument in Python; its place has this name in capitals
+    unit: str
+    meaning: str
+    start: tuple  # as many numbers as it has
+    scale: str  # one of `SCALES`
+    terminal: str = ""  # of FMI 3: end and name there, "kite.position"; "" for none
+    of: str = EVERY_TETHER  # or DRIVEN_KITE, FREE_KITE
+
+    @property
+    def size(self):
+        """How many numbers it has."""
+        return len(self.start)
+
+
+INPUT_TABLE = (
+    Input(
+        "kite_position",
+        "m",
+        "position of the kite attachment point",
+        KITE_AT_START,
+        SEGMENT_LENGTH,
+        "kite.position",
+        DRIVEN_KITE,
+    ),
+    Input(
+        "kite_velocity",
+        "m/s",
+        "velocity of the kite attachment point",
+        ZERO,
+        SEGMENT_PER_STEP,
+        "kite.velocity",
+        DRIVEN_KITE,
+    ),
+    Input("ground_position", "m", "position of the ground end", ZERO, SEGMENT_LENGTH, "ground.position"),
+    Input("ground_velocity", "m/s", "velocity of the ground end", ZERO, SEGMENT_PER_STEP, "ground.velocity"),
+    Input("reel_out_speed", "m/s", "rate of change of the unstretched length; positive pays out", (0.0,), SEGMENT_PER_STEP),
+    Input("wind_velocity", "m/s", "wind at wind_reference_height", ZERO, FAST_WIND),
+    Input(
+        "kite_load",
+        "N",
+        "external force on the kite: aerodynamics, control; not its weight",
+        ZERO,
+        STIFFNESS,
+        "kite.load",
+        FREE_KITE,
+    ),
+)
+BY_NAME = {each.name: each for each in INPUT_TABLE}
+COUNT = sum(each.size for each in INPUT_TABLE)  # of numbers in the array
+
+
+def _places():
+    first = 0
+    for each in INPUT_TABLE:
+        yield each.name, first
+        first += each.size
+
+
+PLACES = dict(_places())  # of the first number of each input in the array
+
+
+def components(name, size):
+    """FMI names of a variable: its own of a scalar, with indices from 1 of a vector."""
+    return (name,) if size == 1 else tuple(f"{name}[{i}]" for i in range(1, size + 1))
+
+
+def inputs_of(kite_is_free):
+    """The inputs of a tether with a free or a driven kite end in the order of its FMI variables: those of the kite first."""
+    wanted = (EVERY_TETHER, FREE_KITE if kite_is_free else DRIVEN_KITE)
+    listed = [each for each in INPUT_TABLE if each.of in wanted]
+    return sorted(listed, key=lambda each: each.of == EVERY_TETHER)
+
+
+def by_name(rows):
+    """Columns of inputs by name, dict of views (..., size of the input) into an array of numpy (..., COUNT)."""
+    return {each.name: rows[..., PLACES[each.name] : PLACES[each.name] + each.size] for each in INPUT_TABLE}

@@ -1,0 +1,19 @@
+"""Limits that shells and kernels share: of inputs, steps, and the work in one of them. The kernels freeze these numbers."""
+
+LARGEST_INTEGER = 2**31 - 1  # of FMI 2.0
+LARGEST_INPUT = 1e9  # in magnitude, any input
+LONGEST_STEP = 1e6  # [s]
+MAX_SEGMENTS = 300
+WORK_BUDGET = 2_000_000  # segments times internal steps in one communication step: about a second
+MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
+
+# part of the present communication step that the last one counts as at least where the rate of an input is estimated: after
+# a much shorter step a jump is extrapolated to no more than four times itself
+SHORTEST_LAST_STEP = 0.25
+
+# iterations of backward Euler, see `kernels/integrators/backward_euler.py`
+MOST_ITERATIONS = 8  # of a step and of its coarser parts
+LAST_ITERATIONS = 32  # of the finest parts
+PARTS = 4  # into which a step is divided, and each of them again
+FINEST = PARTS**2  # parts of the finest kind in a step
+WORST_WORK = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations for one fixed step

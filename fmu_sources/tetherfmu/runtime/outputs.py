@@ -1,0 +1,139 @@
+"""The outputs of a tether, each declared once: unit, meaning, what it depends on, limits.
+
+The `outputs` array (`layout.py`), the FMI variables, what the Python API gives and its docstring, the dependencies and the
+interface page are made from this record. To add an output, declare it here before `shape` and let the kernels write it.
+"""
+
+from dataclasses import dataclass, replace
+from inspect import cleandoc
+from math import inf, pi
+from typing import Any, NamedTuple
+
+from .dependencies import FORCE, FORM, LENGTH
+from .limits import LARGEST_INTEGER, MAX_SEGMENTS
+from .quantities import DEGREES, Quantity
+
+Array = Any  # of numpy in the Python API, which an FMU does without
+SCALAR, VECTOR, POINTS = (), (3,), ("points", 3)  # shapes of outputs
+ANY, NOT_NEGATIVE, COUNTED = (-inf, inf), (0.0, inf), (0, LARGEST_INTEGER)  # minimum and maximum
+
+
+@dataclass(frozen=True)
+class Output:
+    """A scalar, a vector or the points of the shape, which the importer reads after each step."""
+
+    name: str  # of the FMI variable and in the Python API; its place has this name in capitals
+    kind: str  # "Real" or "Integer"
+    quantity: Quantity
+    depends_on: tuple  # when initialization ends, see `dependencies`
+    shape: tuple  # SCALAR, VECTOR or POINTS
+    terminal: str  # of FMI 3, as of `inputs.Input`
+
+    @property
+    def size(self):
+        """How many numbers it has; of the shape, each of its points."""
+        return self.shape[-1] if self.shape else 1
+
+
+def output(unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="") -> Any:
+    """Field of the record of outputs; its name and kind are those of the field."""
+    return Output("", "Real", Quantity(unit, meaning, *limits, display=display), depends_on, shape, terminal)
+
+
+class Outputs(NamedTuple):
+    """Outputs of a tether at an instant, SI units; docs/interface.md has their full meaning.
+
+    The points of the shape begin at the ground.
+
+    Examples
+    --------
+    >>> from tetherfmu import TetherStraight
+    >>> TetherStraight(initial_length=510.0, segments=4).initialize().shape.shape
+    (5, 3)
+    """
+
+    ground_force: Array = output(
+        "N", "force of the tether on the ground station", FORCE, shape=VECTOR, terminal="ground.force"
+    )
+    kite_force: Array = output("N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force")
+    ground_tension: float = output("N", "tension of the first segment", FORCE)
+    kite_tension: float = output("N", "tension of the last segment", FORCE)
+    max_tension: float = output("N", "largest tension of all segments now", FORCE)
+    tether_length: float = output("m", "unstretched length now", LENGTH, NOT_NEGATIVE)
+    ground_elevation: float = output(
+        "rad", "elevation at which the tether leaves the ground end", FORM, (-pi / 2.0, pi / 2.0), DEGREES
+    )
+    ground_azimuth: float = output(
+        "rad",
+        "azimuth at which the tether leaves the ground end, from the x axis, anti-clockwise seen from above",
+        FORM,
+        (-pi, pi),
+        DEGREES,
+    )
+    slack_segments: int = output("", "number of segments that are shorter than unstretched", FORM, (0, MAX_SEGMENTS))
+    kite_end_mass: float = output(
+        "kg", "tether mass lumped at the kite end", (*LENGTH, "segments", "diameter", "density"), NOT_NEGATIVE
+    )
+    kite_stiffness: float = output(
+        "N/m",
+        "stiffness along the tether that the kite feels, all segments taut",
+        (*LENGTH, "axial_stiffness"),
+        NOT_NEGATIVE,
+    )
+    kite_damping: float = output(
+        "N.s/m",
+        "damping along the tether that the kite feels, all segments taut",
+        (*LENGTH, "axial_damping"),
+        NOT_NEGATIVE,
+    )
+    wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE)
+    sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
+    solver_steps: int = output("", "internal steps of the solver since the start", (), COUNTED)
+    solver_rejections: int = output("", "internal steps that it took back since the start", (), COUNTED)
+    solver_iterations: int = output("", "Newton iterations since the start, for shapes and fixed steps", FORCE, COUNTED)
+    shape: Array = output("m", "points on the tether at equal unstretched length", FORM, shape=POINTS)
+    kite_position: Array = output(
+        "m", "position of the kite attachment point", ("kite_position[*]",), shape=VECTOR, terminal="kite.position"
+    )
+    kite_velocity: Array = output(
+        "m/s", "velocity of the kite attachment point", ("kite_velocity[*]",), shape=VECTOR, terminal="kite.velocity"
+    )
+
+
+def _declared(record):
+    """The outputs that the fields of a record declare; the record (modified) then has them no longer as defaults."""
+    declared = record._field_defaults
+    record._field_defaults, record.__new__.__defaults__ = {}, None
+    for name, each in declared.items():
+        yield replace(each, name=name, kind="Integer" if record.__annotations__[name] is int else "Real")
+
+
+def _documented(record, table):
+    """Add to the docstring of the record a section with type, meaning and unit of each output."""
+    lines = [cleandoc(record.__doc__), "", "Attributes", "----------"]
+    for each in table:
+        numbers = "int" if each.kind == "Integer" else "float"
+        size = f"({', '.join(map(str, each.shape))}{',' * (len(each.shape) == 1)}) array" if each.shape else numbers
+        unit = f" [{each.quantity.unit}]" if each.quantity.unit else ""
+        lines += [f"{each.name} : {size}", f"    {each.quantity.meaning}{unit}"]
+    record.__doc__ = "\n".join(lines)
+
+
+OUTPUT_TABLE = tuple(_declared(Outputs))
+_documented(Outputs, OUTPUT_TABLE)
+# not in the array: read from the state, and at the places of these inputs where an FMU with a free kite end has them
+KITE_MOTION = ("kite_position", "kite_velocity")
+BY_NAME = {each.name: each for each in OUTPUT_TABLE}
+# of the array, where the shape is last because its size is a build option, and of the FMI variables
+ARRAY_ORDER = sorted(OUTPUT_TABLE, key=lambda each: each.shape == POINTS)
+
+
+def _places():
+    first = 0
+    for each in ARRAY_ORDER:
+        if each.name not in KITE_MOTION:
+            yield each.name, first
+            first += each.size
+
+
+PLACES = dict(_places())  # of the first number of each output in the array

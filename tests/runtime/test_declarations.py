@@ -1,0 +1,67 @@
+"""Inputs, outputs and variants are declared once: the places, names and texts made from the tables fit together."""
+
+import ast
+from itertools import pairwise
+
+import pytest
+
+import tetherfmu
+from tetherfmu.console.colours import PALETTE
+from tetherfmu.runtime import inputs, layout, outputs
+from tetherfmu.runtime.variables import PARAMETER, variables
+from tetherfmu.runtime.variants import TABLE
+
+every_variant = pytest.mark.parametrize("variant", TABLE, ids=lambda variant: variant.name)
+
+
+def written_in(module):
+    """Names that the statements of a module assign."""
+    with open(module.__file__, encoding="utf-8") as file:
+        tree = ast.parse(file.read())
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+
+
+def test_each_place_has_a_name_of_its_own():
+    """A table must not overwrite what `layout` says itself; an output with the name of an input has OUTPUT_ in front."""
+    of_inputs = {name.upper(): place for name, place in inputs.PLACES.items()}
+    names = {name: f"OUTPUT_{name}" if name in inputs.PLACES else name for name in outputs.PLACES}
+    of_outputs = {names[name].upper(): place for name, place in outputs.PLACES.items()}
+    assert not of_inputs.keys() & of_outputs.keys()
+    assert (of_inputs.keys() | of_outputs.keys()) & written_in(layout) == {"SHAPE"}
+    for name, place in (of_inputs | of_outputs).items():
+        assert getattr(layout, name) == place
+
+
+@pytest.mark.parametrize(("table", "end"), [(inputs, layout.INPUTS), (outputs, layout.outputs_size(1))])
+def test_arrays_have_no_gap(table, end):
+    places = [*table.PLACES.values(), end]
+    sizes = [table.BY_NAME[name].size for name in table.PLACES]
+    assert [after - before for before, after in pairwise(places)] == sizes
+    assert places[0] == 0
+
+
+@every_variant
+def test_a_variant_speaks_of_what_exists(variant):
+    known = {each.name for each in variables(variant.name, 3)}
+    parameters = {each.name for each in variables(variant.name, 3) if each.causality == PARAMETER}
+    assert set(variant.ignored) <= parameters
+    assert set(variant.meanings) <= set(outputs.BY_NAME)
+    assert {name.partition("[")[0] for name in variant.depends_on} <= set(outputs.BY_NAME)
+    for each in variables(variant.name, 3):
+        assert set(each.depends_on or ()) <= known
+    assert variant.colour in PALETTE
+
+
+def test_colours_tell_variants_apart():
+    assert len({variant.colour for variant in TABLE}) == len(TABLE)
+
+
+def test_the_record_says_of_each_output_what_it_is():
+    documented = tetherfmu.Outputs.__doc__
+    for each in outputs.OUTPUT_TABLE:
+        section = documented.partition(f"\n{each.name} : ")[2].partition("\n")
+        kind = {"Integer": "int", "Real": "float"}[each.kind]
+        assert section[0] == {(): kind, (3,): "(3,) array", ("points", 3): "(points, 3) array"}[each.shape]
+        assert section[2].startswith(f"    {each.quantity.meaning}")
+    with pytest.raises(TypeError, match="missing 20 required"):  # declarations are no defaults
+        tetherfmu.Outputs()
