@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.outputs import BY_NAME, KITE_MOTION, OUTPUT_TABLE, PLACES, SCALAR, Outputs
+from tetherfmu.runtime.outputs import BY_NAME, OUTPUT_TABLE, PLACES, SCALAR, Outputs
 from tetherfmu.runtime.status import code
 
 SCALARS = tuple(each.name for each in OUTPUT_TABLE if each.shape == SCALAR)
@@ -14,15 +14,15 @@ _NUMBERS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind 
 _VECTORS = tuple(name for name in PLACES if name not in SCALARS)
 
 
-def outputs_of(values, kite_end):
-    """`Outputs` from an array in the order of `layout.py`, and from position and velocity of the kite end, (2, 3)."""
+def outputs_of(values):
+    """`Outputs` from an array in the order of `layout.py`."""
     scalars = values[: at.SHAPE].tolist()
     found = {name: scalars[place] for name, place in _NUMBERS}
     for name, place in _COUNTS:
         found[name] = int(scalars[place])
     for name in _VECTORS:
         found[name] = _vectors(values, name)
-    return Outputs(**found, **dict(zip(KITE_MOTION, kite_end, strict=True)))
+    return Outputs(**found)
 
 
 def _vectors(values, name):

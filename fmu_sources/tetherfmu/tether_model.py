@@ -396,4 +396,4 @@ class TetherModel:
 
     def _present(self):
         """`Outputs` as they were computed last."""
-        return outputs_of(self._outputs.copy(), self._motion()[:, -1].copy())
+        return outputs_of(self._outputs.copy())

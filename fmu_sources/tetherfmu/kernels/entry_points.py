@@ -40,7 +40,7 @@ def entry_points(variant):
     def take_outputs(n, p, s, shape_points, outputs, w):
         """Outputs (modified) that belong to a state; a status: OK or OUTPUT_NOT_FINITE."""
         variant.outputs_of(n, p, s, shape_points, outputs, w)
-        return complete(s, outputs)
+        return complete(n, s, outputs)
 
     @kernel
     def take_step(n, p, inputs, step, s, before, w):

@@ -111,12 +111,6 @@ class Instance:
             *(self.points, self._outputs_address, self._work_address),
         )
 
-    def kite_end(self):
-        """Position [m] and velocity [m/s] of the kite end, an array of six numbers."""
-        velocity = len(self.state) - 3
-        position = velocity - 3 * (self.segments + 1)
-        return self.state[position : position + 3] + self.state[velocity:]
-
     def take(self, state):
         """Continue from a state, an array of its size; there is no second warning of what was implausible in it.
 

@@ -121,8 +121,6 @@ def _documented(record, table):
 
 OUTPUT_TABLE = tuple(_declared(Outputs))
 _documented(Outputs, OUTPUT_TABLE)
-# not in the array: read from the state, and at the places of these inputs where an FMU with a free kite end has them
-KITE_MOTION = ("kite_position", "kite_velocity")
 BY_NAME = {each.name: each for each in OUTPUT_TABLE}
 # of the array, where the shape is last because its size is a build option, and of the FMI variables
 ARRAY_ORDER = sorted(OUTPUT_TABLE, key=lambda each: each.shape == POINTS)
@@ -131,9 +129,8 @@ ARRAY_ORDER = sorted(OUTPUT_TABLE, key=lambda each: each.shape == POINTS)
 def _places():
     first = 0
     for each in ARRAY_ORDER:
-        if each.name not in KITE_MOTION:
-            yield each.name, first
-            first += each.size
+        yield each.name, first
+        first += each.size
 
 
 PLACES = dict(_places())  # of the first number of each output in the array

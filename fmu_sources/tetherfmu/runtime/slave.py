@@ -12,7 +12,7 @@ from .resources import KERNELS_FOLDER, options_in
 from .saved_state import STEPPING, SavedState
 from .variants import BY_NAME, effective, library_of
 
-_KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # of a free kite: outputs, at the places of inputs
+_KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
 
 
 class TetherSlave(BaseSlave):
@@ -79,19 +79,11 @@ class TetherSlave(BaseSlave):
 
     def advance(self, step):
         """One communication step [s]. Returns what is wrong, or None."""
-        problem = self._instance.advance(step)
-        if not problem:
-            self._read_free_kite()
-        return problem
+        return self._instance.advance(step)
 
     def warnings(self):
         """Sentences on what is implausible, each once since the start."""
         return self._instance.warnings()
-
-    def _read_free_kite(self):
-        """Outputs of a free kite end, after a step or when a state was set."""
-        if self._kite_is_free:
-            self.values[_KITE_END] = self._instance.kite_end()
 
     def _records(self, values):
         """What `Instance.set_up` takes, from an array of all values; ValueError if one is out of range."""
@@ -135,15 +127,12 @@ class TetherSlave(BaseSlave):
         instance = self._instance
         self.values[:OUTPUTS_AT] = saved.values[:OUTPUTS_AT]
         self.values[OUTPUTS_AT : instance.parameters_at] = zeros(instance.parameters_at - OUTPUTS_AT)
-        if self._kite_is_free:
-            self.values[_KITE_END] = zeros(_KITE_END.stop - _KITE_END.start)
         self.values[instance.parameters_at :] = saved.values[instance.parameters_at :]
         if records:
             instance.set_up(*records, tolerance=saved.tolerance)
             instance.take(saved.state)
             if instance.take_outputs() != status.OK:
                 raise ValueError(refusals.STATE_IMPOSSIBLE)
-            self._read_free_kite()
 
     def _records_of_state(self, saved):
         """Records of the parameters in a saved state; ValueError if they cannot be used with its state array."""

@@ -13,7 +13,7 @@ from . import inputs, outputs
 from . import layout as at
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, components, inputs_of
-from .outputs import ARRAY_ORDER, KITE_MOTION, SCALAR, VECTOR
+from .outputs import ARRAY_ORDER, SCALAR, VECTOR
 from .parameters import Environment, FreeKite, Solver, Tether
 from .quantities import Quantity, checked, quantities
 from .variants import BY_NAME
@@ -69,7 +69,7 @@ def _output_variables(variant, shape_points, left_out):
     for output in ARRAY_ORDER:
         if output.name in given:
             continue
-        place = inputs.PLACES[output.name] if output.name in KITE_MOTION else at.INPUTS + outputs.PLACES[output.name]
+        place = at.INPUTS + outputs.PLACES[output.name]
         meaning = variant.meanings.get(output.name, output.quantity.meaning)
         for i, (name, text) in enumerate(_elements(output.name, meaning, output.shape, shape_points)):
             quantity = replace(output.quantity, meaning=text)

@@ -5,6 +5,7 @@ from math import atan2, inf, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, OUTPUT_NOT_FINITE
 
+from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.assembly import end_force, node_masses
@@ -146,8 +147,11 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 
 
 @kernel
-def complete(state, outputs):
+def complete(n, state, outputs):
     """Write what all variants read from a state into the outputs (modified); returns OK or OUTPUT_NOT_FINITE."""
+    x, v = positions_and_velocities(n, state)
+    put_at(outputs, at.OUTPUT_KITE_POSITION, get(x, n))
+    put_at(outputs, at.OUTPUT_KITE_VELOCITY, get(v, n))
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_ITERATIONS] = min(state[at.ITERATIONS], at.LARGEST_INTEGER)

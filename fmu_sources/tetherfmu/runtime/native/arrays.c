@@ -141,13 +141,3 @@ int32_t take_outputs(const Arrays *arrays, double *values)
     return KERNEL(outputs)(
         arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
 }
-
-/* Motion of a free kite end, which stands in `values` where a driven one has its inputs. */
-void read_free_kite(const Arrays *arrays, double *values)
-{
-    if (!FREE_KITE) return;
-    const double *velocity = arrays->state + STATE_SIZE(arrays->segments) - COMPONENTS;
-    const double *position = velocity - COMPONENTS * (arrays->segments + 1);
-    memcpy(values + AT_KITE_POSITION, position, COMPONENTS * sizeof(double));
-    memcpy(values + AT_KITE_VELOCITY, velocity, COMPONENTS * sizeof(double));
-}

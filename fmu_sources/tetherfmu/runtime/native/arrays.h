@@ -7,8 +7,7 @@
 
 #include "tables.h"
 
-enum { COMPONENTS = 3 };                /* of a vector */
-enum { KITE_MOTION = 2 * COMPONENTS }; /* position and velocity of the kite end, which follow each other */
+enum { KITE_MOTION = 6 }; /* components of the position and the velocity of the kite end, which follow each other */
 
 typedef struct {
     int64_t segments;
@@ -26,6 +25,5 @@ void free_arrays(Arrays *arrays);
 int32_t first_shape(const Arrays *arrays, double *values);
 int32_t do_step(const Arrays *arrays, double step, double *before, double *values);
 int32_t take_outputs(const Arrays *arrays, double *values);
-void read_free_kite(const Arrays *arrays, double *values);
 
 #endif

@@ -68,9 +68,7 @@ static int32_t repeat(const Arrays *arrays, double step, double *values)
     trial.state = arrays->spare;
     if (!(step > 0.0)) return first_shape(&trial, values);
     memcpy(trial.state, arrays->before, STATE_SIZE(arrays->segments) * sizeof(double));
-    int32_t result = do_step(&trial, step, arrays->before, values); /* which keeps what it has */
-    if (!result) read_free_kite(&trial, values);
-    return result;
+    return do_step(&trial, step, arrays->before, values); /* `before` keeps what it has */
 }
 
 /* Whether a step that was done again took the same internal steps as before. */

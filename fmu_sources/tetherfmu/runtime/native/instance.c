@@ -234,7 +234,6 @@ Status advance(Instance *instance, double time, double step)
     int32_t result = do_step(arrays, step, arrays->spare, instance->values);
     if (result) return say_kernel_status(instance, DISCARD, arrays, instance->values, result, step);
     remember(arrays, instance->values);
-    read_free_kite(arrays, instance->values);
     instance->time = instance->values[TIME] = time + step;
     Status warned = warn(instance);
     return status > warned ? status : warned;

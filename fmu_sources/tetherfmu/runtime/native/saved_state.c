@@ -161,7 +161,6 @@ static const char *problem_of_state(Arrays *arrays, const Head *head, const doub
     if (!is_set(arrays->state[AT_WARNINGS], AT_WARNING_KINDS)) return STATE_IMPOSSIBLE;
     if (!is_set(arrays->state[AT_GIVEN_DERIVATIVES], AT_INPUTS)) return STATE_IMPOSSIBLE;
     if (take_outputs(arrays, arrays->values)) return STATE_IMPOSSIBLE;
-    read_free_kite(arrays, arrays->values);
     return NULL;
 }
 
@@ -169,7 +168,6 @@ static const char *problem_of_state(Arrays *arrays, const Head *head, const doub
 static void clear_outputs(double *values)
 {
     memset(values + OUTPUTS_AT, 0, (PARAMETERS_AT - OUTPUTS_AT) * sizeof(double));
-    if (FREE_KITE) memset(values + AT_KITE_POSITION, 0, KITE_MOTION * sizeof(double));
 }
 
 /* Go on with the arrays of a saved state; if that is not possible, nothing is changed. */
