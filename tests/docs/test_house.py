@@ -47,7 +47,7 @@ def test_only_pairs_and_the_compilation_know_llvm():
         for path in (make_house.PACKAGE / "kernels").rglob("*.py")
         if re.search(r"llvmlite|numba\.extending|numba\.core", path.read_text(encoding="utf-8"))
     }
-    assert knowing == {"kernels/algebra/pairs.py", "kernels/compilation.py"}
+    assert knowing == {"kernels/linear_algebra/pairs.py", "kernels/compilation.py"}
 
 
 def test_only_one_file_of_the_kernels_knows_the_places_of_the_parameters():
