@@ -42,7 +42,7 @@ def floors():
 
 
 def room_of(module):
-    """Room of a module such as "tetherfmu.kernels.chain.segment"; None for the package itself."""
+    """Room of a module such as "tetherfmu.kernels.equations.segment"; None for the package itself."""
     name = module.removeprefix("tetherfmu").removeprefix(".")
     rooms = [room for floor in floors() for room in floor]
     listed = {layer: room for room, layers in ROOMS_OF_FILES.items() for layer in layers}
@@ -84,7 +84,7 @@ def without_detours(pairs):
 def contents(room):
     """What is in a room: its folders, or else its modules, one line."""
     if room == "kernels.entry_points":
-        return "initialize  advance  observe  fly  account, for each variant"
+        return "work_size  initialize  advance  outputs  fly  energy, for each variant"
     if room in ROOMS_OF_FILES and room != "commands":
         return "  ".join(name.rpartition(".")[2] for name in ROOMS_OF_FILES[room])
     folder = PACKAGE / room.replace(".", "/")
@@ -99,8 +99,9 @@ def box(floor, rooms, k):
     if rooms[k] == "runtime":
         return 0.0, -floor - 0.3, 1.0
     shared = [room for room in rooms if room not in APART]
-    width = 0.82 / max(len(shared), 2 if rooms[k] == "kernels.communication" else 1)
-    return shared.index(rooms[k]) * (width + 0.01), -floor - 0.3, width - 0.01 * (width < 0.5)
+    sizes = [30 + len(contents(room)) for room in shared]
+    unit, place = (0.83 - 0.01 * len(shared)) / sum(sizes), shared.index(rooms[k])
+    return sum(sizes[:place]) * unit + 0.01 * place, -floor - 0.3, sizes[place] * unit
 
 
 def draw(path):
@@ -109,7 +110,7 @@ def draw(path):
     from matplotlib.patches import FancyBboxPatch
 
     levels = floors()
-    figure = Figure(figsize=(9.5, 0.8 * len(levels)), layout="constrained")
+    figure = Figure(figsize=(9.5, len(levels)), layout="constrained")
     axis = figure.add_subplot()
     places = {}
     for level, rooms in enumerate(levels):
@@ -119,9 +120,9 @@ def draw(path):
             colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room == "runtime" else "#eeeeee"
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
-            axis.text(middle, -level + 0.15, room, ha="center", va="center", fontsize=11, weight="bold")
-            text = fill(contents(room), int(140 * width))
-            axis.text(middle, -level - 0.13, text, ha="center", va="center", fontsize=8, linespacing=1.1)
+            axis.text(middle, -level + 0.2, room, ha="center", va="center", fontsize=11, weight="bold")
+            text = fill(contents(room), int(145 * width))
+            axis.text(middle, -level - 0.07, text, ha="center", va="center", fontsize=8, linespacing=1.1)
     heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
     style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
     for start, end in sorted(without_detours(arrows())):
