@@ -49,7 +49,7 @@ A step is refused (`fmi2Discard`) with a message if an input is not finite, the 
 leave segments shorter than 1 cm, or the solver fails. The state then does not change, and the next good step
 works. A parameter out of range is refused when the initialization ends, with the allowed range.
 
-One warning each is logged, and the numbers stay what they are, when a segment is stretched by more than 5 %, an end is
+One warning each is logged, and the numbers are not changed, when a segment is stretched by more than 5 %, an end is
 accelerated beyond 1000 g or moves faster than sound, or positions contradict velocities
 ([Plausibility](../models/theory.md#plausibility)).
 

@@ -74,8 +74,10 @@ def plot(rests):
 @command
 def main(arguments=None):
     """Print the end forces, write the figure."""
-    parser = Parser(description="The chain against the exact catenary.")
-    parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    parser = Parser(description="the chain against the exact catenary")
+    parser.add_argument(
+        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
+    )
     add_fmu(parser)
     given = parser.parse_args(arguments)
     now("holding the tethers")

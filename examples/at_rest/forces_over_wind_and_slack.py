@@ -73,8 +73,10 @@ def plot(forces, slacks=SLACKS, winds=WINDS):
 @command
 def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
-    parser = Parser(description="Force of a tether over wind and slack.")
-    parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figure (default: plots)")
+    parser = Parser(description="force of a tether over wind and slack")
+    parser.add_argument(
+        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
+    )
     add_fmu(parser, "all in dist/, built where they are missing; with one beside the dynamic tether")
     given = parser.parse_args(arguments)
     files = None

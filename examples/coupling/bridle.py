@@ -84,7 +84,7 @@ def fly(scene, free_fmu, driven_fmu, step):
 @command
 def main(arguments=None):
     """Print where the knot is and how hard the legs pull, and the error of their forces."""
-    parser = Parser(description="Hold a balloon on a bridle of three legs.")
+    parser = Parser(description="hold a balloon on a bridle of three legs")
     allowed = number(1e-4, 0.05, "s")
     parser.add_argument("--step", type=allowed, default=0.002, metavar="H", help="communication step [s] (default: 0.002)")
     parser.add_argument("--quick", action="store_true", help="a fifth of a second instead of two seconds")

@@ -33,8 +33,10 @@ def write(tables, folder):
 @command
 def main(arguments=None):
     """Print the tables, write them and the figures."""
-    parser = Parser(description="Errors and limits of coupling a kite with its tether.")
-    parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help="of all files (default: plots)")
+    parser = Parser(description="errors and limits of coupling a kite with its tether")
+    parser.add_argument(
+        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of all files (default: plots)"
+    )
     parser.add_argument("--quick", action="store_true", help="a few points only, to see that it runs")
     given = parser.parse_args(arguments)
     from coupling import coupling_study as study  # here, so that a package that it needs is named in one line

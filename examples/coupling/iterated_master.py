@@ -169,14 +169,24 @@ def summary(flights, fine, duration):
 @command
 def main(arguments=None):
     """Print error and cost of both masters."""
-    parser = Parser(description="Fly a kite with an iterated master, and with a free kite end.")
+    parser = Parser(description="fly a kite with an iterated master, and with a free kite end")
     option = parser.add_argument
     allowed = number(1e-4, 0.1, "s")
     option("--step", type=allowed, default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
-    option("--duration", type=number(0.1, 1e3, "s"), default=4.0, metavar="T", help="of the flight [s] (default: 4)")
-    option("--tolerance", type=number(1e-9, 1e3, "N"), default=0.1, help="of the force on the kite [N] (default: 0.1)")
-    option("--next-guess", choices=NEXT_GUESS, default="aitken", help="of the force (default: aitken)")
-    option("--kite-mass", type=number(0.01, 1e6, "kg"), default=MASS, metavar="M", help=f"[kg] (default: {MASS:g})")
+    option(
+        "--duration", type=number(0.1, 1e3, "s"), default=4.0, metavar="T", help="duration of the flight [s] (default: 4)"
+    )
+    option(
+        "--tolerance", type=number(1e-9, 1e3, "N"), default=0.1, help="tolerance of the force on the kite [N] (default: 0.1)"
+    )
+    option("--next-guess", choices=NEXT_GUESS, default="aitken", help="next guess of the force (default: aitken)")
+    option(
+        "--kite-mass",
+        type=number(0.01, 1e6, "kg"),
+        default=MASS,
+        metavar="M",
+        help=f"mass of the kite [kg] (default: {MASS:g})",
+    )
     add_fmu(parser, "dist/TetherDynamic.fmu, which the iterated master flies")
     given = parser.parse_args(arguments)
     if given.fmu:

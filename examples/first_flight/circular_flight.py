@@ -141,31 +141,37 @@ def tether(text):
 
 def parse(arguments, prog):
     """Command line options."""
-    parser = Parser(prog=prog, description="Fly a kite on a circle and plot its tether.")
+    parser = Parser(prog=prog, description="fly a kite on a circle and plot its tether")
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
-    option("--tether", type=tether, default="dynamic", metavar="NAME", help=f"{allowed}, or all (default: dynamic)")
+    option(
+        "--tether", type=tether, default="dynamic", metavar="NAME", help=f"tether FMU: {allowed}, or all (default: dynamic)"
+    )
     option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead")
     option(
         "--length",
         type=number(1e-3, 1e5, "m"),
         default=525.0,
         metavar="L",
-        help="of the tether, unstretched [m] (default: 525)",
+        help="unstretched length of the tether [m] (default: 525)",
     )
-    option("--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help="of the turn [rad/s] (default: 0.05)")
+    option(
+        "--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help="rate of the turn [rad/s] (default: 0.05)"
+    )
     option(
         "--wind",
         type=number(unit="m/s"),
         nargs=3,
         default=[0.0] * 3,
         metavar=("WX", "WY", "WZ"),
-        help="[m/s] (default: none)",
+        help="wind at the reference height [m/s] (default: none)",
     )
     option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
-    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help="of the flight [s] (default: one turn)")
-    option("--start", choices=STARTS, default="quasi_steady", help="the tether at the start (default: quasi_steady)")
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help="duration of the flight [s] (default: one turn)")
+    option(
+        "--start", choices=STARTS, default="quasi_steady", help="shape of the tether at the start (default: quasi_steady)"
+    )
+    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
     return parser.parse_args(arguments)
 

@@ -32,13 +32,13 @@ class Refused(ValueError):
 
 @dataclass(frozen=True)
 class Coupling:
-    """How the inputs of a model go on within a communication step."""
+    """How the inputs of a model continue within a communication step."""
 
     input_continuation: int = quantity(
         LINEAR,
         "",
-        "inputs within a step: go on as from their last to their present value; held; go from their last to their present "
-        "value, for importers that give inputs of the end of the step",
+        "inputs within a step: extrapolated linearly from their last two values; held; interpolated from the last to the "
+        "present value, for importers that give inputs of the end of the step",
         choices=("linear", "held", "interpolated"),
     )
 
@@ -175,7 +175,7 @@ class ModelSlave(BaseSlave):
         except (ArithmeticError, ValueError):  # of the functions of `math`
             outputs, memory = (nan,), ()
         if not all(map(isfinite, (*outputs, *memory))):
-            return f"the motion leaves the range of numbers; check the inputs {', '.join(self._large())}"
+            return f"the motion overflowed; check the inputs {', '.join(self._large())}"
         self.values[self._computed] = array("d", outputs)
         self.values[self._memory] = array("d", memory)
         return None

@@ -182,14 +182,16 @@ def summary(flight):
 
 def parse(arguments, prog):
     """Command line options."""
-    parser = Parser(prog=prog, description="Fly a kite in pumping cycles, and plot path, force, speed, power and length.")
+    parser = Parser(prog=prog, description="fly a kite in pumping cycles, and plot path, force, speed, power and length")
     option = parser.add_argument
-    option("--cycles", type=number(1, 1000, whole=True), default=2, metavar="N", help="whole cycles (default: 2)")
+    option("--cycles", type=number(1, 1000, whole=True), default=2, metavar="N", help="number of whole cycles (default: 2)")
     option("--step", type=number(1e-4, 0.03, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
     option("--master", choices=MASTERS, default="jacobi", help="way of exchange (default: jacobi)")
-    option("--wind", type=number(5.0, 14.0, "m/s"), default=8.0, metavar="W", help="at 10 m [m/s] (default: 8)")
-    option("--segments", type=number(1, 300, whole=True), default=10, metavar="N", help="of the tether (default: 10)")
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="of the figures (default: plots)")
+    option("--wind", type=number(5.0, 14.0, "m/s"), default=8.0, metavar="W", help="wind at 10 m [m/s] (default: 8)")
+    option(
+        "--segments", type=number(1, 300, whole=True), default=10, metavar="N", help="segments of the tether (default: 10)"
+    )
+    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an animated page (needs plotly)")
     add_fmu(parser, "dist/TetherDynamicFree.fmu")
     return parser.parse_args(arguments)

@@ -33,6 +33,12 @@ def test_links_lead_somewhere(path):
             assert not section or section in anchors(file), link
 
 
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_tests_that_a_page_names_are_there(path):
+    named = re.findall(r"\btests/[\w/]+\.\w+", path.read_text(encoding="utf-8"))
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
 def test_the_readme_links_to_pages_that_are_there_for_each_kind_of_user():
     table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Where to go next")[2].partition("##")[0]
     rows = [row for row in table.splitlines() if "](" in row]

@@ -283,9 +283,9 @@ def test_refused_where_no_step_is_known(native_folder):
 
 
 WRONG = (
-    ("sag", "diameter", 1.0, "cannot be used here: it is no continuous input"),
-    ("slack_segments", "reel_out_speed", 1.0, "has no derivative: it is no continuous output"),
-    ("kite_position[1]", "reel_out_speed", 1.0, "has no derivative: it is no continuous output"),
+    ("sag", "diameter", 1.0, "cannot be used here: it is not a continuous input"),
+    ("slack_segments", "reel_out_speed", 1.0, "has no derivative: it is not a continuous output"),
+    ("kite_position[1]", "reel_out_speed", 1.0, "has no derivative: it is not a continuous output"),
     ("sag", "reel_out_speed", math.inf, "the seed has inf; it must be a finite number of at most 1000000000.0 in magnitude"),
 )
 

@@ -33,7 +33,7 @@ def test_once_and_again_after_a_new_start(model):
         assert warnings_of(lambda: tether.initialize(POSITIONS[0])) == []
         assert tether.implausible == []
         (first,) = warnings_of(lambda: step_along(tether))
-        assert first.startswith("kite_velocity contradicts kite_position: it leaves 100 % of the way of the kite end")
+        assert first.startswith("kite_velocity contradicts kite_position: it does not account for 100 % of the displacement")
         assert warnings_of(lambda: step_along(tether, POSITIONS[::-1])) == []
         assert tether.implausible == [first]
 
@@ -70,7 +70,7 @@ def test_states():
     fresh = TetherStraight(initial_length=525.0)
     fresh.set_state(before)
     assert len(warnings_of(lambda: step_along(fresh))) == 1
-    with pytest.raises(ValueError, match="state has numbers that no tether has"):
+    with pytest.raises(ValueError, match="state contains impossible numbers"):
         fresh.set_state(np.full_like(before, np.nan))
 
 

@@ -95,4 +95,4 @@ def test_a_forged_note_is_refused(fmu_folder, value):
     host = started(fmu_folder / "TetherStraight.fmu")
     saved = from_bytes(blob_of(host), "straight", count_of(host))
     saved.state[at.WARNINGS] = value
-    host.refuses(lambda: restore(host, to_bytes(saved)), "the FMU state that was set has numbers that no tether has")
+    host.refuses(lambda: restore(host, to_bytes(saved)), "the FMU state that was set contains impossible numbers")

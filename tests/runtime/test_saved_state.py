@@ -55,14 +55,14 @@ def test_every_byte_is_guarded():
     for place in range(len(blob)):
         damaged = bytearray(blob)
         damaged[place] ^= 1 << place % 8
-        with pytest.raises(ValueError, match=r"is no state of a tether" if place < 8 else r"^is damaged$"):
+        with pytest.raises(ValueError, match=r"is not a tether state" if place < 8 else r"^is damaged$"):
             read(bytes(damaged))
 
 
 def test_every_length_is_guarded():
     blob = to_bytes(saved())
     for length in range(len(blob)):
-        with pytest.raises(ValueError, match=r"^is no state of a tether, or of another version$|^is damaged$"):
+        with pytest.raises(ValueError, match=r"^is not a tether state, or comes from another version$|^is damaged$"):
             read(blob[:length])
     with pytest.raises(ValueError, match=r"^is damaged$"):
         read(blob + b"\0")
@@ -70,7 +70,7 @@ def test_every_length_is_guarded():
 
 @pytest.mark.parametrize("blob", [None, 5, "tether05" * 10, bytearray(to_bytes(saved())), b""])
 def test_what_is_no_state(blob):
-    with pytest.raises(ValueError, match="is no state of a tether"):
+    with pytest.raises(ValueError, match="is not a tether state"):
         read(blob)
 
 

@@ -53,7 +53,7 @@ def test_outputs_cannot_be_set(fmu_folder):
 @in_own_process
 def test_integers_are_not_reals(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
-    host.refuses(lambda: host.fmu.getReal([host.reference["segments"]]), "no variable of this type")
+    host.refuses(lambda: host.fmu.getReal([host.reference["segments"]]), "not a variable of this type")
 
 
 @every_flavour

@@ -122,8 +122,8 @@ def show(found):
 @command
 def main(arguments=None, prog="python -m tetherfmu.check"):
     """Check the FMUs that are named; returns the exit status."""
-    parser = Parser(prog=prog, description="Check FMUs on this machine.")
-    parser.add_argument("files", nargs="+", metavar="FILE.fmu", type=file)
+    parser = Parser(prog=prog, description="check FMUs on this machine")
+    parser.add_argument("files", nargs="+", metavar="FILE.fmu", type=file, help="FMUs to check")
     files = parser.parse_args(arguments).files
     if importlib.util.find_spec("fmpy") is None:
         raise ModuleNotFoundError(name="fmpy")

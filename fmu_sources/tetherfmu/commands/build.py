@@ -54,10 +54,10 @@ def starts_of_diameter(text):
 
 def parse(arguments, prog="tetherfmu build"):
     """Command line options; wrong ones end the program with status 2."""
-    parser = Parser(prog=prog, description="Build tether FMUs.")
+    parser = Parser(prog=prog, description="build tether FMUs")
     option = parser.add_argument
-    option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build: {', '.join(SLAVES)}; none: all")
-    option("--out", default="dist", type=folder, metavar="DIR", help="output folder (default: dist)")
+    option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build, of {', '.join(SLAVES)} (default: all)")
+    option("--out", default="dist", type=folder, metavar="DIR", help="folder of the FMUs (default: dist)")
     option(
         "--segments",
         type=amount(SEGMENTS, whole=True),
@@ -68,7 +68,7 @@ def parse(arguments, prog="tetherfmu build"):
         "--diameter",
         type=starts_of_diameter,
         metavar="D",
-        help="start value of diameter [m] (default: 0.004); those of stiffness and damping grow with its square",
+        help="start value of diameter [m]; those of stiffness and damping grow with its square (default: 0.004)",
     )
     option(
         "--shape-points",
@@ -82,12 +82,12 @@ def parse(arguments, prog="tetherfmu build"):
         type=platforms,
         default=this_platform(),
         metavar="P,...",
-        help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: this one, {this_platform()})",
+        help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: {this_platform()}, this one)",
     )
-    option("--examples", action="store_true", help="also the FMUs and systems (SSP) of the examples")
-    option("--native", action="store_true", help="FMUs that need no Python in their host")
-    option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3 goes with --native (default: 2)")
-    option("--scene", metavar="FILE", help="build the one FMU that is advised for this scene, with no more than it needs")
+    option("--examples", action="store_true", help="also build the FMUs and systems (SSP) of the examples")
+    option("--native", action="store_true", help="build FMUs that need no Python in their host")
+    option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI, 3 with --native only (default: 2)")
+    option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
     options = parser.parse_args(arguments)
     if options.scene is not None and (options.names or options.segments or options.diameter or options.examples):
         parser.error(

@@ -70,9 +70,9 @@ def fill(folder):
 @command
 def main(arguments=None, prog="tetherfmu release"):
     """Make the release; returns the exit status."""
-    parser = Parser(prog=prog, description="Make a folder with all that users download.")
+    parser = Parser(prog=prog, description="make a folder with all that users download")
     parser.add_argument(
-        "--out", default="release", type=folder, metavar="DIR", help="an empty or new folder (default: release)"
+        "--out", default="release", type=folder, metavar="DIR", help="empty or new folder (default: release)"
     )
     place = parser.parse_args(arguments).out
     if place.exists() and any(place.iterdir()):

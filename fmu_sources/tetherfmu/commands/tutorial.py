@@ -37,15 +37,17 @@ def lesson(text):
 
 def parse(arguments, prog):
     """Command line options; wrong ones end the program with status 2."""
-    parser = Parser(prog=prog, description="List the lessons of the tutorial, run some, or copy all examples.")
+    parser = Parser(prog=prog, description="list the lessons of the tutorial, run some, or copy all examples")
     option = parser.add_argument
-    option("lessons", nargs="*", type=lesson, metavar="LESSON", help="such as 06b, or all; none: the list")
-    option("--out", type=folder, metavar="DIR", help="of the figures (default: plots)")
+    option(
+        "lessons", nargs="*", type=lesson, metavar="LESSON", help="lessons to run, such as 06b, or all (default: list them)"
+    )
+    option("--out", type=folder, metavar="DIR", help="folder of the figures (default: plots)")
     option("--show", action="store_true", help="open figures and animations in windows")
-    option("--animate", action="store_true", help="write animations as GIF")
+    option("--animate", action="store_true", help="write animations as GIF files")
     option("--save-frames", action="store_true", help="write animations as HTML pages with their frames in a folder")
     option("--copy", type=folder, metavar="DIR", help="copy the lessons and all other examples to this folder")
-    option("--overwrite", action="store_true", help="replace files there")
+    option("--overwrite", action="store_true", help="replace files in the folder of --copy")
     given = parser.parse_args(arguments)
     running = given.out or given.show or given.animate or given.save_frames
     if given.copy and (given.lessons or running):

@@ -41,7 +41,7 @@ def output(unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, term
 
 
 class Outputs(NamedTuple):
-    """Outputs of a tether at an instant, SI units; docs/interface.md has their full meaning.
+    """Outputs of a tether at an instant, SI units; docs/use/interface.md has their full meaning.
 
     The points of the shape begin at the ground.
 
@@ -58,8 +58,8 @@ class Outputs(NamedTuple):
     kite_force: Array = output("N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force")
     ground_tension: float = output("N", "tension of the first segment", FORCE)
     kite_tension: float = output("N", "tension of the last segment", FORCE)
-    max_tension: float = output("N", "largest tension of all segments now", FORCE)
-    tether_length: float = output("m", "unstretched length now", LENGTH, NOT_NEGATIVE)
+    max_tension: float = output("N", "largest tension of all segments", FORCE)
+    tether_length: float = output("m", "present unstretched length", LENGTH, NOT_NEGATIVE)
     ground_elevation: float = output(
         "rad", "elevation at which the tether leaves the ground end", FORM, (-pi / 2.0, pi / 2.0), DEGREES
     )
@@ -76,20 +76,20 @@ class Outputs(NamedTuple):
     )
     kite_stiffness: float = output(
         "N/m",
-        "stiffness along the tether that the kite feels, all segments taut",
+        "axial stiffness of the tether at the kite end, all segments counted as taut",
         (*LENGTH, "axial_stiffness"),
         NOT_NEGATIVE,
     )
     kite_damping: float = output(
         "N.s/m",
-        "damping along the tether that the kite feels, all segments taut",
+        "axial damping of the tether at the kite end, all segments counted as taut",
         (*LENGTH, "axial_damping"),
         NOT_NEGATIVE,
     )
     wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE)
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
     solver_steps: int = output("", "internal steps of the solver since the start", (), COUNTED)
-    solver_rejections: int = output("", "internal steps that it took back since the start", (), COUNTED)
+    solver_rejections: int = output("", "rejected internal steps of the solver since the start", (), COUNTED)
     solver_iterations: int = output("", "Newton iterations since the start, for shapes and fixed steps", FORCE, COUNTED)
     shape: Array = output("m", "points on the tether at equal unstretched length", FORM, shape=POINTS)
     kite_position: Array = output(

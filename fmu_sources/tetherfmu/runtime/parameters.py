@@ -40,7 +40,7 @@ class Tether:
     damping_law: int = quantity(
         1,
         "",
-        "what the damper sees: the rate of strain (physical) or of stretch (as Tethers.jl, for comparison)",
+        "rate used by the damping law: that of strain (physical) or of stretch (as in Tethers.jl, for comparison)",
         choices=("strain_rate", "stretch_rate"),
     )
     drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
@@ -81,7 +81,7 @@ class Environment:
     wind_profile: int = quantity(
         1,
         "",
-        "growth of the wind with the height z: uniform; (z/h)^alpha; ln(z/z0)/ln(h/z0); log + (log - power)",
+        "increase of the wind with the height z: uniform; (z/h)^alpha; ln(z/z0)/ln(h/z0); log + (log - power)",
         choices=("uniform", "power_law", "logarithmic", "explog"),
     )
     wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
@@ -105,27 +105,27 @@ class Solver:
     """
 
     relative_tolerance: float = quantity(
-        0.0, "", "of the internal solver; 0: the importer's tolerance where it passes one, else 1e-4", 0.0, LOOSEST_TOLERANCE
+        0.0, "", "solver tolerance; 0: the importer's tolerance if it gives one, else 1e-4", 0.0, LOOSEST_TOLERANCE
     )
     fixed_step: float = quantity(
-        0.0, "s", "0: adaptive; greater: the solver takes exactly these internal steps (real time)", 0.0, 1e3
+        0.0, "s", "internal step of the solver; 0: adaptive; else fixed, so that its work is bounded (real time)", 0.0, 1e3
     )
     initial_shape: int = quantity(
         1,
         "",
-        "shape at the start: static equilibrium; quasi-steady (turning with the kite, no start-up jump); straight line",
+        "shape at the start: static equilibrium; quasi-steady (rotating with the kite, no transient); straight line",
         choices=("static_equilibrium", "quasi_steady", "straight"),
     )
     end_velocities: int = quantity(
         1,
         "",
-        "velocities of the ends: given by the inputs; derived from their positions (those inputs are then ignored)",
+        "velocities of the ends: given as inputs; derived from the positions (the velocity inputs are then ignored)",
         choices=("given", "derived"),
     )
     input_continuation: int = quantity(
         1,
         "",
-        "reel_out_speed and kite_load within a step: go on as from their last to their present value; held",
+        "reel_out_speed and kite_load within a step: extrapolated linearly from their last two values; held",
         choices=("linear", "held"),
     )
 
@@ -136,13 +136,13 @@ class Solver:
 @documented
 @dataclass(frozen=True)
 class FreeKite:
-    """What a free kite end carries. ValueError if a number is out of range.
+    """The mass at a free kite end. ValueError if a number is out of range.
 
     >>> FreeKite(kite_mass=25.0).kite_mass
     25.0
     """
 
-    kite_mass: float = quantity(10.0, "kg", "point mass at the kite end, beside half of the last segment", 0.0, 1e9)
+    kite_mass: float = quantity(10.0, "kg", "point mass at the kite end, in addition to half of the last segment", 0.0, 1e9)
 
     def __post_init__(self):
         check(self)

@@ -1,4 +1,4 @@
-"""What no tether and no kite does, with its limit and the sentence of one warning; the numbers stay what they are.
+"""What is physically impossible, with its limit and the sentence of one warning; the numbers are not changed.
 
 The kernels note it in the state (`layout.WARNINGS`), see `kernels/step/plausibility.py`.
 """
@@ -8,22 +8,22 @@ from . import layout as at
 LARGEST_STRETCH = 1.05  # length of a segment over its unstretched length [-]; ropes of Dyneema break near 1.04
 LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
 FASTEST = 340.0  # an end [m/s]: about the speed of sound at the ground
-JUDGED_WAY = 0.5  # of an end on which its positions and velocities are compared [m]: far above noise of millimetres
-LARGEST_RESIDUE = 0.5  # part of this way that the velocities may leave unexplained [-]; it is 1 if they are 0
-STATE_IMPOSSIBLE = "has numbers that no tether has"
+JUDGED_WAY = 0.5  # displacement of an end over which positions and velocities are compared [m]: far above their noise
+LARGEST_RESIDUE = 0.5  # part of it that the velocities need not account for [-]; it is 1 if they are 0
+STATE_IMPOSSIBLE = "contains impossible numbers"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(
     at.WARNING_KINDS
 )
 
 _ACCELERATION = (
-    "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; look for jumps of {end}_position and "
-    "{end}_velocity, at their units, and for a communication step much shorter than the one before"
+    "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
+    "{end}_velocity for jumps and wrong units, and whether the communication step is much shorter than the one before"
 )
-_SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; look at its motion and its units"
+_SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; check its motion and the units"
 _RESIDUE = (
-    "{end}_velocity contradicts {end}_position: it leaves {percent:.0f} % of the way of the {end} end unexplained; set it "
-    "to the rate of {end}_position, or end_velocities to 2 (derived)"
+    "{end}_velocity contradicts {end}_position: it does not account for {percent:.0f} % of the displacement of the "
+    "{end} end; set it to the rate of {end}_position, or end_velocities to 2 (derived)"
 )
 SENTENCES = {
     STRETCH: (

@@ -33,7 +33,7 @@ SENTENCES = {
         "end (kite_position, ground_position) or the kite_load jumps too far in this step of {step} s, or the tolerance is "
         "too small"
     ),
-    STATE_NOT_FINITE: "the motion leaves the range of numbers in a step of {step} s; check the inputs and parameters",
+    STATE_NOT_FINITE: "the motion overflowed in a step of {step} s; check the inputs and parameters",
     NO_EQUILIBRIUM: (
         "no equilibrium was found between the given ends; check kite_position, ground_position, wind_velocity, "
         "the length (tether_length {length} m) and axial_stiffness: drag may stretch a soft tether without end"
@@ -44,7 +44,7 @@ SENTENCES = {
         "fixed_step {fixed_step} s); use a longer fixed_step or a shorter communication step"
     ),
     OUTPUT_NOT_FINITE: (
-        "an output would not be a finite number after a step of {step} s; check kite_position, wind_velocity and "
+        "an output is not a finite number after a step of {step} s; check kite_position, wind_velocity and "
         "air_density_scale_height"
     ),
 }

@@ -36,9 +36,9 @@ _IGNORED_WITHOUT_NODES = {
     "segments": "this tether has no nodes",
 }
 _NO_WAVES = {
-    "kite_damping": "damping along the tether that the kite feels: 0, this tether has none",
+    "kite_damping": "axial damping of the tether at the kite end: 0, this tether has none",
     "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
-    "solver_rejections": "internal steps that it took back since the start: 0, there is no motion to integrate",
+    "solver_rejections": "rejected internal steps of the solver since the start: 0, there is no motion to integrate",
 }
 _ONE_LINE = {
     **_NO_WAVES,
@@ -49,7 +49,7 @@ _ONE_LINE = {
     "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
 }
 _AND_WEIGHT = (
-    ": its tension and its half of the weight, as far as that is along it; negative at the lower end of a slack tether"
+    ": tension and the component of its half of the weight along the chord; negative at the lower end of a slack tether"
 )
 _SLACK = (*POSITIONS, *LENGTH)  # whether one line is slack
 _ACROSS = (*POSITIONS, *LENGTH, "axial_stiffness", *AIR)  # a horizontal force of the straight line knows no weight

@@ -15,12 +15,12 @@ def add_advice(added):
     """Declare the commands on scenes and what the advisor reads; `added` adds one, and returns what adds options to it."""
     option = added("advise", "advice.advise", "say which FMU, segments, tolerance and communication step to use")
     option("scene", metavar="SCENE", help="scene file (TOML)")
-    option("--fast", action="store_true", help="in a second or two; says so if that does not suffice")
+    option("--fast", action="store_true", help="take a second or two, and say if that is not enough")
 
     option = added("tradeoff", "advice.scene_report", "measure error and cost of every configuration in a scene")
     option("scene", metavar="SCENE", help="scene file (TOML)")
-    option("--out", type=folder, metavar="DIR", help="folder of results (default: study/NAME); continues a stopped run")
-    option("--processes", type=number(1, whole=True), metavar="N", help="default: one per core")
+    option("--out", type=folder, metavar="DIR", help="folder of results; continues a stopped run (default: study/NAME)")
+    option("--processes", type=number(1, whole=True), metavar="N", help="number of processes (default: one per core)")
     option("--dask", type=address, metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
     option("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
@@ -38,32 +38,34 @@ def add_advice(added):
 def add_limits_and_costs(added):
     """Declare the commands that measure what the tethers stand and cost; see `add_advice`."""
     option = added("stability", "stability.report", "find where the tethers are stable and where they refuse")
-    option("--points", type=number(1, whole=True), default=20_000, help="number of random points (default 20000)")
-    option("--seed", type=number(0, whole=True), default=1, help="of the points (default 1)")
+    option(
+        "--points", type=number(1, whole=True), default=20_000, metavar="N", help="number of random points (default: 20000)"
+    )
+    option("--seed", type=number(0, whole=True), default=1, metavar="SEED", help="seed of the random points (default: 1)")
     about = "folder for measurements/, data/ and figures/ (default: docs)"
     option("--out", type=folder, default=DOCS, metavar="DIR", help=about)
-    about = "of finished points (default: stability_<seed>.jsonl in the folder of --out)"
+    about = "file of finished points (default: stability_SEED.jsonl in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
-    about = "file of results of another version, to compare with on the points of both"
+    about = "file of finished points of another version, to compare with"
     option("--before", type=file, metavar="FILE", help=about)
-    option("--also", type=file, metavar="FILE", help="file of results of another seed, for a table of their own")
-    option("--processes", type=number(1, whole=True), help="how many at a time (default: one per core)")
+    option("--also", type=file, metavar="FILE", help="file of finished points of another seed, for a table of its own")
+    option("--processes", type=number(1, whole=True), metavar="N", help="number of processes (default: one per core)")
     option("--quick", action="store_true", help="smoke test: a few points and no figures")
-    option("--point", type=number(0, whole=True), help="judge this point alone and print it")
+    option("--point", type=number(0, whole=True), metavar="NUMBER", help="judge this point only and print it")
 
     option = added("benchmark", "benchmark.report", "measure what the tethers cost, including comparisons")
     option("--quick", action="store_true", help="smoke test of a few seconds, timings unreliable")
-    option("--flights", action="store_true", help="only the comparisons of the two flights, without compiled C")
+    option("--flights", action="store_true", help="compare the two flights only, without compiled C")
     option("--no-peers", action="store_true", help="leave out CasADi and MoorDyn")
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    about = "folder for measurements/benchmarks.md and data/benchmarks.csv"
+    about = "folder for measurements/ and data/ (default: benchmark)"
     option("--out", type=folder, metavar="DIR", default=BENCHMARK, help=about)
     option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
 
 
 def parse(arguments, prog):
     """Command line options; among them `module`, the one whose function `run` does the command."""
-    parser = Parser(prog=prog, description="Studies of the tethers: advice, costs, limits.")
+    parser = Parser(prog=prog, description="studies of the tethers: advice, costs, limits")
     commands = parser.add_subparsers(dest="command", required=True)
 
     def added(name, module, about):
