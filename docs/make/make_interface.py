@@ -24,6 +24,8 @@ Frame: right-handed, z up, origin where you want it; gravity acts along -z, heig
 Signs: a force is what the tether exerts on the body that its name says: `kite_force` goes into the equations of motion of
 the kite as it is. Tension is positive when the tether pulls. `reel_out_speed` is positive when the tether gets longer.
 
+![Ground end and kite end with frame: ground_force points from the ground end into the tether, kite_force from the kite into the tether](../figures/signs.png)
+
 ## Exchange
 
 In a communication step from t to t + h:
@@ -35,7 +37,7 @@ In a communication step from t to t + h:
 Within the step the tether moves its ends on a smooth curve to the predicted position $p + v h + a h^2/2$, with $a$ from
 the last two velocities ([Driven ends](../models/theory.md#driven-ends)). Position and velocity of an end must fit
 together; the tether follows the position and relies on the velocity. It gives one warning if they contradict each other, as
-when `kite_velocity` is left at 0. The reel-out speed continues within the step as from its last to its present value
+when `kite_velocity` is left at 0. The reel-out speed is extrapolated linearly from its last two values within the step
 ([Inputs within a step](../models/theory.md#inputs-within-a-step)); where it jumps, as the set points of a winch do, set
 `input_continuation` to 2 (held). The wind is held. A native FMU takes the derivatives of inputs instead of all these
 estimates, if the importer has them ([Derivatives](../reference/derivatives.md)). The outputs at t = 0 are there when the

@@ -15,7 +15,7 @@ COMMANDS = {  # name: (module, what it does)
     "release": ("tetherfmu.commands.release", "make a folder with all that users download"),
     "advise": (STUDY, "say which FMU, segments, tolerance and communication step a scene needs"),
     "tradeoff": (STUDY, "measure error and cost of every configuration in a scene"),
-    "stability": (STUDY, "find where the tethers hold and where they refuse"),
+    "stability": (STUDY, "find where the tethers are stable and where they refuse"),
     "benchmark": (STUDY, "measure what the tethers cost, including comparisons"),
 }
 

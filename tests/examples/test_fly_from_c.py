@@ -12,7 +12,8 @@ import pytest
 from native.programs import WARNINGS, available
 from tetherfmu import TetherDynamic
 
-SOURCE = Path(__file__).resolve().parents[2] / "examples" / "hosts" / "fly_from_c.c"
+ROOT = Path(__file__).resolve().parents[2]
+SOURCE, PAGE = ROOT / "examples" / "hosts" / "fly_from_c.c", ROOT / "docs" / "use" / "importing.md"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 STEP, SPEED, ROUNDING = 0.02, 5.0, 0.5e-3  # s, m/s, N: three digits are printed
 
@@ -39,6 +40,9 @@ def test_forces_are_those_of_the_python_api(program, native_folder, tmp_path):
     ]
     assert [time for time, *_ in rows] == [2.0, 4.0, 6.0, 8.0, 10.0]
     assert np.allclose([force for _, *force in rows], forces[99::100], rtol=0.0, atol=ROUNDING)
+    on_the_page = re.findall(r"^ ?[\d.]+ s: .* N$", PAGE.read_text("utf-8"), re.MULTILINE)
+    shown = [[float(number) for number in re.findall(r"-?\d+\.\d+", line)] for line in on_the_page]
+    np.testing.assert_allclose(shown, rows, rtol=0.0, atol=2.0 * ROUNDING)
 
 
 def test_a_folder_without_an_fmu_is_refused_in_one_line(program, tmp_path):
