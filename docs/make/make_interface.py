@@ -24,7 +24,7 @@ Frame: right-handed, z up, origin where you want it; gravity acts along -z, heig
 Signs: a force is what the tether exerts on the body that its name says: `kite_force` goes into the equations of motion of
 the kite as it is. Tension is positive when the tether pulls. `reel_out_speed` is positive when the tether gets longer.
 
-![Ground end and kite end with frame: ground_force points from the ground end into the tether, kite_force from the kite into the tether](../figures/signs.png)
+![Ground end and kite end with frame and signs: the forces point from each end along the tether](../figures/signs.png)
 
 ## Exchange
 

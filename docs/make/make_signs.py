@@ -1,4 +1,4 @@
-"""Draw docs/figures/signs.png: both ends of the tether with frame, forces and their signs; `python docs/make/make_signs.py`."""
+"""Draw docs/figures/signs.png: both ends of the tether with frame, forces and signs; `python docs/make/make_signs.py`."""
 
 from pathlib import Path
 

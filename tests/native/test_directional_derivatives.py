@@ -270,7 +270,7 @@ def test_of_the_start_in_initialization_mode(native_folder, name):
 
 @in_own_process
 def test_refused_where_no_step_is_known(native_folder):
-    words = "no step has been done since the end of the initialization or since a state was set"
+    words = "no step has been done since the start or since a state was set"
     host = started(native_folder / "TetherDynamic.fmu")
     host.refuses(lambda: derivative(host, FORCES, MOTION[:1], [1.0]), words)
     fly(host, 0, 2)
