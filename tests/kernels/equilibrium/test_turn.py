@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from kernels.variants.balance import residual
+from balance import residual
 from tetherfmu import StepRefused, TetherQuasiSteady
 from tetherfmu.kernels.equilibrium import turn
 from tetherfmu.runtime.parameters import Environment, Tether

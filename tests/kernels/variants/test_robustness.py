@@ -12,8 +12,8 @@ cases: `benchmarks/robustness.py`, which also prints times; `pytest -s` shows th
 import numpy as np
 import pytest
 
+from balance import residual
 from benchmarks.robustness import STEP, random_cases, solve, table
-from kernels.variants.balance import residual
 from tetherfmu.kernels.equilibrium.newton import MOST_CREEPING, MOST_ITERATIONS
 from tetherfmu.kernels.equilibrium.slower_motion import MOST_PACES
 from tetherfmu.kernels.equilibrium.turn import MOST_TURNS

@@ -13,7 +13,7 @@ Columns of the file: L0 is the unstretched length, L the chord, r = L0/L, forces
 import numpy as np
 import pytest
 
-from kernels.variants.balance import segments
+from balance import segments
 from scenes import read
 from tetherfmu import models
 from tetherfmu.runtime.parameters import Environment, Tether
