@@ -7,36 +7,17 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from study.points_of_tests import DEADLY, ENDED, ENDLESS, POINTS, judge_or_die, judge_or_hang
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
 from tetherfmu.study.stability.flight import FORBIDDEN, MOST_WORK, Verdict, bounds, fly, judge, judge_all, read, table
 from tetherfmu.study.stability.points import VARIANTS, kite, point
 from tetherfmu.study.stability.report import common, compared
-
-POINTS = [point(1, number) for number in range(400)]
-DEADLY, ENDLESS = POINTS[5], POINTS[3]
-ENDED = "FILE_OF_THE_POINT_THAT_ENDED"  # environment variable
-
-
-def judge_or_die(chosen):
-    """Stands for a point that takes its process with it."""
-    if chosen == DEADLY:
-        os._exit(3)
-    return Verdict("converged", 0.0, calls=1)
-
-
-def judge_or_hang(chosen):
-    """Stands for a point that never ends; if it does after all, it leaves a file."""
-    if chosen == ENDLESS:
-        time.sleep(600.0)
-        Path(os.environ[ENDED]).touch()
-    return Verdict("converged", 0.0, calls=1)
 
 
 def results_of(points, verdict):
