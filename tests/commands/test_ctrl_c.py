@@ -24,7 +24,7 @@ from pathlib import Path
 from tetherfmu.libraries import ready
 import build_fmus
 ready._cache_folder = lambda: Path(sys.argv[1])
-sys.exit(build_fmus.main(["--out", sys.argv[2]]))
+sys.exit(build_fmus.main(["TetherStraight", "--out", sys.argv[2]]))
 """
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="it reads which processes a Linux system has")
