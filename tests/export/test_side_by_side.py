@@ -71,7 +71,7 @@ def other_version(tmp_path_factory):
     lines.write_text(lines.read_text(encoding="utf-8").replace(half, whole), encoding="utf-8")
     command = [sys.executable, ROOT / "build_fmus.py", "TetherStraight", "--out", folder, "--platforms", this_platform()]
     environment = {**os.environ, "PYTHONPATH": str(folder / "fmu_sources")}
-    subprocess.run(command, env=environment, cwd=folder, check=True, timeout=300)
+    subprocess.run(command, env=environment, cwd=folder, check=True, timeout=900)
     return folder / "TetherStraight.fmu"
 
 

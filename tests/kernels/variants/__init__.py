@@ -1,1 +1,1 @@
-"""Tests of the four variants; a package, because they share `balance`."""
+"""Tests of the four variants."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kernels.variants.balance import VARIANTS
+from balance import VARIANTS
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu import Outputs, StepRefused, models
 from tetherfmu.runtime import layout as at
