@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from example_fmus.example_slaves import Model
+from tetherfmu.kernels.equations import air
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment
 
