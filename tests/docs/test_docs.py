@@ -12,9 +12,6 @@ import numpy as np
 import pytest
 
 import tetherfmu
-from scenes import fly_circle
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
@@ -36,7 +33,6 @@ SECTIONS = {  # of the pages of equations: (page, section) -> text
     for name in PAGES
     for head, text in re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", page(name), re.MULTILINE | re.DOTALL)
 }
-THEORY = page("theory")
 
 
 def cited_sections():
@@ -60,7 +56,7 @@ def test_names_in_formulas_are_mathematics(name):
     assert re.findall(r"\\text\w*\{[^}]*\\_[^}]*\}", page(name)) == []
 
 
-@pytest.mark.parametrize(("file", "name", "section"), cited_sections())
+@pytest.mark.parametrize(("file", "name", "section"), cited_sections())  # an empty list fails: see pyproject.toml
 def test_cited_sections_exist(file, name, section):
     assert (name, section) in SECTIONS
 
@@ -100,7 +96,7 @@ def blocks(text):
 def ran(command, folder):
     """What a command prints, in a folder where the package can be imported."""
     path = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MPLBACKEND": "Agg"}
-    done = subprocess.run(command, cwd=folder, env=path, capture_output=True, text=True, check=False, timeout=300)
+    done = subprocess.run(command, cwd=folder, env=path, capture_output=True, text=True, check=False, timeout=900)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -174,80 +170,6 @@ def test_parameters_of_the_crane_are_those_of_its_wire(name):
 def test_both_pages_have_the_same_command():
     first = [re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start"))]
     assert first[0] == first[1]
-
-
-NUMBER = r"\| ([\d.]+) "
-VALIDITY = re.findall(f"^{4 * NUMBER}{2 * (NUMBER + '% ')}\\|$", THEORY, re.MULTILINE)
-
-
-@pytest.mark.parametrize("row", VALIDITY)
-def test_validity_table(row):
-    """Root mean square difference of kite_force from the dynamic tether; solver tolerance 1e-4 moves the last digit."""
-    length, rate, wave_time, product, quasi_steady, catenary = map(float, row)
-    force = {}
-    for model in (TetherDynamic, TetherQuasiSteady, TetherCatenary):
-        tether = model(Tether(initial_length=length), solver=Solver(initial_shape=2))
-        _, outputs = fly_circle(tether, 0.02, 12.0, rate=rate)
-        force[model] = np.array([each.kite_force for each in outputs])
-        if model is TetherQuasiSteady:
-            crossing = np.mean([each.wave_time for each in outputs])
-    assert crossing == pytest.approx(wave_time, abs=0.06)
-    assert rate * crossing == pytest.approx(product, abs=0.006)
-    size = np.sqrt(np.mean(force[TetherDynamic] ** 2))
-    for model, percent in ((TetherQuasiSteady, quasi_steady), (TetherCatenary, catenary)):
-        difference = 100.0 * np.sqrt(np.mean((force[model] - force[TetherDynamic]) ** 2)) / size
-        assert difference == pytest.approx(percent, abs=0.2)
-
-
-def test_validity_table_is_there():
-    assert len(VALIDITY) == 6
-
-
-FOLDS = re.findall(rf"^{3 * NUMBER}\|$", SECTIONS["numerics", "Compressed chains"], re.MULTILINE)
-
-
-@pytest.mark.parametrize("row", FOLDS)
-def test_fold_table(row):
-    """Largest error of the ground force and largest push, both over the weight of a segment, of 25 slack tethers."""
-    ratio, error, push = map(float, row)
-    errors, pushes = [], [0.0]
-    for n in (5, 10, 20, 50, 100):
-        for slack in (0.05, 0.1, 0.3, 0.5, 0.9):
-            tether = Tether(segments=n, initial_length=500.0 / (1.0 - slack), slack_stiffness_ratio=ratio)
-            model = TetherQuasiSteady(tether)
-            force = model.initialize((0.0, 0.0, 500.0)).ground_force
-            load = tether.mass_per_meter * 9.81
-            segment = load * tether.initial_length / n
-            hanging = (0.0, 0.0, -0.5 * load * (tether.initial_length - 500.0))
-            errors.append(np.linalg.norm(force - hanging) / segment)
-            pushes.append(-model.segment_tensions.min() / segment)
-    assert max(errors) == pytest.approx(error, abs=0.006)
-    assert max(pushes) == pytest.approx(push, abs=0.006)
-
-
-def test_fold_table_is_there():
-    assert len(FOLDS) == 5
-
-
-@pytest.mark.parametrize(("part", "grows"), [(0.9, False), (1.3, True)])
-def test_largest_step_of_a_coupling_by_force(part, grows):
-    """A kite of 10 kg on a taut tether, moved by the force of the step before: limit h = 2 kite_damping/kite_stiffness."""
-    lift, mass, length = 500.0, 10.0, 500.0
-    tether = TetherDynamic(Tether(segments=1, initial_length=length, drag_coefficient=0.0), Environment(gravity=0.0))
-    rest = length * (1.0 + lift / 614600.0)
-    position, velocity = rest + 0.01, 0.0
-    outputs = tether.initialize((0.0, 0.0, position))
-    h = part * 2.0 * outputs.kite_damping / outputs.kite_stiffness
-    swing = []
-    for _ in range(int(5.0 / h)):
-        force = outputs.kite_force[2]
-        outputs = tether.step(h, (0.0, 0.0, position), (0.0, 0.0, velocity))
-        acceleration = (lift + force) / mass
-        position += velocity * h + 0.5 * acceleration * h * h
-        velocity += acceleration * h
-        swing.append(abs(position - rest))
-    tenth = len(swing) // 10
-    assert bool(max(swing[-tenth:]) > max(swing[:tenth])) is grows
 
 
 def test_page_on_the_example_fmus_is_what_the_script_writes(monkeypatch):

@@ -39,6 +39,13 @@ def test_tests_that_a_page_names_are_there(path):
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
+def test_links_are_found():
+    """Most pages have one, also to sections; else the test above would hold of nothing."""
+    links = [LINK.findall(without_code(path.read_text(encoding="utf-8"))) for path in PAGES]
+    assert sum(map(bool, links)) > 0.8 * len(PAGES)
+    assert any("#" in link for each in links for link in each)
+
+
 def test_the_readme_links_to_pages_that_are_there_for_each_kind_of_user():
     table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Where to go next")[2].partition("##")[0]
     rows = [row for row in table.splitlines() if "](" in row]

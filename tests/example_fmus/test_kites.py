@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from example_fmus.example_slaves import Model
-from tetherfmu.export.example_fmus import slave  # noqa: F401 (finds the package of the examples)
+from tetherfmu.kernels.equations import air
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment
 
@@ -69,15 +70,14 @@ def test_weight_turns_the_nose_down():
 @pytest.mark.parametrize("profile", [1, 2, 3, 4])
 @pytest.mark.parametrize("height", [-5.0, 0.0, 1e-4, 3.0, 6.0, 150.0])
 def test_the_air_is_that_of_the_tether(profile, height):
-    from fmus import air
-
+    of_examples = example("fmus.air")
     known = Environment(wind_profile=profile, wind_exponent=0.2, surface_roughness=0.01, air_density_scale_height=8550.0)
     parameters = np.zeros(at.PARAMETER_SCALARS)
     for name, value in vars(known).items():
         parameters[getattr(at, name.upper())] = value
     factor, density, _, _ = air.varying_air(height, parameters)
-    assert air.wind_factor(height, known) == pytest.approx(factor, rel=1e-14)
-    assert air.density(height, known) == pytest.approx(density, rel=1e-14)
+    assert of_examples.wind_factor(height, known) == pytest.approx(factor, rel=1e-14)
+    assert of_examples.density(height, known) == pytest.approx(density, rel=1e-14)
 
 
 def test_free_fall():

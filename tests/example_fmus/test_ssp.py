@@ -59,7 +59,9 @@ def parameters_of(path, fidelity):
 
 
 def test_the_same_bytes_again(ssp_folder, tmp_path):
-    for path in ssp.write_all(tmp_path):
+    written = ssp.write_all(tmp_path)
+    assert {path.name for path in written} == {path.name for path in ssp_folder.glob("*.ssp")}
+    for path in written:
         assert path.read_bytes() == (ssp_folder / path.name).read_bytes()
 
 

@@ -58,9 +58,10 @@ def is_free(group, name):
 def test_groups_obey_the_schema_and_name_variables_of_the_fmu(fmu_folder, name):
     root = ElementTree.parse(fmu_folder / osp.file_name(name)).getroot()
     variables = {each.name: each for each in read_model_description(str(fmu_folder / f"{name}.fmu")).modelVariables}
-    groups = []
+    groups, tags = [], set()
     for element in root.iter():
         tag = element.tag.removeprefix(f"{{{osp.NAMESPACE}}}")
+        tags.add(tag)
         children = [child.tag.removeprefix(f"{{{osp.NAMESPACE}}}") for child in element]
         if tag == "Variable":
             assert variables[element.get("ref")].unit == element.get("unit")
@@ -77,6 +78,7 @@ def test_groups_obey_the_schema_and_name_variables_of_the_fmu(fmu_folder, name):
             motion, force = ({"output"}, {"input"}) if is_free(element, name) else ({"input"}, {"output"})
             assert causality == (force if tag == "Force" else motion)
         groups += [element.get("name")] if "name" in element.attrib else []
+    assert tags >= {*CHILDREN, "Force", "LinearVelocity", "LinearDisplacement", "Variable"}
     assert len(set(groups)) == len(groups), "names of groups are unique in a file"
     inputs = {each for each, variable in variables.items() if variable.causality == "input"}
     assert inputs <= {element.get("ref") for element in root.iter()}, "every input is in a group"

@@ -9,8 +9,7 @@ from scipy.integrate import solve_ivp
 
 from isolation import in_own_process
 from mechanics import drags, line_density, node_masses
-from native.host3 import Host3
-from runtime.host import Host, blob_of, fly, restore, started
+from runtime.host import Host, blob_of, fly, names_of, restore, started
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -195,18 +194,16 @@ def test_independent_solution_of_the_chain(native_folder):
 def test_fmi3_finds_the_same(native_folder, fmi3_folder, name):
     """To the last bit, with vectors as unknowns and knowns."""
     host, blob = flown(native_folder / f"{name}.fmu")
-    other = Host3(fmi3_folder / f"{name}.fmu")
-    other.fmu.setFMUState(other.fmu.deserializeFMUState(blob))
+    other = Host(fmi3_folder / f"{name}.fmu")
+    restore(other, blob)
     other.time = host.time - STEP
     last = {
         each: host.get(each) for each in ("kite_position", "kite_velocity", "kite_load") if f"{each}[1]" in host.reference
     }
-    settable = {each: value for each, value in last.items() if other.variables[each].causality == "input"}
+    settable = {each: value for each, value in last.items() if each in names_of(other, "input")}
     other.step(STEP, **settable, reel_out_speed=host.get("reel_out_speed"))
     known = list(settable)[-1]
-    references = [
-        [other.variables[each].valueReference for each in names] for names in (("ground_force", "kite_force"), (known,))
-    ]
+    references = [[other.reference[each] for each in names] for names in (("ground_force", "kite_force"), (known,))]
     found = other.fmu.getDirectionalDerivative(*references, [1.0, -2.0, 0.5], 6)
     assert found == derivative(host, FORCES, [f"{known}[{i}]" for i in (1, 2, 3)], [1.0, -2.0, 0.5]).tolist()
     assert np.abs(found).max() > 0.01

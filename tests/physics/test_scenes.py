@@ -1,4 +1,4 @@
-"""Tutorial scenes 06 (reel-out) and 07 (with drag and wind) against an independent solver at 1e-12.
+"""Tutorial scenes 06 (reel-out) and 07 (with drag and wind) against `reference/make_reference.py`.
 
 50 m, 5 segments, pi/10 off the vertical, reeling out at 2 m/s, lower end free. These scenes use the stretch-rate damper,
 and a slack stiffness of s/(1 + s) = 0.01/1.01 of the taut one, not 0.01.

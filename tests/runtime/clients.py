@@ -13,6 +13,7 @@ from array import array
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from ctypes import CDLL, RTLD_GLOBAL
+from functools import cache
 from pathlib import Path
 from threading import Lock
 
@@ -20,6 +21,7 @@ import numpy as np
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
+from isolation import own_process
 from scenes import circle, kite_at_start, kite_inputs
 
 STEP, STEPS = 0.02, 2000  # 40 s, a third of the turn
@@ -111,6 +113,12 @@ def fmpy(path, steps=EXACT):
             fmu.doStep(k * STEP, step)
             points.append(fmu.getReal(outputs[0]) + fmu.getInteger(outputs[1]))
     return _columns(reals + integers, points)
+
+
+@cache
+def expected_of(path, steps="EXACT"):
+    """The result of `fmpy` with the steps of this name, flown once for all tests of a worker."""
+    return own_process(fmpy, path=path, steps=globals()[steps])
 
 
 def fmpy_simulate(path):

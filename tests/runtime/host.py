@@ -11,6 +11,7 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import FMU3Slave
 
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
@@ -38,32 +39,44 @@ def names_of(host, causality):
 
 
 class Host:
-    """One instance of an FMU.
+    """One instance of an FMU, with the same calls, names and numbers for FMI 2 and FMI 3.
+
+    A name is that of a scalar, of an element, as kite_force[1] or shape[21,3], or of a whole array, as kite_force or shape,
+    whichever of them the version of FMI knows.
 
     path : of the FMU, or of a folder where it was extracted before.
-    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `name`, `folder`, `native`
-    (whether it runs without Python).
+    Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `version` (2 or 3),
+    `name`, `folder`, `native` (whether it runs without Python), `reference` (value references by name), `real_outputs`
+    (those of all outputs that are real numbers), `flags` that the last step returned (in FMI 3).
     """
+
+    def __new__(cls, path, name="tether"):
+        return super().__new__(Fmi3 if description_of(path).fmiVersion.startswith("3") else Fmi2)
 
     def __init__(self, path, name="tether"):
         self.description = description_of(path)
         self.name = self.description.modelName
         self.folder = extract(str(path)) if is_zipfile(path) else path
-        self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
-        self.kind = {variable.name: variable.type for variable in self.description.modelVariables}
-        self.real_outputs = [
-            v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"
-        ]
+        variables = self.description.modelVariables
+        self.reference = {variable.name: variable.valueReference for variable in variables}
+        self.kind = {variable.name: self.kind_of(variable) for variable in variables}
+        outputs = [variable for variable in variables if variable.causality == "output"]
+        self.output_names = list(dict.fromkeys(variable.name.partition("[")[0] for variable in outputs))
+        self.elements = {}  # in FMI 2, of arrays: names of the scalars
+        for each in self.reference:
+            self.elements.setdefault(each.partition("[")[0], []).append(each)
+        self.sizes = {}  # in FMI 3, of all variables: numbers of elements along each dimension, none of a scalar
+        for variable in variables:
+            self.sizes[variable.name] = [int(dimension.start) for dimension in getattr(variable, "dimensions", ())]
+        self.real_outputs = [each.valueReference for each in outputs if self.kind[each.name] == self.REAL]
         self.messages = []
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
-        self.fmu = FMU2Slave(
+        self.fmu = self.SLAVE(
             guid=self.description.guid,
             unzipDirectory=self.folder,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=name,
         )
-        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self.instantiate()
         self.native = not self.description.coSimulation.needsExecutionTool
         self._finalize = None
         if not self.native:
@@ -71,43 +84,29 @@ class Host:
             atexit.register(self._finalize)  # a process that ends with the library loaded would crash
         self.time = 0.0
 
-    def _log(self, environment, instance, status, category, message):
-        self.messages.append(message.decode("utf-8"))
+    def log(self, *facts):
+        """Keep a message, the last thing that the function of either version gets."""
+        self.messages.append(facts[-1].decode("utf-8"))
 
     def start(self, tolerance=None, **values):
         """Set values and initialize."""
-        self.fmu.setupExperiment(startTime=0.0, tolerance=tolerance)
-        self.fmu.enterInitializationMode()
+        self.enter_initialization(tolerance)
         self.set(**values)
         self.fmu.exitInitializationMode()
         return self
 
-    def set(self, **values):
-        """Set variables; a vector sets name[1], name[2], ..."""
-        for name, value in values.items():
-            names = [name] if name in self.reference else [f"{name}[{i + 1}]" for i in range(3)]
-            numbers = [value] if name in self.reference else list(value)
-            references = [self.reference[each] for each in names]
-            if self.kind[names[0]] == "Real":
-                self.fmu.setReal(references, numbers)
-            else:
-                self.fmu.setInteger(references, numbers)
-
-    def get(self, name):
-        """Value of a variable, or the list of a vector."""
-        if name in self.reference:
-            read = self.fmu.getReal if self.kind[name] == "Real" else self.fmu.getInteger
-            return read([self.reference[name]])[0]
-        return self.fmu.getReal([self.reference[f"{name}[{i + 1}]"] for i in range(3)])
-
     def all_outputs(self):
-        """All Real outputs."""
-        return self.fmu.getReal(self.real_outputs)
+        """Numbers of all outputs that are real."""
+        return self.get_reals(self.real_outputs)
+
+    def outputs(self):
+        """All outputs, by the names of scalars and whole arrays."""
+        return {name: self.get(name) for name in self.output_names}
 
     def step(self, step, **values):
         """Set inputs and do a communication step."""
         self.set(**values)
-        self.fmu.doStep(self.time, step)
+        self.flags = self.fmu.doStep(self.time, step)
         self.time += step
 
     def refuses(self, action, words):
@@ -123,7 +122,7 @@ class Host:
 
     def free(self):
         """Free the instance; the library stays loaded."""
-        self.fmu.fmi2FreeInstance(self.fmu.component)
+        getattr(self.fmu, f"fmi{self.version}FreeInstance")(self.fmu.component)
 
     def close(self):
         """Terminate, free and remove the extracted files."""
@@ -134,17 +133,107 @@ class Host:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
+class Fmi2(Host):
+    """Its arrays are scalars with the names of elements."""
+
+    version, SLAVE, REAL = 2, FMU2Slave, "Real"
+    SERIALIZE, DESERIALIZE = "serializeFMUstate", "deSerializeFMUstate"
+
+    @staticmethod
+    def kind_of(variable):
+        return "Integer" if variable.type == "Enumeration" else variable.type
+
+    def instantiate(self, **options):
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(self.log)
+        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True, **options)
+
+    def enter_initialization(self, tolerance):
+        self.fmu.setupExperiment(startTime=0.0, tolerance=tolerance)
+        self.fmu.enterInitializationMode()
+
+    def scalars(self, name):
+        """Names of the scalars that a name stands for."""
+        return [name] if name in self.reference else self.elements[name]
+
+    def set(self, **values):
+        """Set variables by name: numbers, or those of an array."""
+        for name, value in values.items():
+            names = self.scalars(name)
+            numbers = [value] if name in self.reference else list(value)
+            getattr(self.fmu, f"set{self.kind[names[0]]}")([self.reference[each] for each in names], numbers)
+
+    def get(self, name):
+        """Value of a variable, or the list of an array."""
+        names = self.scalars(name)
+        values = getattr(self.fmu, f"get{self.kind[names[0]]}")([self.reference[each] for each in names])
+        return values[0] if name in self.reference else values
+
+    def get_reals(self, references):
+        return self.fmu.getReal(references)
+
+
+class Fmi3(Host):
+    """Its arrays are read and set as a whole."""
+
+    version, SLAVE, REAL = 3, FMU3Slave, "Float64"
+    SERIALIZE, DESERIALIZE = "serializeFMUState", "deserializeFMUState"
+
+    @staticmethod
+    def kind_of(variable):
+        return "Int64" if variable.type == "Enumeration" else variable.type
+
+    def instantiate(self, **options):
+        self.fmu.instantiate(logMessage=self.log, **options)
+
+    def enter_initialization(self, tolerance):
+        self.fmu.enterInitializationMode(tolerance=tolerance)
+
+    def place(self, name):
+        """Of an element, as shape[21,3]: the name of its array and its place in the array, both as FMI 3 counts."""
+        array, _, indices = name.partition("[")
+        place = 0
+        for size, index in zip(self.sizes[array], indices.rstrip("]").split(","), strict=True):
+            place = place * size + int(index) - 1
+        return array, place
+
+    def set(self, **values):
+        """Set variables by name: numbers, or those of an array."""
+        for name, value in values.items():
+            if name not in self.reference:
+                name, place = self.place(name)
+                numbers = self.get(name)
+                numbers[place] = value
+            else:
+                numbers = list(value) if self.sizes[name] else [value]
+            getattr(self.fmu, f"set{self.kind[name]}")([self.reference[name]], numbers)
+
+    def get(self, name):
+        """Value of a variable, or the list of an array."""
+        if name not in self.reference:
+            name, place = self.place(name)
+            return self.get(name)[place]
+        sizes = self.sizes[name]
+        values = list(getattr(self.fmu, f"get{self.kind[name]}")([self.reference[name]], math.prod(sizes)))
+        return values if sizes else values[0]
+
+    def get_reals(self, references):
+        names = {reference: name for name, reference in self.reference.items()}
+        count = sum(math.prod(self.sizes[names[reference]]) for reference in references)
+        return list(self.fmu.getFloat64(references, count))
+
+
 def blob_of(host):
     """The state of now as bytes."""
     state = host.fmu.getFMUState()
-    blob = host.fmu.serializeFMUstate(state)
+    blob = getattr(host.fmu, host.SERIALIZE)(state)
     host.fmu.freeFMUState(state)
     return blob
 
 
 def restore(host, blob):
     """Go back to a state of `blob_of`."""
-    state = host.fmu.deSerializeFMUstate(blob)
+    state = getattr(host.fmu, host.DESERIALIZE)(blob)
     host.fmu.setFMUState(state)
     host.fmu.freeFMUState(state)
 

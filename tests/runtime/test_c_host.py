@@ -21,7 +21,7 @@ FLIGHTS = {  # plan: what the flights are that it prints
 @pytest.mark.parametrize("name", list(SLAVES))
 def test_c_host(c_host_program, fmu_folder, tmp_path, name, plan):
     path = fmu_folder / f"{name}.fmu"
-    expected = own_process(clients.fmpy, path=path)
+    expected = clients.expected_of(path)
     results = clients.c_host(c_host_program, path, tmp_path, plan)
     assert [clients.different(result, expected) for result in results] == [[] for _ in FLIGHTS[plan]]
 
@@ -38,7 +38,7 @@ def test_container_in_a_c_host(c_host_program, fmu_folder, tmp_path):
 @pytest.mark.parametrize("plan", ["threads", "states"])
 def test_native_fmu(c_host_program, native_folder, tmp_path, plan):
     path = native_folder / "TetherDynamicFree.fmu"
-    expected = own_process(clients.fmpy, path=path)
+    expected = clients.expected_of(path)
     results = clients.c_host(c_host_program, path, tmp_path, plan, "unload")
     assert [clients.different(result, expected) for result in results] == [[] for _ in FLIGHTS[plan]]
 

@@ -30,23 +30,23 @@ every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 def test_simulate_fmu_of_fmpy(fmu_folder, name):
     """It takes the size of a step from the difference of times."""
     path = fmu_folder / f"{name}.fmu"
-    expected = own_process(clients.fmpy, path=path, steps=clients.DIFFERENCES)
+    expected = clients.expected_of(path, "DIFFERENCES")
     assert different(own_process(clients.fmpy_simulate, path=path), expected) == []
 
 
 @every_fmu
-@pytest.mark.parametrize("steps", [clients.DIFFERENCES, clients.NANOSECONDS], ids=["differences", "nanoseconds"])
+@pytest.mark.parametrize("steps", ["DIFFERENCES", "NANOSECONDS"])
 def test_rounded_steps(fmu_folder, name, steps):
     """How much the rounding of a client changes."""
     path = fmu_folder / f"{name}.fmu"
-    found, expected = own_process(clients.fmpy, path=path, steps=steps), own_process(clients.fmpy, path=path)
+    found, expected = clients.expected_of(path, steps), clients.expected_of(path)
     assert clients.difference(found, expected) < ROUNDED[name]
 
 
 @every_fmu
 def test_fmpy_in_several_threads(fmu_folder, name):
     path = fmu_folder / f"{name}.fmu"
-    expected = own_process(clients.fmpy, path=path)
+    expected = clients.expected_of(path)
     results = own_process(clients.fmpy_in_threads, path=path, count=4)
     assert [different(result, expected) for result in results] == [[]] * 4
 
@@ -56,7 +56,7 @@ def test_libcosim(fmu_folder, name):
     """It takes the size of a step from the difference of times in whole nanoseconds."""
     pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this platform or this Python")
     path = fmu_folder / f"{name}.fmu"
-    expected = own_process(clients.fmpy, path=path, steps=clients.NANOSECONDS)
+    expected = clients.expected_of(path, "NANOSECONDS")
     assert different(own_process(clients.libcosim, path=path), expected) == []
 
 
@@ -64,13 +64,13 @@ def test_libcosim(fmu_folder, name):
 @of_every_flavour("name")
 def test_ecos(fmu_folder, name):
     path = fmu_folder / f"{name}.fmu"
-    assert different(own_process(clients.ecos_step_by_step, path=path), own_process(clients.fmpy, path=path)) == []
+    assert different(own_process(clients.ecos_step_by_step, path=path), clients.expected_of(path)) == []
 
 
 @of_every_flavour("name")
 def test_container_of_one_tether(fmu_folder, tmp_path, name):
     path = fmu_folder / f"{name}.fmu"
-    expected = own_process(clients.fmpy, path=path)
+    expected = clients.expected_of(path)
     assert different(own_process(clients.container, paths=[path], folder=tmp_path), expected) == []
 
 
@@ -80,6 +80,6 @@ def test_container_of_all_tethers(fmu_folder, tmp_path, mt):
     paths = [fmu_folder / f"{class_name(variant)}.fmu" for variant in VARIANTS]
     found = own_process(clients.container, paths=paths, folder=tmp_path, mt=mt)
     for path in paths:
-        expected = own_process(clients.fmpy, path=path)
+        expected = clients.expected_of(path)
         result = {name: found[f"{path.stem}.{name}"] for name in expected}
         assert different(result, expected) == []

@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from kernels.variants.balance import residual
+from balance import residual
 from tetherfmu import StepRefused, TetherQuasiSteady
 from tetherfmu.kernels.equilibrium import chord_rotation
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -77,7 +77,7 @@ def test_few_are_refused():
         except StepRefused:
             refused.append(case)
     assert len(list(product(*cases))) == 2160
-    assert len(refused) <= 24
+    assert len(refused) <= 314 / 10  # a tenth of those that are refused without `turn.find`
     assert {slack for _, slack, *_ in refused} == {0.9}
 
 

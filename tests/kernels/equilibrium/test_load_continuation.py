@@ -9,7 +9,7 @@ its node positions alone:
 import numpy as np
 import pytest
 
-from kernels.variants.balance import residual
+from balance import residual
 from tetherfmu import StepRefused, TetherQuasiSteady
 from tetherfmu.kernels.equilibrium import load_continuation, newton
 from tetherfmu.runtime.parameters import Environment, Tether

@@ -23,7 +23,7 @@ from tetherfmu.study.measuring.store import Store, key
 from tetherfmu.study.scenes.files import load
 
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
-TIMEOUT = 300.0  # seconds
+TIMEOUT = 900.0  # seconds, for what hangs
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +140,8 @@ def test_cheapest_and_front(points):
 
 
 def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         executor_of(cluster.scheduler_address) as executor,

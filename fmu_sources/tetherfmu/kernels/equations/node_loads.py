@@ -45,13 +45,19 @@ def potential(chain, x):
 
 
 @kernel
-def slope(mass, spin, pseudo_damping):
-    """df/dx [N/m] of a node of this mass [kg] that turns with omega [rad/s], less its damping in pseudo-time c [N/m]."""
+def has_slope(chain, spin, pseudo_damping):
+    """Whether `slope` is anything but zero."""
+    return dot(spin, spin) > 0.0 or pseudo_damping > 0.0
+
+
+@kernel
+def slope(chain, mass, x, v, spin, pseudo_damping):
+    """df/dx [N/m] of a node as of `load` that turns with omega [rad/s], less its damping in pseudo-time c [N/m]."""
     return add_to_diagonal(symmetric(-mass, spin), mass * dot(spin, spin) - pseudo_damping)
 
 
 @kernel
-def subtract_slope(mass, spin, pseudo_damping, block):
+def subtract_slope(chain, mass, x, v, spin, pseudo_damping, block):
     """Subtract `slope` from a 3x3 block of a matrix (modified), number by number."""
     square = dot(spin, spin)
     for j in range(3):

@@ -1,4 +1,4 @@
 """Shapes in equilibrium: of a chain (Newton's method and its starts, tensions at its ends) and of a continuous elastic line.
 
-Imports `algebra` and `chain`.
+Imports `equations` and `linear_algebra`.
 """

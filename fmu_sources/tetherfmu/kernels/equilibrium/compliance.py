@@ -51,7 +51,7 @@ def drag_slopes(record):
 
 
 @kernel
-def gather(spin, pseudo_damping, w):
+def gather(body, pseudo_damping, w):
     """From the ground to the kite: M, Z, m and Z y of all segments into their arrays of w, see `solve`."""
     n = len(w.tension)
     compliance = ZERO_MATRIX
@@ -75,7 +75,8 @@ def gather(spin, pseudo_damping, w):
             put_matrix(w.transfer, 9 * s, ZERO_MATRIX)
             put(w.share, s, scale(-1.0, apply(last, moved)))
             return
-        r = node_loads.slope(w.mass[s + 1], spin, pseudo_damping)
+        x, v = get(body.x, s + 1), get(body.v, s + 1)
+        r = node_loads.slope(body.chain, w.mass[s + 1], x, v, body.spin, pseudo_damping)
         given = add_matrices(add_matrices(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
         z, _ = inverse(subtract(IDENTITY, given))
         y = add(add(get(w.force, s + 1), blown), add_scaled(apply(r, moved), 2.0, apply(h, m)))
@@ -86,14 +87,14 @@ def gather(spin, pseudo_damping, w):
 
 
 @kernel
-def solve(spin, pseudo_damping, w):
+def solve(body, pseudo_damping, w):
     """Motions of the nodes [m] into w.move and changes of the tensions [N] into w.change (both modified).
 
-    Angular velocity [rad/s], pseudo-damping of every node [N/m]. From the node masses w.mass [kg], the
+    `Body`, pseudo-damping of every node [N/m]. From the node masses w.mass [kg], the
     residual forces w.force with the tensions as they are [N], and w.records as `newton.linearize` makes them, but with E in
     the place of K and the gap g in that of the damper. w.response, w.transfer, w.offset, w.share get M, Z, m and Z y.
     """
-    gather(spin, pseudo_damping, w)
+    gather(body, pseudo_damping, w)
     n = len(w.tension)
     put(w.move, n, ZERO_VECTOR)
     load = ZERO_VECTOR

@@ -107,12 +107,12 @@ def factorize(body, pseudo_damping, w):
 
     pseudo_damping : c [N/m], against the motion of every node.
     """
-    n = body.chain.n
-    spin = body.spin
+    chain, n, spin = body.chain, body.chain.n, body.spin
     assembly.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.matrix)
-    if dot(spin, spin) > 0.0 or pseudo_damping > 0.0:
+    if node_loads.has_slope(chain, spin, pseudo_damping):
         for i in range(1, n):
-            node_loads.subtract_slope(w.mass[i], spin, pseudo_damping, part(w.matrix.diagonal, 9 * i, 9))
+            block = part(w.matrix.diagonal, 9 * i, 9)
+            node_loads.subtract_slope(chain, w.mass[i], get(body.x, i), get(body.v, i), spin, pseudo_damping, block)
     return block_tridiagonal.factorize(1, n - 1, w.matrix)
 
 
@@ -149,7 +149,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
         put_matrix(record, segment.K, compliance.of_segment(e, length, k, w.tension[s]))
         record[segment.DAMPER] = elongation - w.aim[s] / k
     loads(body, TENSIONS, w.aim, w.mass, w.force)
-    compliance.solve(body.spin, pseudo_damping, w)
+    compliance.solve(body, pseudo_damping, w)
     for s in range(n):
         w.aim[s] += w.change[s]
 

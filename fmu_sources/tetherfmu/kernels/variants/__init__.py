@@ -1,1 +1,1 @@
-"""The four tethers: for each one its first state, one communication step, its outputs. Imports all rooms of `kernels`."""
+"""The four tethers: for each one its first state, one communication step, its outputs. Imports all packages of `kernels`."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from kernels.variants.balance import VARIANTS
+from balance import VARIANTS
 from tetherfmu import StepRefused, models
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.parameters import Environment, Solver, Tether

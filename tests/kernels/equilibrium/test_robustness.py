@@ -12,8 +12,8 @@ cases: `benchmarks/robustness.py`, which also prints times; `pytest -s` shows th
 import numpy as np
 import pytest
 
+from balance import residual
 from benchmarks.robustness import STEP, random_cases, solve, table
-from kernels.variants.balance import residual
 from tetherfmu.kernels.equilibrium.chord_rotation import MOST_ROTATIONS
 from tetherfmu.kernels.equilibrium.load_continuation import MOST_LEVELS
 from tetherfmu.kernels.equilibrium.newton import MOST_ITERATIONS, MOST_PSEUDO_STEPS

@@ -11,7 +11,7 @@ where w is the wind across the chord of length c.
 import numpy as np
 import pytest
 
-from kernels.variants.balance import VARIANTS, residual, weight
+from balance import VARIANTS, residual, weight
 from mechanics import drag
 from tetherfmu import models
 from tetherfmu.runtime.parameters import Environment, Solver, Tether

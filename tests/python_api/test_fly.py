@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kernels.variants.balance import VARIANTS
+from balance import VARIANTS
 from scenes import CIRCLE_TETHER, circle
 from tetherfmu import Outputs, StepRefused, models
 from tetherfmu.runtime import layout as at
@@ -58,7 +58,9 @@ def test_equals_a_loop_of_steps(variant):
     for name in ("kite_force", "ground_force", "shape"):
         assert np.array_equal(getattr(flown, name), [getattr(row, name) for row in outputs])
     scalars = [[getattr(row, name) for name in Outputs._fields[2 : Outputs._fields.index("shape")]] for row in outputs]
-    assert np.array_equal(flown.outputs[:, at.GROUND_TENSION : at.SHAPE], scalars)
+    assert np.array_equal(flown.outputs[:, at.GROUND_TENSION : at.OUTPUT_KITE_POSITION], scalars)
+    motion = [(*row.kite_position, *row.kite_velocity) for row in outputs]
+    assert np.array_equal(flown.outputs[:, at.OUTPUT_KITE_POSITION : at.SHAPE], motion)
     assert np.array_equal(flown.positions, positions)
     assert np.array_equal(flown.peak, [magnitude(row.kite_force) for row in outputs])
     assert np.array_equal(model.get_state(), twin.get_state())

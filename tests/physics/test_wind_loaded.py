@@ -1,4 +1,4 @@
-"""A tether held across a wind, without gravity: the chain against an independent solver, the lines against the closed form.
+"""A tether held across a wind, without gravity: the chain against `make_reference.py`, the lines against a closed form.
 
 A shallow line of unstretched length L0 = r c over the chord c under w = 1/2 rho cd d v^2 per length has the tension F of
 
@@ -13,7 +13,7 @@ Columns of the file: L0 is the unstretched length, L the chord, r = L0/L, forces
 import numpy as np
 import pytest
 
-from kernels.variants.balance import segments
+from balance import segments
 from scenes import read
 from tetherfmu import models
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -34,7 +34,7 @@ def held(variant, row, n):
 @every_row
 @pytest.mark.parametrize("n", [6, 20])
 @pytest.mark.parametrize("variant", ["TetherQuasiSteady", "TetherDynamic"])
-def test_chain_has_the_tension_of_the_independent_solver(variant, n, row):
+def test_chain_has_the_tension_of_the_reference(variant, n, row):
     model, tether, outputs = held(variant, row, n)
     tensions = segments(model.positions, tether)[0]
     # the bar of the project; the file's own residual, relative to EA, allows 1e-8; found: 2e-9

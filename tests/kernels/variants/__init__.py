@@ -1,1 +1,0 @@
-"""Tests of the four variants; a package, because they share `balance`."""
