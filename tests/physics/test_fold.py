@@ -1,4 +1,4 @@
-"""The table of docs/numerics.md on slack tethers straight above their station: what their fold gets wrong, and pushes."""
+"""The table of docs/models/numerics.md on slack tethers straight above their station: what their fold gets wrong, and pushes."""
 
 import numpy as np
 import pytest
