@@ -1,4 +1,4 @@
-"""The table of docs/models/numerics.md on slack tethers straight above their station: what their fold gets wrong, and pushes."""
+"""The table of docs/models/numerics.md on slack tethers straight above their station: errors of their fold, and its push."""
 
 import numpy as np
 import pytest
