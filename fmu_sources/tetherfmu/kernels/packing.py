@@ -10,7 +10,7 @@ from math import pi
 import numpy as np
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, OF_TETHER, OF_THE_WHOLE_CHAIN
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, OF_THE_WHOLE_CHAIN, QUANTITIES_OF_TETHER
 from tetherfmu.runtime.status import (
     NOT_THE_SAME_IN_SERIES,
     OK,
@@ -20,9 +20,10 @@ from tetherfmu.runtime.status import (
     SEGMENTS_TOO_MANY,
     SEGMENTS_TOO_SHORT,
 )
-from tetherfmu.runtime.variables import PARAMETERS, WITHOUT_KITE
+from tetherfmu.runtime.variables import PARAMETERS, PARAMETERS_WITHOUT_KITE
 
 from .compilation import kernel, power
+from .equations.properties import put_point_mass, put_property
 
 _NAMES = [each.name for each in PARAMETERS]
 _CHOICES = [len(each.quantity.choices) for each in PARAMETERS]
@@ -43,13 +44,13 @@ KITE_MASS = _NAMES.index("kite_mass")
 @kernel
 def count_of_quantities(tethers, kites):
     """Length of the array of quantities of so many tethers in series, with a free kite (kites = 1) or without (0)."""
-    return (tethers - 1) * OF_TETHER + (len(MINIMA) if kites > 0 else WITHOUT_KITE)
+    return (tethers - 1) * QUANTITIES_OF_TETHER + (len(MINIMA) if kites > 0 else PARAMETERS_WITHOUT_KITE)
 
 
 @kernel
 def declaration(tethers, k):
     """Number in `variables.PARAMETERS` of quantity k."""
-    return k % OF_TETHER if k < tethers * OF_TETHER else k - (tethers - 1) * OF_TETHER
+    return k % QUANTITIES_OF_TETHER if k < tethers * QUANTITIES_OF_TETHER else k - (tethers - 1) * QUANTITIES_OF_TETHER
 
 
 @kernel
@@ -79,13 +80,13 @@ def check_series(tethers, quantities, has_nodes):
     """Status: whether tethers fit together, and have segments that are neither too many nor too short."""
     for t in range(1, tethers):
         for i in range(len(SAME_IN_SERIES)):
-            place = t * OF_TETHER + SAME_IN_SERIES[i]
+            place = t * QUANTITIES_OF_TETHER + SAME_IN_SERIES[i]
             if quantities[place] != quantities[SAME_IN_SERIES[i]]:
                 return refused(NOT_THE_SAME_IN_SERIES, place)
     if count_segments(tethers, quantities, has_nodes) > at.MAX_SEGMENTS:
         return SEGMENTS_TOO_MANY
     for t in range(tethers):
-        first = t * OF_TETHER
+        first = t * QUANTITIES_OF_TETHER
         if quantities[first + LENGTH] / segments_of(quantities, first, has_nodes) < at.MIN_SEGMENT_LENGTH:
             return refused(SEGMENTS_TOO_SHORT, first + LENGTH)
     return OK
@@ -98,7 +99,7 @@ def check(tethers, kites, quantities, has_nodes):
         status = check_quantity(quantities[k], k, declaration(tethers, k))
         if status != OK:
             return status
-    shift = (tethers - 1) * OF_TETHER
+    shift = (tethers - 1) * QUANTITIES_OF_TETHER
     profile = quantities[shift + PROFILE]
     is_logarithmic = profile == at.LOGARITHMIC or profile == at.EXPLOG
     if is_logarithmic and quantities[shift + ROUGHNESS] >= quantities[shift + HEIGHT]:
@@ -117,7 +118,7 @@ def count_segments(tethers, quantities, has_nodes):
     """Number of segments of all tethers together; 0 if one of the numbers is not allowed."""
     n = 0
     for t in range(tethers):
-        first = t * OF_TETHER
+        first = t * QUANTITIES_OF_TETHER
         if check_quantity(quantities[first + SEGMENTS], first, SEGMENTS) != OK:
             return 0
         n += segments_of(quantities, first, has_nodes)
@@ -131,14 +132,6 @@ def line_density(quantities, first):
 
 
 @kernel
-def fill_property(n, which, start, count, value, parameters):
-    """Give segments from `start` on a property `layout.SHARE`, ... in the parameters (modified)."""
-    first = at.PARAMETER_SCALARS + which * n + start
-    for place in range(first, first + count):
-        parameters[place] = value
-
-
-@kernel
 def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters):
     """Fill the parameters (modified), without point masses but that of a free kite; a status, and nothing done but on OK.
 
@@ -148,30 +141,34 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
     status = check(tethers, kites, quantities, has_nodes)
     if status != OK:
         return status
-    n, shift = count_segments(tethers, quantities, has_nodes), (tethers - 1) * OF_TETHER
+    shift = (tethers - 1) * QUANTITIES_OF_TETHER
+    n = count_segments(tethers, quantities, has_nodes)
     for place in range(len(parameters)):
         parameters[place] = 0.0
-    for number in range(WITHOUT_KITE):
+    for number in range(PARAMETERS_WITHOUT_KITE):
         if PLACES[number] != NOWHERE:
-            parameters[PLACES[number]] = quantities[number if number < OF_TETHER else shift + number]
+            parameters[PLACES[number]] = quantities[number if number < QUANTITIES_OF_TETHER else shift + number]
     length = 0.0
     for t in range(tethers):
-        length += quantities[t * OF_TETHER + LENGTH]
+        length += quantities[t * QUANTITIES_OF_TETHER + LENGTH]
     parameters[at.INITIAL_LENGTH] = length
     if parameters[at.RELATIVE_TOLERANCE] == 0.0:
         parameters[at.RELATIVE_TOLERANCE] = tolerance if tolerance != 0.0 else DEFAULT_TOLERANCE
     s = 0
     for t in range(tethers):
-        first = t * OF_TETHER
+        first = t * QUANTITIES_OF_TETHER
         count = segments_of(quantities, first, has_nodes)
-        drag_width = quantities[first + DRAG] * quantities[first + DIAMETER]
-        fill_property(n, at.SHARE, s, count, quantities[first + LENGTH] / count / length, parameters)
-        fill_property(n, at.STIFFNESS, s, count, quantities[first + STIFFNESS], parameters)
-        fill_property(n, at.DAMPING, s, count, quantities[first + DAMPING] if has_waves else 0.0, parameters)
-        fill_property(n, at.LINE_DENSITY, s, count, line_density(quantities, first), parameters)
-        fill_property(n, at.DRAG_WIDTH, s, count, drag_width, parameters)
-        s += count
+        share = quantities[first + LENGTH] / count / length
+        damping = quantities[first + DAMPING] if has_waves else 0.0
+        density, drag_width = line_density(quantities, first), quantities[first + DRAG] * quantities[first + DIAMETER]
+        for _ in range(count):
+            put_property(n, at.SHARE, s, share, parameters)
+            put_property(n, at.STIFFNESS, s, quantities[first + STIFFNESS], parameters)
+            put_property(n, at.DAMPING, s, damping, parameters)
+            put_property(n, at.LINE_DENSITY, s, density, parameters)
+            put_property(n, at.DRAG_WIDTH, s, drag_width, parameters)
+            s += 1
     if kites > 0:
         parameters[at.KITE_IS_FREE] = 1.0
-        parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + n] = quantities[shift + KITE_MASS]
+        put_point_mass(n, n, quantities[shift + KITE_MASS], parameters)
     return OK

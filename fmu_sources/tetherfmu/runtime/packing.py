@@ -5,7 +5,7 @@ from array import array
 from . import layout as at
 from . import status
 from .instance import address, zeros
-from .parameters import OF_TETHER, numbers_of
+from .parameters import QUANTITIES_OF_TETHER, numbers_of
 from .variables import PARAMETERS
 
 _NAMES = [each.name for each in PARAMETERS]
@@ -45,11 +45,11 @@ def pack_records(kernels, tethers, environment, solver, point_masses=(), free_en
 
 def _sentence(result, numbers, tethers):
     """What a status says about quantities."""
-    place, shift = status.index(result), (tethers - 1) * OF_TETHER
-    is_of_tether = place < tethers * OF_TETHER
-    declared = PARAMETERS[place % OF_TETHER if is_of_tether else place - shift]
-    first = place - place % OF_TETHER if is_of_tether else 0  # of the tether that it is about
-    counts = [_whole(numbers[t * OF_TETHER + _SEGMENTS]) for t in range(tethers)]
+    place, shift = status.index(result), (tethers - 1) * QUANTITIES_OF_TETHER
+    is_of_tether = place < tethers * QUANTITIES_OF_TETHER
+    declared = PARAMETERS[place % QUANTITIES_OF_TETHER if is_of_tether else place - shift]
+    first = place - place % QUANTITIES_OF_TETHER if is_of_tether else 0  # of the tether that it is about
+    counts = [_whole(numbers[t * QUANTITIES_OF_TETHER + _SEGMENTS]) for t in range(tethers)]
     return status.sentence(
         result,
         name=declared.name,
@@ -58,7 +58,7 @@ def _sentence(result, numbers, tethers):
         roughness=numbers[shift + _ROUGHNESS],
         height=numbers[shift + _HEIGHT],
         length=numbers[first + _LENGTH],
-        segments=counts[first // OF_TETHER],
+        segments=counts[first // QUANTITIES_OF_TETHER],
         in_all=sum(counts),
     )
 

@@ -144,7 +144,7 @@ class FreeKite:
         check(self)
 
 
-OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
+QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 
 def numbers_of(tethers, environment, solver):

@@ -118,7 +118,7 @@ def _parameter_variables(variant, starts):
 
 # what any tether has, a free kite last, in the order in which the kernel `pack` takes them
 PARAMETERS = tuple(_parameter_variables(BY_NAME["dynamic_free"], {}))
-WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are not about a free kite
+PARAMETERS_WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are not about a free kite
 
 
 @lru_cache

@@ -18,8 +18,8 @@ int32_t KERNEL(advance)(
 int32_t KERNEL(outputs)(
     int64_t segments, const double *parameters, const double *state, int64_t shape_points, double *outputs, double *work);
 
-/* What a kernel returns is 0 if all is done, else a code and the index of an input or a parameter, as `status.code` and `status.index` of
-status.py read them. */
+/* What a kernel returns is 0 if all is done, else a code and the index of an input or a parameter, as `status.code` and
+`status.index` of status.py read them. */
 static inline int code_of(int32_t result)
 {
     return result & 0xFF;
