@@ -14,9 +14,10 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import Kernels
+from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.plausibility import sentences
-from tetherfmu.runtime.variants import BY_NAME, effective, library_of
+from tetherfmu.runtime.variants import BY_NAME, library_of
 
 from . import arguments, compiled_flight, energy
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
@@ -77,9 +78,9 @@ class TetherModel:
         if _kite_mass:
             masses[segments] = masses.get(segments, 0.0) + _kite_mass
         points = segments + 1 if shape_points is None else arguments.whole("shape_points", shape_points)
-        tethers = tuple(effective(each, self.variant) for each in tethers)
-        self._instance = instance = Instance(kernels or ready.kernels(library_of(self.variant)), points)
-        instance.set_up(tethers, environment, solver, point_masses=masses.items(), free_ends=_free_ends)
+        kernels = kernels or ready.kernels(library_of(self.variant))
+        self._instance = instance = Instance(kernels, points)
+        instance.set_up(*pack_records(kernels, tethers, environment, solver, masses.items(), _free_ends))
         self.segments: int = instance.segments
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]

@@ -17,6 +17,7 @@ import numpy as np
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance, address
+from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.study.measuring.tables import circumstances
 
@@ -41,7 +42,8 @@ def run(path, steps, segments, fixed_step):
     """Times of all steps [us], of the processor and of the clock, and the largest number of iterations in a step."""
     solver = Solver(fixed_step=fixed_step, initial_shape=2)
     instance = Instance(kernels("dynamic"), segments + 1)
-    instance.set_up((Tether(segments=segments, initial_length=525.0),), Environment(), solver)
+    tether = Tether(segments=segments, initial_length=525.0)
+    instance.set_up(*pack_records(instance.kernels, (tether,), Environment(), solver))
     motion, inputs = slice(at.KITE_POSITION, at.KITE_VELOCITY + 3), np.frombuffer(instance.values)
     inputs[motion] = np.concatenate(path(0.0))
     inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = WIND

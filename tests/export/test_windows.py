@@ -12,8 +12,9 @@ from scenes import CIRCLE_TETHER, circle
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import file_name
-from tetherfmu.runtime.parameters import Environment, Solver, pack
-from tetherfmu.runtime.variants import VARIANTS, effective
+from tetherfmu.runtime.packing import pack_records
+from tetherfmu.runtime.parameters import Environment, Solver
+from tetherfmu.runtime.variants import VARIANTS
 
 STEPS, STEP, POINTS = 100, 0.02, 5
 # the mathematical libraries differ in the last bit of log1p, asinh, ...; a step of the solver does not amplify that
@@ -37,9 +38,8 @@ def host(tmp_path_factory):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_windows_equals_linux(host, variant):
-    tether = effective(CIRCLE_TETHER, variant)
-    n = tether.segments
-    parameters = np.array(pack((tether,), Environment(), Solver(), 1e-4))
+    n, parameters = pack_records(ready.kernels(variant), (CIRCLE_TETHER,), Environment(), Solver())
+    parameters = np.array(parameters)
     rows = np.zeros((STEPS + 1, at.INPUTS))
     for k in range(STEPS + 1):  # row 0 initializes, row k + 1 starts step k
         rows[k, :3], rows[k, 3:6] = circle(max(0, k - 1) * STEP)

@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from kernels.packed import packed
 from tetherfmu.kernels.equations import end_motion
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
 from tetherfmu.kernels.integrators import backward_euler, rosenbrock
 from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 
 class ChainProblem:
@@ -27,7 +28,7 @@ class ChainProblem:
             axial_damping=60.0,
             damping_law=damping_law,
         )
-        self.parameters = np.array(pack((tether,), Environment(air_density_scale_height=500.0), Solver(), 1e-6))
+        self.parameters = packed(tether, Environment(air_density_scale_height=500.0), Solver(relative_tolerance=1e-6))
         self.parameters[at.WIND_PROFILE] = wind_profile
         if wind_profile == at.AT_NODES:
             self.parameters[-3 * (n + 1) :] = 9.0 * np.random.default_rng(3).normal(size=3 * (n + 1))

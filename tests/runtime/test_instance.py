@@ -7,8 +7,9 @@ import pytest
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance, address
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.variants import VARIANTS, effective
+from tetherfmu.runtime.packing import pack, pack_records
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, numbers_of
+from tetherfmu.runtime.variants import VARIANTS
 
 POINTS, ROOM, STEP = 5, 3, 0.02
 KITE = (300.0, 0.0, 400.0)
@@ -23,14 +24,14 @@ def set_inputs(instance, kite=KITE, wind=(8.0, 1.0, 0.0), velocity=(-4.0, 19.0, 
             instance.values[place + k] = vector[k]
 
 
-def set_up(instance, variant, environment=THIN_AIR, **changes):
-    tether = effective(Tether(**{"initial_length": 505.0, "segments": 6, **changes}), variant)
-    instance.set_up((tether,), environment, Solver())
+def set_up(instance, environment=THIN_AIR, **changes):
+    tether = Tether(**{"initial_length": 505.0, "segments": 6, **changes})
+    instance.set_up(*pack_records(instance.kernels, (tether,), environment, Solver()))
 
 
 def running(variant, **changes):
     instance = Instance(kernels(variant), POINTS, ROOM)
-    set_up(instance, variant, **changes)
+    set_up(instance, **changes)
     set_inputs(instance)
     assert instance.start() is None
     return instance
@@ -90,7 +91,7 @@ def test_outputs_out_of_the_range_of_numbers():
 @every_variant
 def test_a_refused_first_start_gives_no_outputs(variant):
     instance = Instance(kernels(variant), POINTS, ROOM)
-    set_up(instance, variant)
+    set_up(instance)
     set_inputs(instance, kite=UNDER_GROUND)
     assert instance.start()
     assert not any(outputs(instance))
@@ -103,7 +104,7 @@ def test_started_and_set_up_again(variant):
     instance = running(variant)
     place = address(instance.values)
     for changes in ({"segments": 9}, {"diameter": 0.003}, {"segments": 2, "initial_length": 510.0}, {}):
-        set_up(instance, variant, **changes)
+        set_up(instance, **changes)
         set_inputs(instance)
         assert instance.start() is None
         assert flown(instance) == flown(running(variant, **changes))
@@ -141,7 +142,7 @@ def test_the_load_of_the_kite_has_a_name():
 
 def test_tolerances():
     """The solver's own wins, then the importer's, then the default."""
-    instance = Instance(kernels("dynamic"), POINTS)
     for own, importers, expected in ((1e-3, 1e-5, 1e-3), (0.0, 1e-5, 1e-5), (0.0, 0.0, 1e-4)):
-        instance.set_up((Tether(),), Environment(), Solver(relative_tolerance=own), tolerance=importers)
-        assert instance.parameters[at.RELATIVE_TOLERANCE] == expected
+        numbers = numbers_of((Tether(),), Environment(), Solver(relative_tolerance=own))
+        _, parameters = pack(kernels("dynamic"), numbers, tolerance=importers)
+        assert parameters[at.RELATIVE_TOLERANCE] == expected

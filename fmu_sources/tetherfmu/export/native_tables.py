@@ -4,9 +4,8 @@ Places in the flat arrays, variables, parameters with their ranges, sentences: w
 """
 
 import re
-from math import pi
 
-from tetherfmu.runtime import inputs, layout, parameters, plausibility, quantities, refusals, saved_state, status
+from tetherfmu.runtime import inputs, layout, parameters, plausibility, refusals, saved_state, status
 from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER, parameters_at, references
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
@@ -68,12 +67,8 @@ def _constants(variant, token):
     fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
     defined = {
         **fractions,
-        "PI": pi,
-        "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
         "FREE_KITE": int(BY_NAME[variant].kite_is_free),
-        "WITHOUT_NODES": int(not BY_NAME[variant].has_nodes),
-        "WITHOUT_WAVES": int(not BY_NAME[variant].has_waves),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
         "VARIANT": c_text(variant),
@@ -115,19 +110,14 @@ def _sizes(table, shape_points):
 
 
 def _parameters(table):
-    """Numbers of the parameters, what is allowed, and where the scalars among them stand in the `parameters` array."""
+    """Numbers of the parameters, their names and what is allowed."""
     listed = [variable for variable in table if variable.causality == PARAMETER]
     first = [each for each in listed if not each.name.endswith(("[2]", "[3]"))]
     numbers = {each.name.removesuffix("[1]").upper(): each.place for each in first}
-    rows = []
-    for each in listed:
-        declared, place = each.quantity, getattr(layout, each.name.upper(), -1)
-        limits = (1, len(declared.choices)) if declared.choices else (declared.minimum, declared.maximum)
-        numbers_of_row = f"{KINDS[each.kind]}, {place}, {limits[0]!r}, {limits[1]!r}"
-        rows.append(f"    {{{c_text(each.name)}, {c_text(declared.range())}, {numbers_of_row}}}")
+    rows = [f"    {{{c_text(each.name)}, {c_text(each.quantity.range())}, {KINDS[each.kind]}}}" for each in listed]
     return [
         _enumerated(numbers),
-        "typedef struct { const char *name, *range; int kind, place; double minimum, maximum; } Parameter;",
+        "typedef struct { const char *name, *range; int kind; } Parameter;",
         "static const Parameter PARAMETER[] = {\n" + ",\n".join(rows) + "};",
     ]
 
@@ -168,8 +158,6 @@ def _sentences():
     """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
     limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
-    own |= {name: getattr(quantities, name) for name in ("OUT_OF_RANGE", "NOT_WHOLE")}
-    own |= {name: getattr(parameters, name) for name in ("ROUGHNESS_TOO_LARGE", "SEGMENTS_TOO_SHORT")}
     kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]
     warnings = [_with(plausibility.SENTENCES[kind], plausibility.facts(kind)) for kind in sorted(plausibility.SENTENCES)]
     return [

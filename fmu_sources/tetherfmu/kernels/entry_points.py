@@ -1,6 +1,6 @@
 """The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
 
-Each variant has five: work_size, initialize, advance, outputs, fly; with nodes a sixth: energy.
+Each variant has seven: segments, pack, work_size, initialize, advance, outputs, fly; with nodes an eighth: energy.
 `runtime.kernel_library` has their signatures for callers, `layout.py` the arrays. They return statuses (`status.py`), `fly`
 the number of steps done.
 
@@ -13,7 +13,9 @@ from numba import carray, types
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.variants import BY_NAME
 
+from . import packing
 from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size
 from .compilation import kernel, part
 from .equations.boundary import inputs_of_step
@@ -24,6 +26,8 @@ from .step.outputs import complete
 _DOUBLES = types.CPointer(types.float64)
 _COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
 SIGNATURES = Kernels(
+    segments=_COUNT(_COUNT, _DOUBLES),
+    pack=_STATUS(_COUNT, _COUNT, _DOUBLES, _NUMBER, _DOUBLES),
     work_size=_COUNT(_COUNT),
     initialize=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
     advance=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
@@ -35,6 +39,8 @@ SIGNATURES = Kernels(
 
 def entry_points(variant):
     """Entry points of a variant, functions to be compiled with `SIGNATURES`; variant : module of `kernels.variants`."""
+    declared = BY_NAME[variant.__name__.rpartition(".")[2]]
+    has_nodes, has_waves = declared.has_nodes, declared.has_waves
 
     @kernel
     def take_outputs(n, p, s, shape_points, outputs, w):
@@ -70,6 +76,16 @@ def entry_points(variant):
                 copy(before, s)
                 take_outputs(n, p, s, shape_points, outputs, w)
         return status
+
+    def segments(tethers, quantities):
+        """Number of segments of tethers in series with these quantities, see `packing`; 0 if it cannot be told."""
+        return packing.count_segments(tethers, carray(quantities, packing.count_of_quantities(tethers, 0)), has_nodes)
+
+    def pack(tethers, kites, quantities, tolerance, parameters):
+        """Parameters (modified) of as many segments as `segments` says; a status, and nothing is done on any but OK."""
+        given = carray(quantities, packing.count_of_quantities(tethers, kites))
+        p = carray(parameters, parameters_size(packing.count_segments(tethers, given, has_nodes)))
+        return packing.pack(tethers, kites, given, tolerance, has_nodes, has_waves, p)
 
     def work_size(n):
         """Length of the work array [-] of a tether with n segments."""
@@ -139,4 +155,4 @@ def entry_points(variant):
         p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
         return power_balance.balance(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.ENERGIES + n), w)
 
-    return Kernels(work_size, initialize, advance, outputs, fly, energy)
+    return Kernels(segments, pack, work_size, initialize, advance, outputs, fly, energy)

@@ -23,7 +23,6 @@ NEEDED = {
 OPTIONS = (
     *("-Os", "-fno-inline-functions"),  # compiles in half the time of -O2, and a step takes its time in the kernels
     *("-std=c99", "-g0", "-fPIC", "-fvisibility=hidden", "-fno-stack-protector", "-ffp-contract=off"),
-    "-fno-builtin-pow",  # `pow(x, 2.0)` stays what Python's x**2 calls
     *("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-cast-function-type", "-Werror"),
 )
 

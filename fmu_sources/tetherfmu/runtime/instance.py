@@ -7,7 +7,6 @@ from array import array
 
 from . import layout as at
 from . import plausibility, status
-from .parameters import DEFAULT_TOLERANCE, pack
 from .variables import INPUT_NAMES, parameters_at
 
 OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
@@ -40,8 +39,8 @@ class Instance:
     values : array
         Inputs, outputs and `room` places, at the same address for life. The caller sets the inputs.
     parameters, state, before, work : array
-        As `layout.py` has them; `before` is the state of before the last start or step. Each `set_up` makes new parameters,
-        and one for another number of segments new arrays.
+        As `layout.py` has them; `before` is the state of before the last start or step. A `set_up` for another number of
+        segments makes new arrays.
     segments : int
         0 before it is set up.
     status : int
@@ -60,17 +59,9 @@ class Instance:
         self._inputs_address = address(self.values)
         self._outputs_address = self._inputs_address + 8 * OUTPUTS_AT
 
-    def set_up(self, tethers, environment, solver, point_masses=(), free_ends=(False, False), tolerance=0.0):
-        """Pack the parameters, make the arrays; it is to be started next.
-
-        tethers : as the variant knows them (`variants.effective`).  point_masses, free_ends : see `parameters.pack`.
-        tolerance : the importer's relative tolerance [-], for a solver without one of its own; 0 for none.  ValueError if
-        the tethers do not fit together or their segments are too short.
-        """
-        tolerance = solver.relative_tolerance or tolerance or DEFAULT_TOLERANCE
-        self.parameters = pack(tethers, environment, solver, tolerance, point_masses, free_ends)
-        self._tolerance, self._fixed_step = tolerance, solver.fixed_step
-        segments = sum(tether.segments for tether in tethers)
+    def set_up(self, segments, parameters):
+        """Take a number of segments and their parameters, see `packing`, and make the arrays; it is to be started next."""
+        self.parameters = parameters
         if segments != self.segments:
             self.segments = segments
             self.state = zeros(at.state_size(segments))
@@ -139,7 +130,7 @@ class Instance:
             step=step,
             reel_out_speed=self.values[at.REEL_OUT_SPEED],
             length=self.state[at.LENGTH],
-            relative_tolerance=self._tolerance,
-            fixed_step=self._fixed_step,
+            relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],
+            fixed_step=self.parameters[at.FIXED_STEP],
             budget=at.WORK_BUDGET // self.segments,
         )

@@ -1,8 +1,9 @@
 """The entry points of a variant as ctypes functions, and the compiled library that has them.
 
-work_size(n), initialize(n, parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step,
-state, before, shape_points, outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API
-also fly and energy. Arrays are passed by addresses. See `kernels/entry_points.py`.
+segments(tethers, quantities), pack(tethers, kites, quantities, tolerance, parameters), work_size(n), initialize(n,
+parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step, state, before, shape_points,
+outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API also fly and energy. Arrays
+are passed by addresses. See `kernels/entry_points.py`.
 """
 
 import platform
@@ -14,9 +15,11 @@ from pathlib import Path
 
 from .variants import BY_NAME
 
-Kernels = namedtuple("Kernels", "work_size initialize advance outputs fly energy", defaults=(None,))
+Kernels = namedtuple("Kernels", "segments pack work_size initialize advance outputs fly energy", defaults=(None,))
 _ARRAY = c_void_p
 PROTOTYPES = Kernels(
+    segments=CFUNCTYPE(c_int64, c_int64, _ARRAY),
+    pack=CFUNCTYPE(c_int32, c_int64, c_int64, _ARRAY, c_double, _ARRAY),
     work_size=CFUNCTYPE(c_int64, c_int64),
     initialize=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
     advance=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),

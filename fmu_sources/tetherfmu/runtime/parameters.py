@@ -1,22 +1,18 @@
-"""Constant records of a tether and its surroundings, and the flat array that the kernels read.
+"""Constant records of a tether and its surroundings. `packing.py` makes of them what the kernels read.
 
 Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its choices).
 """
 
-from array import array
 from dataclasses import dataclass, replace
 from math import pi
 
 from . import layout as at
-from .quantities import check, documented, quantity
+from .quantities import check, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
 OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
-)
-SEGMENTS_TOO_SHORT = (
-    f"initial_length is {{length!r}} m for {{segments}} segments; it must be at least {at.MIN_SEGMENT_LENGTH} m for each"
 )
 
 
@@ -148,56 +144,9 @@ class FreeKite:
         check(self)
 
 
-def check_series(tethers):
-    """Check tethers that are joined in series, ground first; ValueError if they do not fit together or are too fine."""
-    first = tethers[0]
-    for tether in tethers[1:]:
-        for name in OF_THE_WHOLE_CHAIN:
-            if getattr(tether, name) != getattr(first, name):
-                raise ValueError(f"{name} must be the same for all tethers in series")
-    n = sum(tether.segments for tether in tethers)
-    if n > at.MAX_SEGMENTS:
-        raise ValueError(f"segments is {n} in all; it must be at most {at.MAX_SEGMENTS}")
-    for tether in tethers:
-        if tether.initial_length / tether.segments < at.MIN_SEGMENT_LENGTH:
-            raise ValueError(SEGMENTS_TOO_SHORT.format(length=tether.initial_length, segments=tether.segments))
+QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 
-def pack(tethers, environment, solver, tolerance, point_masses=(), free_ends=(False, False)):
-    """The `parameters` array of the kernels (array of doubles, see `layout.py`).
-
-    tethers : in series from the ground to the kite; all reel in proportion to their lengths.  tolerance : relative tolerance
-    of the solver [-].  point_masses : pairs (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends :
-    whether the ground end and the kite end move freely.  No wind is given at the nodes.
-    """
-    check_series(tethers)
-    n = sum(tether.segments for tether in tethers)
-    length = sum(tether.initial_length for tether in tethers)
-    flat = array("d", bytes(8 * at.parameters_size(n)))
-    scalars = {
-        **vars(environment),
-        **vars(solver),
-        **{name: getattr(tethers[0], name) for name in OF_THE_WHOLE_CHAIN},
-        "relative_tolerance": tolerance,
-        "initial_length": length,
-        "ground_is_free": free_ends[0],
-        "kite_is_free": free_ends[1],
-    }
-    for name, value in scalars.items():
-        flat[getattr(at, name.upper())] = value  # a place has the name of its quantity
-    s = 0
-    for tether in tethers:
-        properties = {
-            at.SHARE: tether.initial_length / tether.segments / length,
-            at.STIFFNESS: tether.axial_stiffness,
-            at.DAMPING: tether.axial_damping,
-            at.LINE_DENSITY: tether.mass_per_meter,
-            at.DRAG_WIDTH: tether.drag_coefficient * tether.diameter,
-        }
-        for place, value in properties.items():
-            start = at.PARAMETER_SCALARS + place * n + s
-            flat[start : start + tether.segments] = array("d", [value] * tether.segments)
-        s += tether.segments
-    for node, mass in point_masses:
-        flat[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + node] = mass
-    return flat
+def numbers_of(tethers, environment, solver):
+    """The quantities of records in the order in which the kernel `pack` takes them, a list."""
+    return [getattr(record, name) for record in (*tethers, environment, solver) for name, _ in quantities(record)]

@@ -7,10 +7,11 @@ from . import layout, refusals, saved_state, status, variables
 from .base_slave import WARNING, BaseSlave
 from .instance import OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
-from .parameters import LOOSEST_TOLERANCE, check_series
+from .packing import pack
+from .parameters import LOOSEST_TOLERANCE
 from .resources import KERNELS_FOLDER, options_in
 from .saved_state import STEPPING, SavedState
-from .variants import BY_NAME, effective, library_of
+from .variants import BY_NAME, library_of
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
 
@@ -64,8 +65,8 @@ class TetherSlave(BaseSlave):
         if self._no_kernels:
             return self._no_kernels
         try:
-            self._instance.set_up(*self._records(self.values), tolerance=self._importer_tolerance)
-        except (ValueError, OverflowError) as error:
+            self._instance.set_up(*self._packed(self.values, self._importer_tolerance))
+        except ValueError as error:
             return str(error)
         if not self._kite_is_free:
             return self._instance.start()
@@ -85,13 +86,10 @@ class TetherSlave(BaseSlave):
         """Sentences on what is implausible, each once since the start."""
         return self._instance.warnings()
 
-    def _records(self, values):
-        """What `Instance.set_up` takes, from an array of all values; ValueError if one is out of range."""
+    def _packed(self, values, tolerance):
+        """What `Instance.set_up` takes, from an array of all values; ValueError if one is not allowed."""
         numbers = values[self._instance.parameters_at :]
-        classes = variables.records_of(self.variant)
-        tether, environment, solver, *kites = variables.records(classes, self.table, numbers)
-        masses = [(tether.segments, kite.kite_mass) for kite in kites]
-        return (effective(tether, self.variant),), environment, solver, masses, (False, bool(kites))
+        return pack(self._instance.kernels, numbers, kites=int(self._kite_is_free), tolerance=tolerance)
 
     # --- state
 
@@ -122,27 +120,26 @@ class TetherSlave(BaseSlave):
             if variable.kind != "Real" and reference not in self.output_places and not abs(value) <= layout.LARGEST_INTEGER:
                 problem = refusals.NO_INTEGER.format(name=variable.name, value=value)
                 raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=problem))
-        records = self._records_of_state(saved) if saved.phase >= STEPPING else None
+        packed = self._packed_of_state(saved) if saved.phase >= STEPPING else None
         self.phase, self._importer_tolerance, self.time = saved.phase, saved.tolerance, saved.time
         instance = self._instance
         self.values[:OUTPUTS_AT] = saved.values[:OUTPUTS_AT]
         self.values[OUTPUTS_AT : instance.parameters_at] = zeros(instance.parameters_at - OUTPUTS_AT)
         self.values[instance.parameters_at :] = saved.values[instance.parameters_at :]
-        if records:
-            instance.set_up(*records, tolerance=saved.tolerance)
+        if packed:
+            instance.set_up(*packed)
             instance.take(saved.state)
             if instance.take_outputs() != status.OK:
                 raise ValueError(refusals.STATE_IMPOSSIBLE)
 
-    def _records_of_state(self, saved):
-        """Records of the parameters in a saved state; ValueError if they cannot be used with its state array."""
+    def _packed_of_state(self, saved):
+        """What `Instance.set_up` takes, from a saved state; ValueError if its state array does not belong to that."""
         if self._no_kernels:
             raise ValueError(f"cannot be used: {self._no_kernels}")
         try:
-            records = self._records(saved.values)
-            check_series(records[0])
-        except (ValueError, OverflowError) as error:
+            segments, parameters = self._packed(saved.values, saved.tolerance)
+        except ValueError as error:
             raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=error)) from None
-        if records[0][0].segments != saved.segments:
+        if segments != saved.segments:
             raise ValueError(refusals.STATE_DAMAGED)
-        return records
+        return segments, parameters

@@ -1,9 +1,9 @@
 """Status codes of the kernels, and the sentence that each of them says.
 
-A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input, for example).
+A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input or of a parameter).
 """
 
-from . import limits
+from . import limits, parameters, quantities
 
 OK = 0
 INPUT_NOT_FINITE = 1
@@ -15,6 +15,13 @@ STATE_NOT_FINITE = 6
 NO_EQUILIBRIUM = 7
 FIXED_STEPS_TOO_MANY = 8
 OUTPUT_NOT_FINITE = 9
+# of parameters
+PARAMETER_OUT_OF_RANGE = 10
+PARAMETER_NOT_WHOLE = 11
+ROUGHNESS_TOO_LARGE = 12
+NOT_THE_SAME_IN_SERIES = 13
+SEGMENTS_TOO_MANY = 14
+SEGMENTS_TOO_SHORT = 15
 
 SENTENCES = {
     OK: "done",
@@ -47,12 +54,21 @@ SENTENCES = {
         "an output is not a finite number after a step of {step} s; check kite_position, wind_velocity and "
         "air_density_scale_height"
     ),
+    PARAMETER_OUT_OF_RANGE: quantities.OUT_OF_RANGE,
+    PARAMETER_NOT_WHOLE: quantities.NOT_WHOLE,
+    ROUGHNESS_TOO_LARGE: parameters.ROUGHNESS_TOO_LARGE,
+    NOT_THE_SAME_IN_SERIES: "{name} must be the same for all tethers in series",
+    SEGMENTS_TOO_MANY: "segments is {in_all!r} in all; it must be at most {most}",
+    SEGMENTS_TOO_SHORT: (
+        "initial_length is {length!r} m for {segments!r} segments; it must be at least {shortest} m for each"
+    ),
 }
 
 LIMITS = {  # in the sentences
     "largest": limits.LARGEST_INPUT,
     "longest": limits.LONGEST_STEP,
     "shortest": limits.MIN_SEGMENT_LENGTH,
+    "most": limits.MAX_SEGMENTS,
 }
 
 

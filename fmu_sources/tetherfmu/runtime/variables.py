@@ -15,7 +15,7 @@ from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, components, inputs_of
 from .outputs import ARRAY_ORDER, SCALAR, VECTOR
 from .parameters import Environment, FreeKite, Solver, Tether
-from .quantities import Quantity, checked, quantities
+from .quantities import Quantity, quantities
 from .variants import BY_NAME
 
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
@@ -116,6 +116,11 @@ def _parameter_variables(variant, starts):
     return variables
 
 
+# what any tether has, a free kite last, in the order in which the kernel `pack` takes them
+PARAMETERS = tuple(_parameter_variables(BY_NAME["dynamic_free"], {}))
+PARAMETERS_WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are not about a free kite
+
+
 @lru_cache
 def variables(variant, shape_points, starts=(), left_out=()):
     """The table of all variables, a tuple: inputs, outputs, parameters.
@@ -145,17 +150,3 @@ def references(table, shape_points):
     """Value references of a table of `variables`: their places in the array of all values."""
     first = parameters_at(shape_points)
     return [variable.place + (first if variable.causality == PARAMETER else 0) for variable in table]
-
-
-def records(record_classes, table, numbers):
-    """Records from the values of all parameters; ValueError names what is out of range.
-
-    record_classes : such as `records_of`.  table : of `variables`.  numbers : in the order of its parameters.
-    """
-    values = dict(zip(names_of(table, PARAMETER), numbers, strict=True))
-    for variable in table:
-        if variable.causality == PARAMETER:
-            if variable.kind != "Real" and values[variable.name].is_integer():
-                values[variable.name] = int(values[variable.name])
-            checked(variable.name, values[variable.name], variable.quantity)
-    return tuple(record(**{name: values[name] for name, _ in quantities(record)}) for record in record_classes)

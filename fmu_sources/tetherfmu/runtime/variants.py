@@ -146,12 +146,3 @@ def variant_of(text, variants=EVERY_VARIANT):
             return variant
     allowed = ", ".join(f"{variant} ({class_name(variant)})" for variant in variants)
     raise ValueError(f"no tether is called {text}; choose from {allowed}")
-
-
-def effective(tether, variant):
-    """The tether as a variant knows it: without damping where there are no waves, one segment where there are no nodes."""
-    if not BY_NAME[variant].has_waves:
-        tether = replace(tether, axial_damping=0.0)
-    if not BY_NAME[variant].has_nodes:
-        tether = replace(tether, segments=1)
-    return tether

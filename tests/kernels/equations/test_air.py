@@ -9,8 +9,9 @@ from math import exp, log
 import numpy as np
 import pytest
 
+from kernels.packed import packed
 from tetherfmu.kernels.equations.air import air_density, wind_factor
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
+from tetherfmu.runtime.parameters import Environment, Tether
 
 HEIGHTS = [0.5, 6.0, 10.0, 200.0, 3000.0]
 REFERENCE, ALPHA, ROUGHNESS = 10.0, 0.14, 0.03
@@ -24,7 +25,7 @@ def parameters(profile=1, scale_height=0.0):
         surface_roughness=ROUGHNESS,
         air_density_scale_height=scale_height,
     )
-    return np.array(pack((Tether(),), air, Solver(), 1e-4))
+    return packed(Tether(), air)
 
 
 def power(z):

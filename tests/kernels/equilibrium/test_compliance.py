@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from kernels.packed import packed
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.equilibrium import newton, rigid_body
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
+from tetherfmu.runtime.parameters import Environment, Tether
 
 N = 7
 WIND = (9.0, -4.0, 1.0)
@@ -16,7 +17,7 @@ WIND = (9.0, -4.0, 1.0)
 def linear_problem(axial_stiffness):
     """A hanging chain that is not quite in equilibrium: arguments of the two kinds of a Newton step."""
     tether = Tether(segments=N, initial_length=60.0, axial_stiffness=axial_stiffness)
-    parameters = np.array(pack((tether,), Environment(wind_profile=2), Solver(), 1e-4))
+    parameters = packed(tether, Environment(wind_profile=2))
     part = np.linspace(0.0, 1.0, N + 1)
     positions = np.stack([40.0 * part, 3.0 * part**2, 10.0 * part - 60.0 * part * (1.0 - part)], axis=1)
     lengths = np.linalg.norm(np.diff(positions, axis=0), axis=1)

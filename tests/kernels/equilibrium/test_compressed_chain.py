@@ -6,12 +6,13 @@ Across, segment s is a spring T/l: with t_s = T_s/l_s the matrix of the free nod
 import numpy as np
 import pytest
 
+from kernels.packed import packed
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.equilibrium import compressed_chain
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
+from tetherfmu.runtime.parameters import Tether
 
 TETHER = Tether(segments=6, initial_length=60.0)
-PARAMETERS = np.array(pack((TETHER,), Environment(), Solver(), 1e-4))
+PARAMETERS = packed(TETHER)
 CHAIN = chain_at(6, PARAMETERS, 60.0, 0.0, (0.0, 0.0, 0.0))
 
 

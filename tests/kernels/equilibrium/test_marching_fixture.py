@@ -10,10 +10,11 @@ Source: Tethers.jl (MIT), quasi-steady model, fixture of its marching test.
 
 import numpy as np
 
+from kernels.packed import packed
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.equilibrium import hanging_chain
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, pack
+from tetherfmu.runtime.parameters import Environment, Tether
 
 TETHER = Tether(
     segments=16,
@@ -30,7 +31,7 @@ END_FORCE = [48525.65303290781, -48525.65306201012, 148425.44630603644]
 
 def test_march_ends_where_the_published_one_does():
     n = TETHER.segments
-    parameters = np.array(pack((TETHER,), Environment(gravity=GRAVITY), Solver(), 1e-4))
+    parameters = packed(TETHER, Environment(gravity=GRAVITY))
     parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n] = np.inf
     node_weight = TETHER.density * np.pi / 4.0 * TETHER.diameter**2 * TETHER.initial_length / n * GRAVITY
     load = np.zeros((n + 1, 3))

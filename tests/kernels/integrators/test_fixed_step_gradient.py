@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from kernels.packed import packed
 from tetherfmu import Environment, Solver, Tether
 from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_chain, inputs_of_step
 from tetherfmu.kernels.integrators import backward_euler
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import pack
 
 N, LENGTH, STEP = 4, 20.0, 0.05
 KITE, KITE_VELOCITY = np.array((9.0, 2.0, 14.0)), np.array((3.0, -1.0, 2.0))
@@ -18,7 +18,7 @@ def attempt_of(reel_out_speed, law, slack):
     random = np.random.default_rng(3)
     tether = Tether(segments=N, initial_length=LENGTH, axial_stiffness=5e4, damping_law=law)
     solver = Solver(fixed_step=STEP)
-    parameters = np.array(pack((tether,), Environment(), solver, 1e-4, (), (False, True)))
+    parameters = packed(tether, Environment(), solver, (False, True))
     state, work = np.zeros(at.state_size(N)), np.zeros(backward_euler.workspace_size(N))
     inputs = np.zeros(at.INPUTS)
     inputs[at.KITE_POSITION : at.KITE_POSITION + 6] = *KITE, *KITE_VELOCITY

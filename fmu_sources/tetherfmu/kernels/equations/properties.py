@@ -77,6 +77,18 @@ def point_mass(chain, i):
 
 
 @kernel
+def put_property(n, which, s, value, parameters):
+    """Give segment s of n one of the properties `layout.SHARE`, ... in the parameters (modified)."""
+    parameters[at.PARAMETER_SCALARS + which * n + s] = value
+
+
+@kernel
+def put_point_mass(n, i, mass, parameters):
+    """Give node i of a chain of n segments a mass [kg] beside its share of the tether in the parameters (modified)."""
+    parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i] = mass
+
+
+@kernel
 def has_node_winds(chain):
     """Whether the wind is given at the nodes; `chain` may be a `BoundaryConditions`."""
     return chain.parameters[at.WIND_PROFILE] == at.AT_NODES

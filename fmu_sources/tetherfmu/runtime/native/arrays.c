@@ -1,101 +1,19 @@
-/* The arrays of the kernels: parameters checked and packed, with the rules and the arithmetic of parameters.py. */
+/* The arrays of the kernels, and the calls of the kernels. */
 #include "arrays.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "finite.h"
 #include "kernels.h"
 #include "messages.h"
 
-static double parameter(const double *values, int number)
-{
-    return values[PARAMETERS_AT + number];
-}
-
-/* Number of segments as the variant knows it, see `variants.effective`. */
-static int64_t effective_segments(const double *values)
-{
-    return WITHOUT_NODES ? 1 : (int64_t)parameter(values, SEGMENTS);
-}
-
-static bool allows(const Parameter *declared, double value)
-{
-    if (declared->kind == ENUMERATION && value != floor(value)) return false;
-    return is_finite(value) && declared->minimum <= value && value <= declared->maximum;
-}
-
-static bool check_parameter(const Parameter *declared, double value, char *problem)
-{
-    bool is_whole = declared->kind != REAL && is_finite(value) && value == floor(value);
-    Fact name = word("name", declared->name), fact = is_whole ? whole("value", value) : real("value", value);
-    if (!allows(declared, value)) {
-        fill_in(problem, LONGEST_TEXT, OUT_OF_RANGE, FACTS(name, fact, word("range", declared->range)));
-        return false;
-    }
-    if (declared->kind != REAL && !is_whole) {
-        fill_in(problem, LONGEST_TEXT, NOT_WHOLE, FACTS(name, fact));
-        return false;
-    }
-    return true;
-}
-
-/* Whether all parameters are allowed, alone and together; if not, `problem` (of LONGEST_TEXT bytes) says what is wrong. */
-bool check_parameters(const double *values, char *problem)
-{
-    for (int i = 0; i < PARAMETERS; i++)
-        if (!check_parameter(&PARAMETER[i], parameter(values, i), problem)) return false;
-    double profile = parameter(values, WIND_PROFILE), roughness = parameter(values, SURFACE_ROUGHNESS);
-    double height = parameter(values, WIND_REFERENCE_HEIGHT), length = parameter(values, INITIAL_LENGTH);
-    if ((profile == AT_LOGARITHMIC || profile == AT_EXPLOG) && roughness >= height) {
-        fill_in(problem, LONGEST_TEXT, ROUGHNESS_TOO_LARGE, FACTS(real("roughness", roughness), real("height", height)));
-        return false;
-    }
-    double segments = (double)effective_segments(values);
-    if (length / segments < AT_MIN_SEGMENT_LENGTH) {
-        fill_in(problem, LONGEST_TEXT, SEGMENTS_TOO_SHORT, FACTS(real("length", length), whole("segments", segments)));
-        return false;
-    }
-    return true;
-}
-
-/* Relative tolerance of the solver [-]. */
-static double tolerance_of(const double *values, double importer_tolerance)
-{
-    double own = parameter(values, RELATIVE_TOLERANCE);
-    return own != 0.0 ? own : importer_tolerance != 0.0 ? importer_tolerance : DEFAULT_TOLERANCE;
-}
-
-static void fill(double *parameters, int64_t n, int property, double value)
-{
-    for (int64_t s = 0; s < n; s++) parameters[AT_PARAMETER_SCALARS + property * n + s] = value;
-}
-
-/* The `parameters` array of a uniform instance, with the arithmetic of `parameters.pack`. */
-static void pack(double *flat, int64_t n, const double *values, double tolerance)
-{
-    for (int i = 0; i < PARAMETERS; i++)
-        if (PARAMETER[i].place >= 0) flat[PARAMETER[i].place] = parameter(values, i);
-    double length = parameter(values, INITIAL_LENGTH), diameter = parameter(values, DIAMETER);
-    flat[AT_RELATIVE_TOLERANCE] = tolerance;
-    flat[AT_KITE_IS_FREE] = FREE_KITE;
-    fill(flat, n, AT_SHARE, length / (double)n / length);
-    fill(flat, n, AT_STIFFNESS, parameter(values, AXIAL_STIFFNESS));
-    fill(flat, n, AT_DAMPING, WITHOUT_WAVES ? 0.0 : parameter(values, AXIAL_DAMPING));
-    fill(flat, n, AT_LINE_DENSITY, parameter(values, DENSITY) * PI * pow(diameter, 2.0) / 4.0);
-    fill(flat, n, AT_DRAG_WIDTH, parameter(values, DRAG_COEFFICIENT) * diameter);
-#if FREE_KITE
-    flat[AT_PARAMETER_SCALARS + AT_SEGMENT_PROPERTIES * n + n] = parameter(values, KITE_MASS);
-#endif
-}
-
 enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
 
-/* The arrays for values whose parameters `check_parameters` allows, in one block; NULL without memory. */
-Arrays *make_arrays(const double *values, double importer_tolerance)
+/* The arrays for values, in one block; NULL without memory. */
+Arrays *make_arrays(const double *values)
 {
-    int64_t n = effective_segments(values);
+    int64_t n = KERNEL(segments)(1, values + PARAMETERS_AT);
     size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = (size_t)KERNEL(work_size)(n);
     Arrays *arrays = calloc(1, sizeof *arrays + (parameters + STATES_HELD * state + work + VALUES) * sizeof(double));
     if (!arrays) return NULL;
@@ -107,8 +25,33 @@ Arrays *make_arrays(const double *values, double importer_tolerance)
     arrays->work = arrays->spare + state;
     arrays->values = arrays->work + work;
     memcpy(arrays->values, values, VALUES * sizeof(double));
-    pack(arrays->parameters, n, values, tolerance_of(values, importer_tolerance));
     return arrays;
+}
+
+/* A parameter as a message has it: Integers and Enumerations without a fraction, where they have none. */
+static Fact fact_of(const char *key, const double *given, int number)
+{
+    double value = given[number];
+    return PARAMETER[number].kind != REAL && value == floor(value) ? whole(key, value) : real(key, value);
+}
+
+/* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
+bytes) says what is wrong. */
+bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
+{
+    const double *given = arrays->values + PARAMETERS_AT;
+    int32_t result = KERNEL(pack)(1, FREE_KITE, given, importer_tolerance, arrays->parameters);
+    if (!result) return true;
+    const Parameter *declared = &PARAMETER[index_of(result)];
+    fill_in(problem, LONGEST_TEXT, KERNEL_SENTENCE[code_of(result)], FACTS(
+        word("name", declared->name),
+        word("range", declared->range),
+        fact_of("value", given, index_of(result)),
+        fact_of("roughness", given, SURFACE_ROUGHNESS),
+        fact_of("height", given, WIND_REFERENCE_HEIGHT),
+        fact_of("length", given, INITIAL_LENGTH),
+        fact_of("segments", given, SEGMENTS)));
+    return false;
 }
 
 void free_arrays(Arrays *arrays)

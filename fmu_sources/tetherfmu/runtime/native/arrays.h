@@ -19,8 +19,8 @@ typedef struct {
     bool is_repeatable;       /* whether `before` and `inputs` are known: not after a start or a restored state */
 } Arrays;
 
-bool check_parameters(const double *values, char *problem);
-Arrays *make_arrays(const double *values, double importer_tolerance);
+Arrays *make_arrays(const double *values);
+bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem);
 void free_arrays(Arrays *arrays);
 int32_t first_shape(const Arrays *arrays, double *values);
 int32_t do_step(const Arrays *arrays, double step, double *before, double *values);

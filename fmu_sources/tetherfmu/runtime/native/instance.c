@@ -171,10 +171,12 @@ void take_arrays(Instance *instance, Arrays *arrays)
 Status start(Instance *instance, Status refusal)
 {
     char problem[LONGEST_TEXT];
-    if (!check_parameters(instance->values, problem))
-        return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
-    Arrays *arrays = make_arrays(instance->values, instance->tolerance);
+    Arrays *arrays = make_arrays(instance->values);
     if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
+    if (!pack_parameters(arrays, instance->tolerance, problem)) {
+        free_arrays(arrays);
+        return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
+    }
     int32_t result = first_shape(arrays, arrays->values);
     if (result) {
         say_kernel_status(instance, refusal, arrays, arrays->values, result, 0.0);

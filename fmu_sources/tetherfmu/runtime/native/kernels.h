@@ -6,6 +6,8 @@
 
 #include "tables.h"
 
+int64_t KERNEL(segments)(int64_t tethers, const double *quantities);
+int32_t KERNEL(pack)(int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters);
 int64_t KERNEL(work_size)(int64_t segments);
 int32_t KERNEL(initialize)(
     int64_t segments, const double *parameters, const double *inputs, double *state, int64_t shape_points, double *outputs,
@@ -16,8 +18,8 @@ int32_t KERNEL(advance)(
 int32_t KERNEL(outputs)(
     int64_t segments, const double *parameters, const double *state, int64_t shape_points, double *outputs, double *work);
 
-/* What a kernel returns is 0 if all is done, else a code and the index of an input, as `status.code` and `status.index` of
-status.py read them. */
+/* What a kernel returns is 0 if all is done, else a code and the index of an input or a parameter, as `status.code` and
+`status.index` of status.py read them. */
 static inline int code_of(int32_t result)
 {
     return result & 0xFF;

@@ -174,12 +174,13 @@ static void clear_outputs(double *values)
 static Status restore_arrays(Instance *instance, const Head *head, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
-    if (!check_parameters(values, problem)) {
+    Arrays *arrays = make_arrays(values);
+    if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
+    if (!pack_parameters(arrays, head->tolerance, problem)) {
+        free_arrays(arrays);
         fill_in(text, sizeof text, STATE_WRONG_PARAMETER, FACTS(word("problem", problem)));
         return refuse_state(instance, text);
     }
-    Arrays *arrays = make_arrays(values, head->tolerance);
-    if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
     clear_outputs(arrays->values);
     const char *wrong = problem_of_state(arrays, head, values + VALUES);
     if (wrong) {

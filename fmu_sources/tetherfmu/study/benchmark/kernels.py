@@ -8,8 +8,9 @@ import pandas as pd
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
+from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
-from tetherfmu.runtime.variants import BY_NAME, VARIANTS, effective
+from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.study.scenes.standard import STEP, circle_scene, tether_at_start
 
 from .races import interleaved
@@ -37,7 +38,7 @@ def starts(variant, segments, count):
     """A new start at so many points of the circle, as a function that returns the iterations for all shapes."""
     scene = circle_scene(segments)
     instance = Instance(kernels(variant), segments + 1)
-    instance.set_up((effective(scene.tether, variant),), scene.environment, Solver())
+    instance.set_up(*pack_records(instance.kernels, (scene.tether,), scene.environment, Solver()))
     inputs = [array("d", row) for row in scene.inputs(STEP)[:count]]
 
     def start():

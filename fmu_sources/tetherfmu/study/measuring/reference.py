@@ -7,7 +7,9 @@ from scipy.integrate import solve_ivp
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, interleave, interleaved_size
-from tetherfmu.runtime.parameters import Solver, pack
+from tetherfmu.libraries.ready import kernels
+from tetherfmu.runtime.packing import pack_records
+from tetherfmu.runtime.parameters import Solver
 from tetherfmu.study.scenes.standard import tether_at_start
 
 TOLERANCE = 1e-11
@@ -35,7 +37,8 @@ def free_state(scene, model):
 def right_hand_side(scene):
     """dy/dt as a function (t, y), of our kernels, without any of our solvers."""
     n, reeling, wind = scene.tether.segments, scene.reel_out_speed, scene.wind.velocity
-    parameters = np.array(pack((scene.tether,), scene.environment, Solver(), TOLERANCE))
+    _, parameters = pack_records(kernels("dynamic"), (scene.tether,), scene.environment, Solver())
+    parameters = np.array(parameters)
     x, v, force = np.zeros((3, 3 * (n + 1)))
     mass = np.zeros(n + 1)
     half = 3 * (n if scene.kite_is_free else n - 1)

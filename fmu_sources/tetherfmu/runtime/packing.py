@@ -1,0 +1,68 @@
+"""The `parameters` array of the kernels, which their entry point `pack` checks and fills."""
+
+from array import array
+
+from . import layout as at
+from . import status
+from .instance import address, zeros
+from .parameters import QUANTITIES_OF_TETHER, numbers_of
+from .variables import PARAMETERS
+
+_NAMES = [each.name for each in PARAMETERS]
+_SEGMENTS, _LENGTH = _NAMES.index("segments"), _NAMES.index("initial_length")
+_ROUGHNESS, _HEIGHT = _NAMES.index("surface_roughness"), _NAMES.index("wind_reference_height")
+
+
+def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
+    """Number of segments as the variant knows them, and the `parameters` array; ValueError if a number is not allowed.
+
+    kernels : `kernel_library.Kernels` of the variant.  numbers : quantities of tethers in series, of the environment and the
+    solver, with kites = 1 also those of a free kite, in the order of `variables.PARAMETERS`.  tolerance : the importer's
+    relative tolerance [-], for a solver without one of its own; 0 for none.
+    """
+    quantities = array("d", numbers)
+    segments = kernels.segments(tethers, address(quantities))
+    parameters = zeros(at.parameters_size(segments))
+    result = kernels.pack(tethers, kites, address(quantities), tolerance, address(parameters))
+    if result != status.OK:
+        raise ValueError(_sentence(result, numbers, tethers))
+    return segments, parameters
+
+
+def pack_records(kernels, tethers, environment, solver, point_masses=(), free_ends=(False, False)):
+    """As `pack`, of records.
+
+    tethers : in series from the ground to the kite; all reel in proportion to their lengths.  point_masses : pairs
+    (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends : whether the ground end and the kite end move
+    freely.
+    """
+    segments, parameters = pack(kernels, numbers_of(tethers, environment, solver), len(tethers))
+    parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE] = free_ends
+    for node, mass in point_masses:
+        parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass
+    return segments, parameters
+
+
+def _sentence(result, numbers, tethers):
+    """What a status says about quantities."""
+    place, shift = status.index(result), (tethers - 1) * QUANTITIES_OF_TETHER
+    is_of_tether = place < tethers * QUANTITIES_OF_TETHER
+    declared = PARAMETERS[place % QUANTITIES_OF_TETHER if is_of_tether else place - shift]
+    first = place - place % QUANTITIES_OF_TETHER if is_of_tether else 0  # of the tether that it is about
+    counts = [_whole(numbers[t * QUANTITIES_OF_TETHER + _SEGMENTS]) for t in range(tethers)]
+    return status.sentence(
+        result,
+        name=declared.name,
+        value=numbers[place] if declared.kind == "Real" else _whole(numbers[place]),
+        range=declared.quantity.range(),
+        roughness=numbers[shift + _ROUGHNESS],
+        height=numbers[shift + _HEIGHT],
+        length=numbers[first + _LENGTH],
+        segments=counts[first // QUANTITIES_OF_TETHER],
+        in_all=sum(counts),
+    )
+
+
+def _whole(value):
+    """A whole number as an integer."""
+    return int(value) if float(value).is_integer() else value

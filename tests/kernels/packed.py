@@ -1,0 +1,13 @@
+"""Parameters of a chain for tests that call kernels directly."""
+
+import numpy as np
+
+from tetherfmu.libraries.ready import kernels
+from tetherfmu.runtime.packing import pack_records
+from tetherfmu.runtime.parameters import Environment, Solver
+
+
+def packed(tether, environment=Environment(), solver=Solver(), free_ends=(False, False)):  # noqa: B008
+    """The `parameters` array of a chain of one tether."""
+    _, parameters = pack_records(kernels("dynamic"), (tether,), environment, solver, free_ends=free_ends)
+    return np.array(parameters)
