@@ -84,7 +84,9 @@ def without_detours(pairs):
 def contents(room):
     """What is in a room: its folders, or else its modules, one line."""
     if room == "kernels.entry_points":
-        return "work_size  initialize  advance  outputs  fly  energy, for each variant"
+        return "segments  pack  work_size  initialize  advance  outputs  fly  energy, for each variant"
+    if room == "kernels.packing":
+        return "pack  count_segments"
     if room in ROOMS_OF_FILES and room != "commands":
         return "  ".join(name.rpartition(".")[2] for name in ROOMS_OF_FILES[room])
     folder = PACKAGE / room.replace(".", "/")
@@ -99,7 +101,7 @@ def box(floor, rooms, k):
     if rooms[k] == "runtime":
         return 0.0, -floor - 0.3, 1.0
     shared = [room for room in rooms if room not in APART]
-    sizes = [30 + len(contents(room)) for room in shared]
+    sizes = [50 + len(contents(room)) for room in shared]
     unit, place = (0.83 - 0.01 * len(shared)) / sum(sizes), shared.index(rooms[k])
     return sum(sizes[:place]) * unit + 0.01 * place, -floor - 0.3, sizes[place] * unit
 
@@ -110,7 +112,7 @@ def draw(path):
     from matplotlib.patches import FancyBboxPatch
 
     levels = floors()
-    figure = Figure(figsize=(9.5, len(levels)), layout="constrained")
+    figure = Figure(figsize=(12.0, len(levels)), layout="constrained")
     axis = figure.add_subplot()
     places = {}
     for level, rooms in enumerate(levels):
@@ -121,7 +123,7 @@ def draw(path):
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
             axis.text(middle, -level + 0.2, room, ha="center", va="center", fontsize=11, weight="bold")
-            text = fill(contents(room), int(145 * width))
+            text = fill(contents(room), int(190 * width))
             axis.text(middle, -level - 0.07, text, ha="center", va="center", fontsize=8, linespacing=1.1)
     heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
     style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
