@@ -16,7 +16,7 @@ import numpy as np
 
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.instance import Instance, address
+from tetherfmu.runtime.instance import OUTPUTS_AT, Instance, address
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.study.measuring.tables import circumstances
@@ -48,13 +48,14 @@ def run(path, steps, segments, fixed_step):
     inputs[motion] = np.concatenate(path(0.0))
     inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = WIND
     assert instance.start() is None
-    arrays = instance.parameters, instance.values, instance.state, instance.work
-    advance, (parameters, values, state, work) = instance.kernels.advance, map(address, arrays)
+    arrays = instance.parameters, instance.values, instance.state, instance.before, instance.work
+    advance, (parameters, values, state, previous, work) = instance.kernels.advance, map(address, arrays)
+    outputs = values + 8 * OUTPUTS_AT
     times, most, before = np.zeros((steps, 2)), 0, 0.0
     for k in range(steps):
         inputs[motion] = np.concatenate(path(k * fixed_step))
         clock, processor = perf_counter_ns(), thread_time_ns()
-        status = advance(segments, parameters, values, fixed_step, state, work)
+        status = advance(segments, parameters, values, fixed_step, state, previous, segments + 1, outputs, work)
         times[k] = thread_time_ns() - processor, perf_counter_ns() - clock
         assert status == 0, status
         most = max(most, instance.state[at.ITERATIONS] - before)

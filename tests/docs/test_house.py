@@ -38,7 +38,10 @@ def test_the_manual_has_a_paragraph_for_each_room():
     manual = (ROOT / "docs" / "contributors" / "developing.md").read_text(encoding="utf-8")
     section = manual.partition("## Architecture")[2].partition("\n## ")[0]
     described = set(re.findall(r"^\*\*([\w. ]+)\*\*", section, re.MULTILINE))
-    assert described == HEIGHT.keys() - {"kernels.entry_points", "kernels.packing"}  # one file each, described with `kernels`
+    assert described == HEIGHT.keys() - {
+        "kernels.entry_points",
+        "kernels.packing",
+    }  # one file each, described with `kernels`
 
 
 def test_the_figure_can_be_drawn(tmp_path):

@@ -43,7 +43,8 @@ def test_windows_equals_linux(host, variant):
     rows = np.zeros((STEPS + 1, at.INPUTS))
     for k in range(STEPS + 1):  # row 0 initializes, row k + 1 starts step k
         rows[k, :3], rows[k, 3:6] = circle(max(0, k - 1) * STEP)
-    state, work = np.zeros(at.state_size(n)), np.zeros(at.work_size(n))
+    linux = ready.kernels(variant)
+    state, before, work = np.zeros(at.state_size(n)), np.zeros(at.state_size(n)), np.zeros(linux.work_size(n))
     outputs = np.zeros(at.outputs_size(POINTS))
     head = [n, len(parameters), len(state), len(work), len(outputs), STEPS, STEP, POINTS]
     (host / "in.bin").write_bytes(np.concatenate([head, parameters, rows.ravel()]).astype("<f8").tobytes())
@@ -51,10 +52,11 @@ def test_windows_equals_linux(host, variant):
     subprocess.run(["wine", "host.exe", library, variant, "in.bin", "out.bin"], cwd=host, check=True, capture_output=True)
     found = np.frombuffer((host / "out.bin").read_bytes()).reshape(STEPS + 1, -1)
 
-    linux = ready.kernels(variant)
-    p, s, w, o = (array.ctypes.data for array in (parameters, state, work, outputs))
+    p, s, b, w, o = (array.ctypes.data for array in (parameters, state, before, work, outputs))
     for k in range(STEPS + 1):
         u = rows[k : k + 1].ctypes.data
-        assert (linux.initialize(n, p, u, s, w) if k == 0 else linux.advance(n, p, u, STEP, s, w)) == 0
-        linux.observe(n, p, s, POINTS, o, w)
+        starts = k == 0
+        assert (
+            linux.initialize(n, p, u, s, POINTS, o, w) if starts else linux.advance(n, p, u, STEP, s, b, POINTS, o, w)
+        ) == 0
         np.testing.assert_allclose(found[k], outputs, rtol=SAME, atol=SAME * np.abs(outputs).max())

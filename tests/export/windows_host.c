@@ -7,9 +7,8 @@ OUTPUT : the outputs of the start and of every step.
 It calls the system and no C library, which would take a minute to compile. */
 #include <windows.h>
 
-typedef int (*initialize_t)(long long, double *, double *, double *, double *);
-typedef int (*advance_t)(long long, double *, double *, double, double *, double *);
-typedef int (*observe_t)(long long, double *, double *, long long, double *, double *);
+typedef int (*initialize_t)(long long, double *, double *, double *, long long, double *, double *);
+typedef int (*advance_t)(long long, double *, double *, double, double *, double *, long long, double *, double *);
 
 enum { INPUTS = 19 };
 
@@ -52,18 +51,19 @@ void start(void)
     check(library != NULL, 3);
     initialize_t initialize = (initialize_t)find(library, argument[2], "_initialize");
     advance_t advance = (advance_t)find(library, argument[2], "_advance");
-    observe_t observe = (observe_t)find(library, argument[2], "_observe");
     HANDLE in = CreateFileA(argument[3], GENERIC_READ, 0, NULL, OPEN_EXISTING, 0, NULL);
     HANDLE out = CreateFileA(argument[4], GENERIC_WRITE, 0, NULL, CREATE_ALWAYS, 0, NULL);
     read(in, head, 8);
-    double *parameters = zeros(head[1]), *state = zeros(head[2]), *work = zeros(head[3]), *outputs = zeros(head[4]);
+    double *parameters = zeros(head[1]), *state = zeros(head[2]), *before = zeros(head[2]);
+    double *work = zeros(head[3]), *outputs = zeros(head[4]);
     long long n = (long long)head[0], points = (long long)head[7];
     read(in, parameters, head[1]);
     for (int k = 0; k <= (int)head[5]; k++) {
         DWORD done;
         read(in, row, INPUTS);
-        check((k == 0 ? initialize(n, parameters, row, state, work) : advance(n, parameters, row, head[6], state, work)) == 0, 7);
-        observe(n, parameters, state, points, outputs, work);
+        int status = k == 0 ? initialize(n, parameters, row, state, points, outputs, work)
+                            : advance(n, parameters, row, head[6], state, before, points, outputs, work);
+        check(status == 0, 7);
         check(WriteFile(out, outputs, 8 * (DWORD)head[4], &done, NULL), 6);
     }
     ExitProcess(0);
