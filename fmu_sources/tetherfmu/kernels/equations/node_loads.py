@@ -39,9 +39,15 @@ def free_acceleration(chain):
 
 
 @kernel
-def potential(chain, x):
-    """Potential energy of the loads per mass of a node at x [m]: [J/kg]."""
+def specific_potential(chain, x):
+    """Potential energy of what is proportional to the mass of a node at x [m], per mass: [J/kg]."""
     return chain.gravity * x[2]
+
+
+@kernel
+def potential(chain, mass, x):
+    """Potential energy of the loads of a node of this mass [kg] at x [m]: [J]."""
+    return mass * specific_potential(chain, x)
 
 
 @kernel

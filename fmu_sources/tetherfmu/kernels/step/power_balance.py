@@ -32,12 +32,11 @@ def balance(n, parameters, state, inputs, energies, work):
             free = parameters[at.GROUND_IS_FREE]
         elif i == n:
             free = parameters[at.KITE_IS_FREE]
-        per_mass = node_loads.potential(chain, get(x, i))
         moving = 0.5 * free * dot(get(v, i), get(v, i))
         tether = mass[i] - point_mass(chain, i)
         kinetic += mass[i] * moving
-        potential += (tether + free * point_mass(chain, i)) * per_mass
-        new_material += tether * (moving + per_mass)
+        potential += node_loads.potential(chain, tether + free * point_mass(chain, i), get(x, i))
+        new_material += tether * (moving + node_loads.specific_potential(chain, get(x, i)))
     elastic = winch = wind = damping = friction = 0.0
     for s in range(n):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
