@@ -15,21 +15,27 @@ from ..linear_algebra.vectors import dot, scale
 
 
 @kernel
+def weight(chain, mass):
+    """Weight [N] of a mass [kg]; of a mass per length [kg/m] or a rate of mass [kg/s], that of the weight."""
+    nothing = broadcast(-0.0, mass)  # to add -0 changes nothing, not even the sign of a zero
+    return nothing, nothing, -(chain.gravity * mass)
+
+
+@kernel
 def load(chain, mass, x, v, acceleration):
     """Load [N] on a node of this mass [kg] at x [m] with the velocity v [m/s]: its weight, which depends on neither.
 
     acceleration : of the node [m/s2] if its inertia counts as a load, None in equations of motion.
     """
     if acceleration is None:
-        nothing = broadcast(-0.0, mass)  # to add -0 changes nothing, not even the sign of a zero
-        return nothing, nothing, -(chain.gravity * mass)
+        return weight(chain, mass)
     return scale(-mass, (acceleration[0], acceleration[1], acceleration[2] + chain.gravity))
 
 
 @kernel
 def load_rate(chain, mass_rate):
     """Rate of the load [N/s] of a node whose mass changes at this rate [kg/s]."""
-    return load(chain, mass_rate, None, None, None)
+    return weight(chain, mass_rate)
 
 
 @kernel

@@ -26,7 +26,7 @@ work_size = no_work_size
 def uniform_load(line, state):
     """Weight plus mean drag per unstretched length [N/m]; a slack tether catches the wind with all its length."""
     mean, _ = chord_load(line.parameters, state)
-    return add(mean, node_loads.load(line, property_of(line, 0, at.LINE_DENSITY), None, None, None))
+    return add(mean, node_loads.weight(line, property_of(line, 0, at.LINE_DENSITY)))
 
 
 @kernel
