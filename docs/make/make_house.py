@@ -5,6 +5,7 @@ The floors are those of the import contract in pyproject.toml, the arrows are re
 
 import ast
 import tomllib
+from functools import cache
 from pathlib import Path
 from textwrap import fill
 
@@ -24,6 +25,7 @@ def named(layer):
     return next((room for room, modules in ROOMS_OF_FILES.items() if layer in modules), layer)
 
 
+@cache
 def floors():
     """Floors from the top: list of lists of rooms, from the layers of the import contract."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
@@ -62,6 +64,7 @@ def imported(path):
                 yield from (f"{origin}.{alias.name}" for alias in node.names)
 
 
+@cache
 def arrows():
     """Imports between rooms: set of pairs (from, to)."""
     found = set()

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import sysconfig
+import tempfile
 import zipfile
 
 import pytest
@@ -16,12 +17,27 @@ from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.kernel_library import this_platform
 
 
-def run(*arguments, **environment):
-    """Exit status and what was said, on stdout and on stderr."""
-    command = [sys.executable, "-m", "tetherfmu.check", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
+def command(*arguments):
+    """Exit status of the command and what it said, on stdout and on stderr."""
+    line = [sys.executable, "-m", "tetherfmu.check", *map(str, arguments)]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert "Traceback" not in done.stderr
     return done.returncode, done.stdout + done.stderr
+
+
+@pytest.fixture
+def run(capfd, monkeypatch):
+    """The same without a new process for the command; the FMU has its own all the same."""
+
+    def run(*arguments, **environment):
+        with monkeypatch.context() as changed:
+            changed.setattr(tempfile, "tempdir", None)  # TMPDIR is looked at again
+            for name, value in environment.items():
+                changed.setenv(name, value)
+            status = __main__.main([*map(str, arguments)])
+        return status, "".join(capfd.readouterr())
+
+    return run
 
 
 def changed(source, target, change):
@@ -35,7 +51,7 @@ def changed(source, target, change):
 
 
 def test_sound_fmus(fmu_folder):
-    status, said = run(*(fmu_folder / f"{name}.fmu" for name in SLAVES))
+    status, said = command(*(fmu_folder / f"{name}.fmu" for name in SLAVES))
     assert status == 0
     assert said.count("valid by the XML schema of FMI 2.0, and FMPy finds no problem") == len(SLAVES)
     assert said.count("evidence set: 200 steps") == len(SLAVES)
@@ -44,7 +60,7 @@ def test_sound_fmus(fmu_folder):
     assert "0 problems found" in said
 
 
-def test_sound_native_fmus(native_folder, fmi3_folder):
+def test_sound_native_fmus(run, native_folder, fmi3_folder):
     """The evidence sets run, that for FMI 3 with arrays: with the same deviations, digit by digit."""
     status, said = run(native_folder / "TetherDynamicFree.fmu", fmi3_folder / "TetherDynamicFree.fmu")
     assert status == 0
@@ -58,9 +74,9 @@ def test_sound_native_fmus(native_folder, fmi3_folder):
 
 
 def test_wrong_use(tmp_path, fmu_folder):
-    assert run()[0] == 2
+    assert command()[0] == 2
     for wrong in (tmp_path / "none.fmu", tmp_path):
-        status, said = run(fmu_folder / "TetherStraight.fmu", wrong)
+        status, said = command(fmu_folder / "TetherStraight.fmu", wrong)
         assert status == 2
         assert str(wrong) in said
 
@@ -72,7 +88,7 @@ def test_without_fmpy_it_says_how_to_get_it(monkeypatch, capsys, fmu_folder):
     assert "pip install fmpy" in capsys.readouterr().err
 
 
-def test_files_that_are_no_fmu(tmp_path):
+def test_files_that_are_no_fmu(run, tmp_path):
     text = tmp_path / "text.fmu"
     text.write_text("no archive")
     status, said = run(text)
@@ -94,7 +110,7 @@ DAMAGES = {  # in the list of files, not in a date there, which nobody would cal
 
 
 @pytest.mark.parametrize("damage", list(DAMAGES))
-def test_damaged_archive(tmp_path, fmu_folder, damage):
+def test_damaged_archive(run, tmp_path, fmu_folder, damage):
     content = bytearray((fmu_folder / "TetherStraight.fmu").read_bytes())
     content[DAMAGES[damage](content)] ^= 0xFF
     damaged = tmp_path / "TetherStraight.fmu"
@@ -105,7 +121,7 @@ def test_damaged_archive(tmp_path, fmu_folder, damage):
 
 
 @pytest.mark.parametrize("path", ["../escape.txt", "/root.txt", "folder\\file.txt"])
-def test_paths_that_leave_the_archive(tmp_path, path):
+def test_paths_that_leave_the_archive(run, tmp_path, path):
     fmu = foreign(tmp_path / "foreign.fmu")
     with zipfile.ZipFile(fmu, "a") as archive:
         archive.writestr(zipfile.ZipInfo(path), "")
@@ -113,7 +129,7 @@ def test_paths_that_leave_the_archive(tmp_path, path):
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "1.0", "3.0"])
-def test_a_foreign_fmu_is_validated_only(tmp_path, fmi):
+def test_a_foreign_fmu_is_validated_only(run, tmp_path, fmi):
     status, said = run(foreign(tmp_path / "foreign.fmu", fmi))
     assert "no evidence set in this FMU: it was validated, not run" in said
     icon = "terminalsAndIcons/icon.png" if fmi == "3.0" else "model.png"
@@ -122,7 +138,7 @@ def test_a_foreign_fmu_is_validated_only(tmp_path, fmi):
     assert status == (0 if fmi == "2.0" else 1)  # the description of another version has other elements
 
 
-def test_a_wrong_model_description(tmp_path):
+def test_a_wrong_model_description(run, tmp_path):
     status, said = run(foreign(tmp_path / "foreign.fmu", wrong=' unitt="m"'))
     assert status == 1
     assert "XML schema of FMI 2.0: line 6" in said
@@ -131,7 +147,7 @@ def test_a_wrong_model_description(tmp_path):
 
 
 @pytest.mark.parametrize("character", "+#%()[]',&;=@!ä")
-def test_a_folder_for_extraction_that_crashes_pythonfmu(tmp_path, fmu_folder, character):
+def test_a_folder_for_extraction_that_crashes_pythonfmu(run, tmp_path, fmu_folder, character):
     """The run is refused with the remedy."""
     special = tmp_path / f"a{character}b"
     special.mkdir()
@@ -159,7 +175,7 @@ def test_what_crashes_pythonfmu_is_known(tmp_path, fmu_folder, folder, dies):
 
 
 @pytest.mark.parametrize("folder", ["a+b", "käfer", "it's, [50%] (new)"])
-def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder):
+def test_an_fmu_in_a_folder_that_crashes_some_hosts(run, tmp_path, fmu_folder, folder):
     (tmp_path / folder).mkdir()
     copy = changed(
         fmu_folder / "TetherStraight.fmu", tmp_path / folder / "TetherStraight.fmu", lambda name, content: content
@@ -170,7 +186,7 @@ def test_an_fmu_in_a_folder_that_crashes_some_hosts(tmp_path, fmu_folder, folder
     assert "evidence set: 200 steps" in said
 
 
-def test_missing_platforms(tmp_path):
+def test_missing_platforms(run, tmp_path):
     source = build("TetherStraight", tmp_path, BuildOptions(platforms=(this_platform(), "aarch64-linux")))
     assert f"platforms: aarch64-linux, {this_platform()}; this one is among them" in run(source)[1]  # those of the kernels
     no_library = changed(
@@ -189,7 +205,7 @@ def test_missing_platforms(tmp_path):
     assert "the evidence set was not run" in said
 
 
-def test_a_library_for_another_processor(tmp_path, native_folder):
+def test_a_library_for_another_processor(run, tmp_path, native_folder):
     """In the folder for this machine, as in an FMU for ARM Linux alone: where importers look."""
     foreign = changed(
         native_folder / "TetherStraight.fmu",
@@ -202,7 +218,7 @@ def test_a_library_for_another_processor(tmp_path, native_folder):
     assert "remedy: take an FMU for this processor and system" in said
 
 
-def test_an_fmu_that_dies_is_a_finding(tmp_path, fmu_folder):
+def test_an_fmu_that_dies_is_a_finding(run, tmp_path, fmu_folder):
     def kill(name, content):
         return (
             content + b"\nimport ctypes\nctypes.string_at(0)\n"
@@ -224,14 +240,14 @@ def with_evidence(fmu_folder, tmp_path, ending, pattern, text):
     return changed(fmu_folder / "TetherStraight.fmu", tmp_path / "TetherStraight.fmu", change)
 
 
-def test_a_deviation_from_the_reference(tmp_path, fmu_folder):
+def test_a_deviation_from_the_reference(run, tmp_path, fmu_folder):
     status, said = run(with_evidence(fmu_folder, tmp_path, "_ref.csv", rb"^(5,[^,]*),[^,]*", rb"\1,0.0"))
     assert status == 1
     assert re.search(r"ground_force\[2\] .* TOO MUCH", said)
     assert said.count("TOO MUCH") == 1
 
 
-def test_a_refused_step(tmp_path, fmu_folder):
+def test_a_refused_step(run, tmp_path, fmu_folder):
     status, said = run(with_evidence(fmu_folder, tmp_path, "_in.csv", rb"^(5,)[^,]*", rb"\1nan"))
     assert status == 1
     assert "the run ended at 5 s instead of 10 s: a step was refused" in said
@@ -246,7 +262,7 @@ def test_a_refused_step(tmp_path, fmu_folder):
         ("_ref.opt", rb"^StepSize.*", b"StepSize"),
     ],
 )
-def test_an_evidence_set_that_cannot_be_read(tmp_path, fmu_folder, ending, pattern, text):
+def test_an_evidence_set_that_cannot_be_read(run, tmp_path, fmu_folder, ending, pattern, text):
     status, said = run(with_evidence(fmu_folder, tmp_path, ending, pattern, text))
     assert status == 1
     assert "the evidence set cannot be read" in said

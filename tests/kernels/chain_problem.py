@@ -18,8 +18,10 @@ class ChainProblem:
     acceleration : of the reeling [m/s2].  load_rate : None, or that of the load on a kite end that is free [N/s].
     """
 
+    SEGMENTS = 4
+
     def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, acceleration=0.0, load_rate=None):
-        self.n = n = 4
+        self.n = n = self.SEGMENTS
         tether = Tether(
             segments=n,
             initial_length=38.0,

@@ -44,6 +44,7 @@ def start_reals(path):
     return {"initial_length": 525.0, "wind_velocity[1]": 8.0, "reel_out_speed": 0.1, **numbers(kite)}
 
 
+@cache
 def flight(path):
     """Names of the inputs that move, and a row of their values for each communication point."""
     rows = [numbers(kite_inputs(path.stem, *circle(k * STEP))) for k in range(STEPS + 1)]

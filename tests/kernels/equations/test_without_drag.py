@@ -9,7 +9,7 @@ from tetherfmu.kernels.equations import assembly, segment
 from tetherfmu.kernels.equations.properties import chain_at, has_drag
 from tetherfmu.runtime import layout as at
 
-WIDTH = at.PARAMETER_SCALARS + at.DRAG_WIDTH * ChainProblem().n  # place of that of the first segment
+WIDTH = at.PARAMETER_SCALARS + at.DRAG_WIDTH * ChainProblem.SEGMENTS  # place of that of the first segment
 NEARLY_NO_AIR = 1e-100  # kg/m3: the drag is there, and beneath the last digit of every force
 
 

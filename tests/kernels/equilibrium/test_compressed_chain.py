@@ -12,8 +12,11 @@ from tetherfmu.kernels.equilibrium import compressed_chain
 from tetherfmu.runtime.parameters import Tether
 
 TETHER = Tether(segments=6, initial_length=60.0)
-PARAMETERS = packed(TETHER)
-CHAIN = chain_at(6, PARAMETERS, 60.0, 0.0, (0.0, 0.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def chain():
+    return chain_at(6, packed(TETHER), 60.0, 0.0, (0.0, 0.0, 0.0))
 
 
 def straight_chain(seed, pressed):
@@ -32,21 +35,21 @@ def straight_chain(seed, pressed):
 
 
 @pytest.mark.parametrize("pressed", [0, 1, 2, 6])
-def test_unstable_is_what_has_a_negative_eigenvalue(pressed):
+def test_unstable_is_what_has_a_negative_eigenvalue(chain, pressed):
     verdicts = []
     for seed in range(200):
         positions, lowest = straight_chain(seed, pressed)
         if abs(lowest) > 1e-5:  # neither neutral nor rounding
             verdicts.append(lowest < 0.0)
-            assert compressed_chain.is_unstable(CHAIN, positions.ravel(), 1e-6) == verdicts[-1]
+            assert compressed_chain.is_unstable(chain, positions.ravel(), 1e-6) == verdicts[-1]
     assert len(verdicts) > 100
     assert pressed != 1 or 10 < sum(verdicts) < len(verdicts) - 10  # both kinds
 
 
-def test_bent_chain_is_none():
+def test_bent_chain_is_none(chain):
     positions, _ = straight_chain(1, 6)
     positions[3] += (0.1, 0.2, 0.3)
-    assert not compressed_chain.is_unstable(CHAIN, positions.ravel(), compressed_chain.PARALLEL)
+    assert not compressed_chain.is_unstable(chain, positions.ravel(), compressed_chain.PARALLEL)
 
 
 @pytest.mark.parametrize(
