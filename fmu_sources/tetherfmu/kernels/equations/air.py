@@ -71,7 +71,7 @@ def air_density(height, parameters):
 
 @kernel
 def is_uniform(parameters):
-    """Whether wind and density are the same everywhere, so that nobody needs `varying_air`."""
+    """Whether wind and density are the same everywhere, so that `varying_air` is not needed."""
     return parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
 
 

@@ -2,11 +2,11 @@
 
 The inputs are interpreted once per step, for all variants (`inputs_of_step`):
 
-    ends      position p, velocity v and acceleration a with which an end is led, see `end_motion.py`. With `end_velocities =
+    ends      position p, velocity v and acceleration a that are prescribed, see `end_motion.py`. With `end_velocities =
               given` v is an input; with `derived` it is a difference of positions, and the input is not read
-    reeling   the reel-out speed u goes on at the rate (u - u_last)/max(h_last, h/4), in the first step 0, and with
+    reeling   the reel-out speed u continues at the rate (u - u_last)/max(h_last, h/4), in the first step 0, and with
               `input_continuation = held` 0; the unstretched length then grows by u t + a t^2/2 within the step
-    load      on a free kite end: goes on like the reel-out speed
+    load      on a free kite end: continues like the reel-out speed
     wind      held
 
 A derivative that the importer gives for the step replaces what the tether would estimate: of a velocity the acceleration, of
@@ -44,7 +44,7 @@ StepInputs = namedtuple(
 StepInputs.__doc__ = """What the inputs of a communication step mean.
 
 step : its length h [s].
-ground, kite : position [m], velocity [m/s] and acceleration [m/s2] with which each end is led from the start of the step on.
+ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed for each end at the start of the step.
 ground_velocity, kite_velocity : given or derived, without given derivatives [m/s]: the next step compares its own with them.
 length, reel_out_speed, reel_acceleration : unstretched length at the start [m], its rate there [m/s], constant rate of that
 [m/s2].
@@ -98,18 +98,18 @@ def consume_given_derivatives(state):
             state[k] = 0.0
 
 
-# --- inputs that go on within a step
+# --- inputs that continue within a step
 
 
 @kernel
 def is_continued(parameters):
-    """Whether inputs go on linearly within a step, and are not held."""
+    """Whether inputs continue linearly within a step, and are not held."""
     return parameters[at.INPUT_CONTINUATION] != at.HELD
 
 
 @kernel
 def reel_acceleration(parameters, inputs, step, state):
-    """Rate [m/s2] at which the reel-out speed goes on in a step [s]."""
+    """Rate [m/s2] at which the reel-out speed continues in a step [s]."""
     estimate = 0.0
     if is_continued(parameters) and state[at.LAST_STEP] > 0.0:
         change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
@@ -119,7 +119,7 @@ def reel_acceleration(parameters, inputs, step, state):
 
 @kernel
 def load_rate(parameters, inputs, step, state):
-    """Rate [N/s] at which the load of a free kite end goes on in a step [s]."""
+    """Rate [N/s] at which the load of a free kite end continues in a step [s]."""
     estimate = ZERO_VECTOR
     if is_continued(parameters):
         last = vector_at(state, at.LAST_KITE_LOAD)
@@ -170,7 +170,7 @@ def end_velocities(parameters, inputs, state):
 
 @kernel
 def motion_of_end(parameters, inputs, place, velocity, last_velocity, step, state):
-    """Position [m], velocity [m/s] and acceleration [m/s2] with which an end is led in a step [s].
+    """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end in a step [s].
 
     place : of its position among the inputs; its velocity stands behind.  velocity, last_velocity : of `end_velocities`.
     """
@@ -206,7 +206,7 @@ def place_at_start(n, parameters, inputs, state):
 
 @kernel
 def move_ends(n, given, state):
-    """Put both ends of a state (modified) where they are led to by the end of the step; for variants without waves."""
+    """Put both ends of a state (modified) where they are prescribed at the end of the step; for variants without waves."""
     put_ends(n, state, target(*given.ground, given.step), target(*given.kite, given.step))
 
 

@@ -2,7 +2,7 @@
 
 At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
 velocity inputs, a = (v - v_last)/h_last (h_last counts as at least h/4, so that a jump of the velocity is extrapolated to no
-more than four times itself; in the first step a is 0, or that of `turning_accelerations`), the end is led from the position
+more than four times itself; in the first step a is 0, or that of `turning_accelerations`), the end moves from the position
 and velocity it has reached to
 
     p + v h + a h^2/2,   v + a h
@@ -45,7 +45,7 @@ def turning_accelerations(ground, kite, step):
     """Accelerations [m/s2] of two ends that turn around each other, for a first step [s], which knows no last velocity.
 
     Together w^2/|r| along the chord r [m], with the part w of the relative velocity [m/s] across it; each end takes its
-    share of the squares of the two speeds, so that an end at rest stays. Without them the first step would lead a turning
+    share of the squares of the two speeds, so that an end at rest stays. Without them the first step would take a turning
     kite outwards along its tangent, by w^2 h^2/(2 |r|). ground, kite : position [m], velocity [m/s], ... of an end.
     """
     chord, velocity = sub(kite[0], ground[0]), sub(kite[1], ground[1])
@@ -80,7 +80,7 @@ def derived_motion(position, velocity, last_velocity, last_step, step_before, st
 
 @kernel
 def target(position, velocity, acceleration, step):
-    """Position [m] and velocity [m/s] to which an end is led within a step [s]."""
+    """Position [m] and velocity [m/s] that an end reaches at the end of a step [s]."""
     return add_scaled(add_scaled(position, step, velocity), 0.5 * step * step, acceleration), add_scaled(
         velocity, step, acceleration
     )

@@ -8,8 +8,8 @@ the chord, of the direction c,
 
     M(phi) = sum_i c . (r_i x f_i) = 0,    dM/dphi < 0,
 
-where the chain is stable, and Newton's method goes on from there. Between two rotations pseudo-transient continuation brings
-all but the angle to rest. Source: docs/models/numerics.md, "Initial shape".
+where the chain is stable, and Newton's method continues from there. Between two rotations pseudo-transient continuation
+brings all but the angle to rest. Source: docs/models/numerics.md, "Initial shape".
 """
 
 from math import cos, pi, sin, sqrt

@@ -1,4 +1,4 @@
-"""Load continuation: a chain whose loads stretch it to several times its length, led to its equilibrium from smaller loads.
+"""Load continuation: a chain whose loads stretch it to several times its length, from its equilibrium under smaller ones.
 
 Where drag stretches a tether, it sweeps more air with nodes that are farther out and faster, so that drag grows again. The
 first guess knows the loads of the straight line only, and Newton's method does not get there from it. At a load level p the

@@ -55,7 +55,7 @@ Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers wher
 
 load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
-kept, kept_tension : an equilibrium to go on from, positions [m] and tensions [N], n.
+kept, kept_tension : an equilibrium to continue from, positions [m] and tensions [N], n.
 response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
 blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 """

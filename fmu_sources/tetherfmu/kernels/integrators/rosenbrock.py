@@ -224,7 +224,7 @@ def curves_of(conditions):
 
 
 @kernel
-def lead_ends(ends, driven, time, w):
+def prescribe_ends(ends, driven, time, w):
     """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
     put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
     put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
@@ -299,7 +299,7 @@ def step(conditions, time, h, x, v, w):
     for stage in range(STAGES):
         combine(stage, h, w)
         now = time + ALPHA[stage] * h
-        lead_ends(ends, driven, now, w)
+        prescribe_ends(ends, driven, now, w)
         stage_masses(conditions, stage, now, w)
         stage_force(conditions, now, w)
         if stage == 0:

@@ -1,14 +1,14 @@
 """What no tether and no kite does is noted in the state, once since the start; nothing else changes.
 
     stretch        max l/l0 of the segments
-    acceleration   2 |x1 - x0 - v0 h|/h^2   mean of the end in a step, from where it was (x0, v0) to where it is led (x1)
+    acceleration   2 |x1 - x0 - v0 h|/h^2   mean of the end in a step, from where it was (x0, v0) to where it arrives (x1)
     speed          |v1| of the end
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
 between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
-sums go on until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must contradict:
-a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper sum.
+sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must contradict: a
+jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper sum.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """

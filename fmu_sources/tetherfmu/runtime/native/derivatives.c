@@ -159,7 +159,7 @@ static Arrays *differentiable(Instance *instance)
     return NULL;
 }
 
-/* Change of outputs along a direction of inputs: of the outputs that the last step has led to, by the inputs that it was
+/* Change of outputs along a direction of inputs: of the outputs of the last step, by the inputs that it was
 done with; in initialization mode of those of the start. */
 Status directional_derivative(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
