@@ -7,8 +7,9 @@
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
 between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
-sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must contradict: a
-jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper sum.
+sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must
+contradict: a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper
+sum.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
