@@ -108,7 +108,7 @@ def test_a_step_is_refused_for_its_outputs_where_they_are_computed():
     for every, peaks in ((1, False), (5, False), (0, True), (4, True)):
         model, twin = started("TetherStraight", **options), started("TetherStraight", **options)
         twin.fly(inputs[:9], STEP)
-        with pytest.raises(StepRefused, match=r"^step 10 of 23: an output would not be a finite number"):
+        with pytest.raises(StepRefused, match=r"^step 10 of 23: an output is not a finite number"):
             model.fly(inputs, STEP, every, peaks)
         assert np.array_equal(model.get_state(), twin.get_state())
     started("TetherStraight", **options).fly(inputs, STEP, every=4, peaks=False)

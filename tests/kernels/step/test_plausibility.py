@@ -132,7 +132,7 @@ def test_acceleration_after_a_change_of_the_step():
     assert set(found) == {plausibility.KITE_ACCELERATION}
     assert found[plausibility.KITE_ACCELERATION] == pytest.approx(2.0 * 5.0 / 12.0 * jerk * STEP**3 / short**2, rel=0.03)
     (sentence,) = plausibility.sentences(tether.get_state())
-    assert "a communication step much shorter than the one before" in sentence
+    assert "the communication step is much shorter than the one before" in sentence
 
 
 @every_model
