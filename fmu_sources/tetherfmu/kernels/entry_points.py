@@ -17,7 +17,7 @@ from tetherfmu.runtime.variants import BY_NAME
 
 from . import packing
 from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size
-from .compilation import kernel, part
+from .compilation import kernel, part, view
 from .equations.boundary import inputs_of_step
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance, transaction
@@ -41,6 +41,11 @@ def entry_points(variant):
     """Entry points of a variant, functions to be compiled with `SIGNATURES`; variant : module of `kernels.variants`."""
     declared = BY_NAME[variant.__name__.rpartition(".")[2]]
     has_nodes, has_waves = declared.has_nodes, declared.has_waves
+
+    @view
+    def chain_arrays(n, parameters, state, work):
+        """The parameters, the state and the work as arrays."""
+        return carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
 
     @kernel
     def take_outputs(n, p, s, shape_points, outputs, w):
@@ -93,7 +98,7 @@ def entry_points(variant):
 
     def initialize(n, parameters, inputs, state, shape_points, outputs, work):
         """First state and its outputs (both modified) between two ends; they have no meaning on any status but OK."""
-        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        p, s, w = chain_arrays(n, parameters, state, work)
         status = transaction.start(n, p, carray(inputs, at.INPUTS), s)
         if status == OK:
             status = variant.initialize(n, p, s, w)
@@ -107,13 +112,13 @@ def entry_points(variant):
 
         before (modified) : room for a state; after a step that was done, the state of before it.
         """
-        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        p, s, w = chain_arrays(n, parameters, state, work)
         i, old, o = carray(inputs, at.INPUTS), carray(before, state_size(n)), carray(outputs, outputs_size(shape_points))
         return take_step_with_outputs(n, p, i, step, s, old, shape_points, o, w)
 
     def outputs(n, parameters, state, shape_points, outputs, work):
         """Outputs (modified) that belong to a state."""
-        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        p, s, w = chain_arrays(n, parameters, state, work)
         return take_outputs(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
 
     def fly(n, parameters, inputs, steps, step, every, outputs, state, before, shape_points, rows, work):
@@ -124,7 +129,7 @@ def entry_points(variant):
         rows (modified) : of each kept step the outputs and the largest |kite_force| since the row before, unless NEVER; the
         node positions.
         """
-        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        p, s, w = chain_arrays(n, parameters, state, work)
         x, _ = positions_and_velocities(n, s)
         old = carray(before, state_size(n))
         flight = carray(inputs, steps * at.INPUTS)
@@ -152,7 +157,7 @@ def entry_points(variant):
 
     def energy(n, parameters, state, inputs, energies, work):
         """Energies, powers and tensions (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
-        p, s, w = carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        p, s, w = chain_arrays(n, parameters, state, work)
         return power_balance.balance(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.ENERGIES + n), w)
 
     return Kernels(segments, pack, work_size, initialize, advance, outputs, fly, energy)

@@ -6,6 +6,8 @@ of directional derivatives and the terminals of FMI 3 are made from this table.
 
 from dataclasses import dataclass
 
+from .quantities import places_of
+
 EVERY_TETHER, DRIVEN_KITE, FREE_KITE = "every tether", "driven kite", "free kite"  # who has an input
 # the unit in which a directional derivative measures a change of an input; see `scale_of` in native/derivatives.c
 SEGMENT_LENGTH, SEGMENT_PER_STEP, FAST_WIND, STIFFNESS = SCALES = (
@@ -72,16 +74,7 @@ INPUT_TABLE = (
 )
 BY_NAME = {each.name: each for each in INPUT_TABLE}
 COUNT = sum(each.size for each in INPUT_TABLE)  # of numbers in the array
-
-
-def _places():
-    first = 0
-    for each in INPUT_TABLE:
-        yield each.name, first
-        first += each.size
-
-
-PLACES = dict(_places())  # of the first number of each input in the array
+PLACES = places_of(INPUT_TABLE)
 
 
 def components(name, size):

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from .dependencies import FORCE, FORM, LENGTH
 from .limits import LARGEST_INTEGER, MAX_SEGMENTS
-from .quantities import DEGREES, Quantity
+from .quantities import DEGREES, Quantity, places_of
 
 Array = Any  # of numpy in the Python API, which an FMU does without
 SCALAR, VECTOR, POINTS = (), (3,), ("points", 3)  # shapes of outputs
@@ -124,13 +124,4 @@ _documented(Outputs, OUTPUT_TABLE)
 BY_NAME = {each.name: each for each in OUTPUT_TABLE}
 # of the array, where the shape is last because its size is a build option, and of the FMI variables
 ARRAY_ORDER = sorted(OUTPUT_TABLE, key=lambda each: each.shape == POINTS)
-
-
-def _places():
-    first = 0
-    for each in ARRAY_ORDER:
-        yield each.name, first
-        first += each.size
-
-
-PLACES = dict(_places())  # of the first number of each output in the array
+PLACES = places_of(ARRAY_ORDER)

@@ -81,3 +81,12 @@ def check(record):
         whole = declared.choices or isinstance(record.__dataclass_fields__[name].default, int)
         if whole and int(value) != value:
             raise ValueError(NOT_WHOLE.format(name=name, value=value))
+
+
+def places_of(declared):
+    """Place of the first number of each input or output of a table in the array that holds them all, by its name."""
+    places, first = {}, 0
+    for each in declared:
+        places[each.name] = first
+        first += each.size
+    return places
