@@ -4,6 +4,7 @@ import inspect
 import os
 import re
 import sys
+from importlib.metadata import distribution
 from itertools import groupby
 from pathlib import Path
 
@@ -41,7 +42,9 @@ default_role = "literal"  # single backticks in docstrings
 toc_object_entries = False
 html_theme = "furo"
 html_title = f"TetherFMU {release}"
-html_static_path = ["site_files"]
+MATHJAX = DOCS / distribution("sphinx-mathjax-offline").locate_file("sphinx-mathjax-offline/static/mathjax/tex-svg-full.js")
+html_static_path = ["site_files", str(MATHJAX)]  # formulas without the web: this one file has all that MathJax needs
+mathjax_path = MATHJAX.name
 html_css_files = ["wide.css"]
 html_copy_source = False
 pygments_style, pygments_dark_style = "default", "monokai"
