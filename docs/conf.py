@@ -8,6 +8,9 @@ from importlib.metadata import distribution
 from itertools import groupby
 from pathlib import Path
 
+from docutils import nodes
+from sphinx.util.osutil import relative_uri
+
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
 DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
@@ -75,8 +78,26 @@ def for_users(app, what, name, obj, options, signature, returns):
     return signature, returns
 
 
+def figures_as_links(app, doctree, docname):
+    """Make each figure a link to its file, which a small screen can show as large as the reader likes."""
+    folder = relative_uri(app.builder.get_target_uri(docname), app.builder.imagedir)
+    for image in list(doctree.findall(nodes.image)):
+        link = nodes.reference(internal=True, refuri=f"{folder}/{app.env.images[image['uri']][1]}")
+        image.replace_self(link)
+        link += image
+
+
+def tables_of_variables(app, doctree, docname):
+    """Mark the tables that say in their last column what a variable means; `site_files/wide.css` fits them to a phone."""
+    for head in doctree.findall(nodes.thead):
+        if head[0][-1].astext() in ("meaning", "why"):
+            head.parent.parent["classes"].append("variables")
+
+
 def setup(app):
     """Connect the functions above."""
     app.connect("autodoc-process-docstring", as_written, priority=600)  # after numpydoc
     app.connect("autodoc-process-signature", for_users)
     app.connect("autodoc-skip-member", without_fields)
+    app.connect("doctree-resolved", figures_as_links)
+    app.connect("doctree-resolved", tables_of_variables)
