@@ -106,28 +106,30 @@ def questions():
 
 
 def draw_chart(path):
-    """The decision chart: questions from the top, answers to the right, in the colours of the variants."""
+    """The decision chart: questions from the top, answers below them to the right, narrow enough to be read on a phone."""
     asked, last = questions()
-    figure = Figure(figsize=(9.0, 1.1 * (len(asked) + 1)), layout="constrained")
+    figure = Figure(figsize=(4.4, 1.5 * len(asked) + 0.5), layout="constrained")
     axis = figure.subplots()
     style = {"ha": "center", "va": "center", "fontsize": 11}
     arrow = {"arrowstyle": "-|>", "color": "0.3", "lw": 1.3}
+    way = arrow | {"connectionstyle": "angle,angleA=-90,angleB=180"}
     for row, (question, leaves, variant) in enumerate(asked):
         stays = "no" if leaves == "yes" else "yes"
-        axis.text(0.3, -row, question, bbox={"boxstyle": "round,pad=0.6", "fc": "0.95", "ec": "0.5"}, **style)
-        draw_answer(axis, 0.82, -row, variant)
-        axis.annotate("", (0.68, -row), (0.54, -row), arrowprops=arrow)
-        axis.text(0.61, -row + 0.08, leaves, ha="center", va="bottom", fontsize=11)
-        axis.annotate("", (0.3, -row - 0.7), (0.3, -row - 0.34), arrowprops=arrow)
-        axis.text(0.315, -row - 0.5, stays, ha="left", va="center", fontsize=11)
-    draw_answer(axis, 0.3, -len(asked), last)
-    axis.set(xlim=(0.03, 1.0), ylim=(-len(asked) - 0.4, 0.45))
+        lines = asked[row + 1][0].count("\n") + 1 if row + 1 < len(asked) else 1  # in the next box, which the arrow ends at
+        axis.annotate("", (0.16, -row - 0.94 + 0.065 * lines), (0.16, -row), arrowprops=arrow)
+        axis.text(0.145, -row - 0.52, stays, ha="right", va="center", fontsize=11)
+        axis.annotate("", (0.5, -row - 0.5), (0.36, -row), arrowprops=way)
+        axis.text(0.345, -row - 0.4, leaves, ha="right", va="center", fontsize=11)
+        axis.text(0.5, -row, question, bbox={"boxstyle": "round,pad=0.6", "fc": "0.95", "ec": "0.5"}, **style)
+        draw_answer(axis, 0.54, -row - 0.5, variant)
+    draw_answer(axis, 0.05, -len(asked), last)
+    axis.set(xlim=(0.0, 1.0), ylim=(-len(asked) - 0.2, 0.3))
     axis.axis("off")
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
 def draw_answer(axis, x, y, variant):
-    """A box with the name of the FMU of a variant."""
+    """A box with the name of the FMU of a variant, which begins at x."""
     box = {"boxstyle": "round,pad=0.6", "fc": COLOUR[variant], "ec": "none"}
     letters = "black" if variant in PALE else "white"
-    axis.text(x, y, class_name(variant), color=letters, weight="bold", fontsize=12, ha="center", va="center", bbox=box)
+    axis.text(x, y, class_name(variant), color=letters, weight="bold", fontsize=12, ha="left", va="center", bbox=box)
