@@ -222,7 +222,7 @@ def main(arguments=None, prog=None):
     written = write_figures(flights, given.out)
     if given.html:
         written.append(given.out / "circular_flight.html")
-        write_page(flights, written[-1])
+        write_page(flights, written[-1], next(iter(flights.values())).shape[:, -1])
     for path in written:
         print(path)
 

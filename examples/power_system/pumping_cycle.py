@@ -203,7 +203,7 @@ def main(arguments=None, prog=None):
     given = parse(arguments, prog)
     if given.html:
         from shared.flight_page import write_page  # before the flight, which would be in vain without plotly
-    from power_system.pumping_figures import plot_path, plot_series
+    from power_system.pumping_figures import path_of, plot_path, plot_series
 
     if given.fmu:
         variables_of(given.fmu, free=True).of(*SHARED)  # before others are built
@@ -217,7 +217,8 @@ def main(arguments=None, prog=None):
         plot(flight).savefig(path, dpi=150)
     if given.html:
         written.append(given.out / "pumping_cycle.html")
-        write_page({"tether": Frames(*zip(*flight.frames, strict=True))}, written[-1], len(flight.frames), "Pumping kite")
+        shown = {"tether": Frames(*zip(*flight.frames, strict=True))}
+        write_page(shown, written[-1], path_of(flight), len(flight.frames), "Pumping kite")
     print("\n".join(map(str, written)))
 
 

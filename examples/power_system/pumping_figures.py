@@ -41,12 +41,17 @@ def plot_series(flight):
     return figure
 
 
+def path_of(flight):
+    """Path of the kite [m], array (rows, 3)."""
+    return np.transpose([flight.values[f"kite_position[{i}]"] for i in (1, 2, 3)])
+
+
 def plot_path(flight):
     """Path of the kite in space, coloured by the force at the ground."""
     figure = plt.figure(figsize=(9.0, 6.5), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     rows = counted(flight)
-    path = np.transpose([flight.values[f"kite_position[{i}]"][rows] for i in (1, 2, 3)])
+    path = path_of(flight)[rows]
     dots = axes.scatter(*path[::5].T, c=1e-3 * flight.values["ground_tension"][rows][::5], cmap="viridis", s=4)
     axes.plot(*np.zeros((3, 1)), "s", color="black", label="ground station")
     axes.set(title="Path of the kite, whole cycles", xlabel="x, downwind [m]", ylabel="y [m]", zlabel="z [m]")

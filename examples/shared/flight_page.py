@@ -1,5 +1,7 @@
 """How does the tether move along a flight? An interactive page in space, for `circular_flight.py --html`; needs plotly."""
 
+from pathlib import Path
+
 import numpy as np
 import plotly.graph_objects as go
 
@@ -8,6 +10,38 @@ from tetherfmu.console.colours import BLACK, GREY, coloured
 ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
 HEAD = 0.18  # of an arrow, part of its length
+MOST = 10_000  # points of the path of the kite
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+body {{ margin: 0; height: 100dvh; display: flex; flex-direction: column; font-family: sans-serif; }}
+h1 {{ font-size: 1.2rem; margin: 0.8rem 1rem 0; }}
+p {{ margin: 0.3rem 1rem 0; }}
+main {{ flex: 1; min-height: 0; }}
+@media (prefers-color-scheme: dark) {{
+  html {{ background: #141414; }}
+  body {{ filter: invert(0.92) hue-rotate(180deg); }}
+}}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+{note}<main>{scene}</main>
+</body>
+</html>
+"""
+NOTE = "<p>Arrows: force of the tether on the kite and on the ground station.</p>\n"
+#: in a window narrower than the scene the eye goes back, until the scene fits
+STEP_BACK = """
+const plot = document.getElementById("{plot_id}");
+const eye = plot.layout.scene.camera.eye;
+const way = Math.max(1, 1.4 * plot.clientHeight / plot.clientWidth);
+if (way > 1) Plotly.relayout(plot, {"scene.camera.eye": {x: way * eye.x, y: way * eye.y, z: way * eye.z}});
+"""
 
 
 def line(points, name, mode, colour, **options):
@@ -64,26 +98,34 @@ def controls(frames):
         {"label": "Play", "method": "animate", "args": [None, {**show, "fromcurrent": True}]},
         {"label": "Pause", "method": "animate", "args": [[None], show]},
     ]
-    slider = {"steps": steps, "currentvalue": {"prefix": "time [s]: "}, "x": 0.14, "len": 0.84, "y": 0.0, "pad": {"t": 10}}
-    place = {"x": 0.12, "xanchor": "right", "y": 0.0, "yanchor": "top", "pad": {"t": 30}, "direction": "left"}
+    slider = {"steps": steps, "currentvalue": {"prefix": "time [s]: ", "xanchor": "right"}, "y": 0.0, "pad": {"t": 16}}
+    place = {"x": 0.0, "xanchor": "left", "y": 0.0, "yanchor": "top", "direction": "left"}
     return {"sliders": [slider], "updatemenus": [{"type": "buttons", "buttons": buttons, **place}]}
 
 
-def write_page(flights, file, count=100, title="Tether of a kite that flies a circle"):
+def some_of(number, most):
+    """Indices of at most so many of a number of rows, evenly spaced, with the first and the last."""
+    return np.linspace(0, number - 1, min(number, most)).astype(int)
+
+
+def write_page(flights, file, path, count=100, title="Tether of a kite that flies a circle"):
     """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
 
     flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`; `kite_force` and `ground_force`
-    are drawn as arrows where they are known.
+    are drawn as arrows where they are known.  path : array (n, 3), flown by the kite [m]
     """
     first = next(iter(flights.values()))
-    moments = np.linspace(0, len(first.time) - 1, count).astype(int)
-    points = np.concatenate([np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values()])
+    moments = some_of(len(first.time), count)
+    path = np.asarray(path)[some_of(len(path), MOST)]
+    points = np.concatenate([path, *(np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values())])
     scale = scale_of(flights, points)
     frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale)) for k in moments]
-    path = line(np.asarray(first.shape)[moments, -1], "path of the kite", "lines", GREY)
-    page = go.Figure([*frames[0].data, path], frames=frames)
-    margin = {"l": 20, "r": 20, "t": 60, "b": 110}
+    page = go.Figure([*frames[0].data, line(path, "path of the kite", "lines", GREY)], frames=frames)
+    margin = {"l": 20, "r": 20, "t": 30, "b": 110}
     legend = {"x": 0.01, "y": 0.99, "bgcolor": "rgba(255, 255, 255, 0.7)"}
-    heading = f"{title}; arrows: force of the tether on the kite and on the ground station" if scale else title
-    page.update_layout(title=heading, scene=scene(points), margin=margin, legend=legend, showlegend=True, **controls(frames))
-    page.write_html(file, include_plotlyjs=True, auto_play=False, default_height="97vh")
+    page.update_layout(scene=scene(points), margin=margin, legend=legend, showlegend=True, **controls(frames))
+    config = {"displaylogo": False, "responsive": True, "showSendToCloud": False}
+    whole = {"include_plotlyjs": True, "auto_play": False, "post_script": STEP_BACK, "default_height": "100%"}
+    drawn = page.to_html(config, full_html=False, **whole)
+    text = PAGE.format(title=title, note=NOTE if scale else "", scene=drawn)
+    Path(file).write_text(text, encoding="utf-8")
