@@ -80,6 +80,8 @@ def for_users(app, what, name, obj, options, signature, returns):
 
 def figures_as_links(app, doctree, docname):
     """Make each figure a link to its file, which a small screen can show as large as the reader likes."""
+    if app.builder.format != "html":
+        return
     folder = relative_uri(app.builder.get_target_uri(docname), app.builder.imagedir)
     for image in list(doctree.findall(nodes.image)):
         link = nodes.reference(internal=True, refuri=f"{folder}/{app.env.images[image['uri']][1]}")

@@ -1,0 +1,202 @@
+"""The site in Chromium, at the widths of a phone and of a desk: nothing from other hosts, formulas, menu, tables, figures.
+
+Needs the extra `docs`, and Chromium with its driver (Debian's packages `chromium` and `chromium-driver`).
+"""
+
+import http.server
+import json
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "examples"))
+PHONE, DESK = 390, 1400  # widths of the window [px]
+PAGES = sorted(path.relative_to(ROOT / "docs").with_suffix(".html").as_posix() for path in (ROOT / "docs").rglob("*.md"))
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",  # draws in space without a graphics card
+    "--disable-quic",
+    "--disable-dev-shm-usage",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # other hosts are asked for, but not reached
+)
+pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Chromium and chromedriver")
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """Serves files and keeps no log."""
+
+    def log_message(self, *_):
+        pass
+
+
+def write_flight(file):
+    """A page of a flight that nobody flew: a straight tether to a kite on a circle, with forces at both ends."""
+    from shared.flight_page import write_page
+
+    seconds = np.linspace(0.0, 60.0, 3001)
+    kite = 300.0 + 100.0 * np.stack([0.0 * seconds, np.cos(seconds), np.sin(seconds)], axis=-1)
+    shape = np.linspace(0.0, 1.0, 6)[:, None] * kite[:, None]
+    flight = SimpleNamespace(time=seconds, shape=shape, kite_force=-kite, ground_force=kite)
+    write_page({"TetherDynamic": flight}, file, kite)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Address of a folder with the site in `manual` and a page of a flight, served on this machine."""
+    for needed in ("sphinx", "myst_parser", "plotly"):
+        pytest.importorskip(needed, reason="needs the extras docs and html")
+    folder = tmp_path_factory.mktemp("site")
+    build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-d", folder / "read"]
+    done = subprocess.run([*build, ROOT / "docs", folder / "manual"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    write_flight(folder / "flight.html")
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+
+
+@pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"], scope="module")
+def browser(request, tmp_path_factory):
+    """Chromium with a window of one of the widths, in the dark theme."""
+    webdriver = pytest.importorskip("selenium.webdriver", reason="needs the extra docs")
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}", f"--window-size={request.param},900"):
+        options.add_argument(flag)
+    if request.param == PHONE:
+        screen = {"width": PHONE, "height": 844, "pixelRatio": 2.0, "mobile": True, "touch": True}
+        options.add_experimental_option("mobileEmulation", {"deviceMetrics": screen})
+    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    driver.set_script_timeout(60)
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+    yield driver
+    driver.quit()
+
+
+def messages(browser, method):
+    """Parameters of the messages of one kind since the last call."""
+    logged = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
+    return [each["params"] for each in logged if each["method"] == method]
+
+
+def opened(browser, address):
+    """Open a page; waits until MathJax, if there is any, is done."""
+    browser.get(address)
+    browser.execute_async_script("(window.MathJax?.startup?.promise ?? Promise.resolve()).then(arguments[0])")
+
+
+def is_phone(browser):
+    return browser.execute_script("return innerWidth") < 1000
+
+
+@pytest.mark.parametrize("page", [*(f"manual/{page}" for page in PAGES), "flight.html"])
+def test_pages_need_no_other_host_and_fit_the_window(site, browser, page):
+    browser.get_log("performance")
+    opened(browser, f"{site}/{page}")
+    asked = [each["request"]["url"] for each in messages(browser, "Network.requestWillBeSent")]
+    assert f"{site}/{page}" in asked
+    assert [url for url in asked if not url.startswith((f"{site}/", "data:", "blob:"))] == []
+    wide, viewport, unshown, wrong, title = browser.execute_script(
+        "const count = what => document.querySelectorAll(what).length;"
+        "return [document.documentElement.scrollWidth, innerWidth, count('.math:not(:has(mjx-container svg))'),"
+        "        count('[data-mml-node=merror]'), document.title]"
+    )
+    assert viewport in (PHONE, DESK)  # not the 980 px that a phone gives a page that says nothing of its width
+    assert wide <= viewport
+    assert (unshown, wrong) == (0, 0)  # formulas
+    assert title
+
+
+def test_the_manual_has_formulas(site, browser):
+    opened(browser, f"{site}/manual/models/theory.html")
+    tall = browser.execute_script(
+        "return [...document.querySelectorAll('.math svg')].map(each => each.getBoundingClientRect().height)"
+    )
+    assert len(tall) > 100
+    assert min(tall) > 2.0  # px
+
+
+def test_the_menu_opens(site, browser):
+    opened(browser, f"{site}/manual/index.html")
+    edges = "const box = document.querySelector('.sidebar-drawer').getBoundingClientRect(); return [box.left, box.right]"
+    if is_phone(browser):
+        assert browser.execute_script(edges)[1] <= 0.0  # wholly outside of the window
+        browser.find_element("css selector", ".nav-overlay-icon").click()
+        deadline = time.monotonic() + 10.0
+        while browser.execute_script(edges)[0] < 0.0 and time.monotonic() < deadline:
+            time.sleep(0.05)
+    left, right = browser.execute_script(edges)
+    assert 0.0 <= left < right <= PHONE
+    browser.find_element("css selector", ".sidebar-tree a[href='models/theory.html']").click()
+    assert browser.title.startswith("Theory")
+
+
+def test_the_meaning_of_a_variable_is_not_cut(site, browser):
+    opened(browser, f"{site}/manual/use/interface.html")
+    cut = (
+        "return [...document.querySelectorAll('table.variables')].map("
+        "table => [table.parentElement.scrollWidth, table.parentElement.clientWidth])"
+    )
+    tables = browser.execute_script(cut)
+    assert len(tables) == 6
+    assert all(needed <= there for needed, there in tables)
+
+
+def test_figures_are_links_and_dark_on_the_dark_theme(site, browser):
+    opened(browser, f"{site}/manual/use/how_much_tether.html")
+    figures = browser.execute_script(
+        "return [...document.querySelectorAll('article img')].map("
+        "figure => [figure.src, figure.parentElement.href, figure.naturalWidth, getComputedStyle(figure).filter])"
+    )
+    assert len(figures) >= 3
+    for source, link, width, filtered in figures:
+        assert link == source
+        assert width > 0
+        assert filtered.startswith("invert")
+    browser.execute_script("document.body.dataset.theme = 'light'")
+    assert browser.execute_script("return getComputedStyle(document.querySelector('article img')).filter") == "none"
+
+
+def test_letters_of_the_decision_chart_can_be_read(site, browser):
+    """They are 11 points high at the 110 points per inch that the chart is drawn with."""
+    opened(browser, f"{site}/manual/use/how_much_tether.html")
+    scale = browser.execute_script(
+        "const chart = document.querySelector(\"img[src$='decision.png']\"); return chart.clientWidth / chart.naturalWidth"
+    )
+    assert 11.0 / 72.0 * 110.0 * scale > 10.0  # px
+
+
+def test_page_of_a_flight(site, browser):
+    opened(browser, f"{site}/flight.html")
+    assert browser.title == "Tether of a kite that flies a circle"
+    points, width, height, buttons = browser.execute_script(
+        "const plot = document.querySelector('.js-plotly-plot');"
+        "const path = plot._fullData.find(each => each.name == 'path of the kite');"
+        "return [path.x.length, plot.clientWidth, plot.clientHeight,"
+        "        [...document.querySelectorAll('.modebar-btn')].map(each => each.dataset.title)]"
+    )
+    assert points == 3001  # as flown, not only the moments of the slider
+    assert (width, height > 400) == (browser.execute_script("return innerWidth"), True)
+    assert buttons
+    assert not any("hare" in button for button in buttons)  # none sends the flight to another host
+    failed = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    assert [message for message in failed if "favicon.ico" not in message] == []
