@@ -8,7 +8,7 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME, PLACES
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, diameter_in_doubt
 from tetherfmu.runtime.quantities import quantities
 
 
@@ -44,6 +44,11 @@ def with_quantities(model, given, tethers, *records):
     return tuple(replace(each, **parts[Tether]) for each in tethers), *(
         replace(each, **parts[type(each)]) for each in records
     )
+
+
+def doubts(tethers):
+    """Sentences on what is allowed, but hardly meant."""
+    return dict.fromkeys(filter(None, (diameter_in_doubt(each.diameter) for each in tethers)))
 
 
 def checked_masses(point_masses, segments):
@@ -125,6 +130,12 @@ def number(name, value, unit):
         return float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} is {value!r}; it must be a number [{unit}]") from None
+
+
+def one_of(name, value, names):
+    """ValueError unless a value is one of some names."""
+    if value not in names:
+        raise ValueError(f"{name} is {value!r}; it must be one of {', '.join(map(repr, names))}")
 
 
 def whole(name, value):

@@ -33,6 +33,24 @@ def _vectors(values, name):
     return values[..., place:].reshape(*values.shape[:-1], (values.shape[-1] - place) // 3, 3)
 
 
+class Refusal(NamedTuple):
+    """A step of a flight that could not be done.
+
+    Attributes
+    ----------
+    step : int
+        Row of the inputs, from 0.
+    reason : str
+        What `StepRefused` says of it.
+    status : int
+        As that of `StepRefused`.
+    """
+
+    step: int
+    reason: str
+    status: int
+
+
 class Flown(NamedTuple):
     """What a flight of many communication steps gave: one row for each step that was kept.
 
@@ -46,6 +64,8 @@ class Flown(NamedTuple):
         Of the nodes [m].
     seconds : float
         Wall time of all steps [s].
+    refusals : tuple of `Refusal`
+        Steps that could not be done, see `on_refusal` of `TetherModel.fly`.
 
     Examples
     --------
@@ -63,12 +83,17 @@ class Flown(NamedTuple):
     peak: np.ndarray | None
     positions: np.ndarray
     seconds: float = 0.0
+    refusals: tuple = ()
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""
         rows, nodes, _ = self.positions.shape
         kept = "node positions only" if self.outputs is None else "all outputs"
-        return f"<Flown: {rows} rows, {nodes} nodes, {kept}>"
+        parts = [f"{rows} rows", f"{nodes} nodes", kept]
+        if self.refusals:
+            first = self.refusals[0]
+            parts += [f"{len(self.refusals)} refused, the first is step {first.step + 1}: {first.reason}"]
+        return f"<Flown: {', '.join(parts)}>"
 
     def _observed(self):
         """The outputs; ValueError without."""
@@ -122,6 +147,8 @@ class StepRefused(ValueError):
     ----------
     status : int or None
         Code of `tetherfmu.runtime.status`, such as `NO_EQUILIBRIUM`; None if no kernel was asked.
+    flown : Flown or None
+        Of a flight: its rows before the step that was refused.
 
     Examples
     --------
@@ -133,6 +160,7 @@ class StepRefused(ValueError):
     this TetherStraight is not initialized: call initialize first
     """
 
-    def __init__(self, message: str, status: int | None = None):
+    def __init__(self, message: str, status: int | None = None, flown: Flown | None = None):
         super().__init__(message)
+        self.flown = flown
         self.status = None if status is None else code(status)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from pickle import PicklingError
 from warnings import warn
 
 import numpy as np
@@ -19,8 +20,10 @@ from tetherfmu.runtime.parameters import Environment, Solver, Tether
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
-from . import arguments, compiled_flight, energy
+from . import arguments, compiled_flight, energy, states
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
+
+_MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_places")  # anew in a copy
 
 
 class TetherModel:
@@ -67,26 +70,65 @@ class TetherModel:
         _kite_mass: float = 0.0,
         **quantities: float | str,
     ):
-        name, self._variant = type(self).__name__, BY_NAME[self.variant]
+        name, variant = type(self).__name__, BY_NAME[self.variant]
         tethers = arguments.tethers_of(name, tether)
         environment, solver = arguments.record_of(name, environment, Environment), arguments.record_of(name, solver, Solver)
         tethers, environment, solver = arguments.with_quantities(name, quantities, tethers, environment, solver)
-        if not self._variant.has_nodes and (len(tethers) > 1 or point_masses):
+        if not variant.has_nodes and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = arguments.checked_masses(point_masses, segments)
         if _kite_mass:
             masses[segments] = masses.get(segments, 0.0) + _kite_mass
         points = segments + 1 if shape_points is None else arguments.whole("shape_points", shape_points)
-        kernels = kernels or ready.kernels(library_of(self.variant))
-        self._instance = instance = Instance(kernels, points)
-        instance.set_up(*pack_records(kernels, tethers, environment, solver, masses.items(), _free_ends))
+        for sentence in arguments.doubts(tethers):
+            warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
+        self._kernels, self._points = kernels, points
+        self._records = tethers, environment, solver
+        self._more = {"point_masses": tuple(masses.items()), "free_ends": _free_ends}
+        self._runs = False
+        self._make()
+
+    def _make(self):
+        """Make the arrays, and what leads into them."""
+        self._variant = BY_NAME[self.variant]
+        kernels = self._kernels or ready.kernels(library_of(self.variant))
+        self._instance = instance = Instance(kernels, self._points)
+        instance.set_up(*pack_records(kernels, *self._records, **self._more))
         self.segments: int = instance.segments
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
         self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
         self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
-        self._runs = False
-        self._wind_profile = environment.wind_profile
+
+    def __getstate__(self):
+        """What a copy is made of: all attributes but the arrays, and the state if it runs."""
+        kept = {name: value for name, value in vars(self).items() if name not in _MADE}
+        return kept, self.get_state() if self._runs else None
+
+    def __setstate__(self, kept):
+        """Be a copy."""
+        attributes, state = kept
+        vars(self).update(attributes)
+        self._make()
+        if state is not None:
+            self.set_state(state)
+
+    def __deepcopy__(self, memo):
+        """A tether of its own, in the same state; both share their kernels, which hold none."""
+        memo[id(self._kernels)] = self._kernels
+        memo[id(self)] = other = object.__new__(type(self))
+        other.__setstate__(deepcopy(self.__getstate__(), memo))
+        return other
+
+    __copy__ = deepcopy
+
+    def __reduce_ex__(self, protocol):
+        """For pickle; PicklingError with other kernels than those of the installation."""
+        if self._kernels is not None:
+            raise PicklingError(
+                f"this {type(self).__name__} was made with kernels of its own; without them it can be pickled"
+            )
+        return super().__reduce_ex__(protocol)
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
@@ -241,7 +283,16 @@ class TetherModel:
             raise StepRefused(problem, self._instance.status)
         self._parameters[at.INPUT_CONTINUATION] = continuation
 
-    def fly(self, inputs: ArrayLike, step: float, every: int = 1, peaks: bool = True, *, outputs: bool = True) -> Flown:
+    def fly(
+        self,
+        inputs: ArrayLike,
+        step: float,
+        every: int = 1,
+        peaks: bool = True,
+        *,
+        outputs: bool = True,
+        on_refusal: str = "raise",
+    ) -> Flown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
         Parameters
@@ -259,6 +310,10 @@ class TetherModel:
         outputs : bool
             Whether the rows have outputs. Without them they have the node positions only, whatever `peaks` says, and no step
             is refused for its outputs: a sixth less time for a dynamic tether with 5 segments.
+        on_refusal : "raise", "stop" or "skip"
+            What to do when a step cannot be done: raise StepRefused, whose `flown` has the rows of before; return them; or
+            leave the step out, with NaN in its row if it has one, and go on from the state of before with the inputs of the
+            next step (outputs are then computed after each step). `Flown.refusals` says where and why.
 
         Returns
         -------
@@ -267,35 +322,39 @@ class TetherModel:
         Raises
         ------
         ValueError
-            If `inputs` has another shape or `every` is not a whole number of at least 0.
+            If `inputs` has another shape, `every` is not a whole number of at least 0, or `on_refusal` is something else.
         StepRefused
             If a step cannot be done; the message says which, and the tether keeps its state before that step.
         """
         self._check_started()
         inputs, step = arguments.input_rows(inputs), arguments.number("step", step, "s")
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
-        done, flown = compiled_flight.fly(self._instance, inputs, step, arguments.whole("every", every), when)
+        arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
+        every = arguments.whole("every", every)
+        flown = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip")
         self._warn()
-        if len(inputs):
-            self._inputs[:] = inputs[min(done, len(inputs) - 1)]
-        if done < len(inputs):
-            problem = self._instance.advance(step)  # which is refused again, now with its sentence
-            raise StepRefused(f"step {done + 1} of {len(inputs)}: {problem}", self._instance.status)
+        if flown.refusals and on_refusal == "raise":
+            ((place, problem, status),) = flown.refusals
+            raise StepRefused(f"step {place + 1} of {len(inputs)}: {problem}", status, flown)
         return flown
 
     def get_state(self) -> NDArray[np.float64]:
-        """Copy of the whole state, one flat array; see `layout.py`."""
-        return self._state.copy()
+        """Copy of the whole state, one flat array: the state of `layout.py`, the inputs, and what tether it belongs to.
+
+        StepRefused before `initialize`.
+        """
+        self._check_started()
+        return states.joined(self.variant, self._instance)
 
     def set_state(self, state: ArrayLike) -> None:
-        """Go back to a state of `get_state`, bit for bit; ValueError if it belongs to another number of segments."""
-        state = np.asarray(state, dtype=float)
-        if state.shape != self._state.shape:
-            raise ValueError(f"state has the shape {state.shape}; it must be {self._state.shape}")
-        try:
-            self._instance.take(array("d", state))
-        except ValueError as problem:
-            raise ValueError(f"state {problem}") from None
+        """Go back to a state of `get_state`, of this tether or one that equals it, bit for bit.
+
+        Environment and solver stay those of this object, but a wind that was given at each node is part of the state.
+        ValueError, and nothing is changed, if the state belongs to another tether, or is none.
+        """
+        states.take(self.variant, self._instance, state)
+        if self._parameters[at.WIND_PROFILE] != at.AT_NODES:
+            self._parameters[at.WIND_PROFILE] = self._records[1].wind_profile
         self._runs = True
 
     def outputs(self) -> Outputs:
@@ -372,7 +431,7 @@ class TetherModel:
             self._parameters[at.WIND_PROFILE] = at.AT_NODES
         elif shape == (3,):
             self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-            self._parameters[at.WIND_PROFILE] = self._wind_profile
+            self._parameters[at.WIND_PROFILE] = self._records[1].wind_profile
         else:
             nodes = f", or ({self.segments + 1}, 3) for a wind at each node" if self._variant.has_nodes else ""
             raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")

@@ -1,4 +1,4 @@
-"""`fly` is a loop of `step`, bit for bit: rows, peaks, node positions, and the state of before where a step is refused."""
+"""`fly` is a loop of `step`, bit for bit: rows, peaks, node positions; refused steps keep the state and rows of before."""
 
 import numpy as np
 import pytest
@@ -178,3 +178,82 @@ def test_no_step():
     flown = model.fly(np.zeros((0, at.INPUTS)), STEP)
     assert len(flown.outputs) == len(flown.peak) == len(flown.positions) == len(flown.shape) == 0
     assert np.array_equal(model.get_state(), state)
+
+
+def skipped(model, inputs):
+    """What `on_refusal="skip"` is, as a loop: outputs and positions of each step, None where it was refused."""
+    rows = []
+    for row in inputs:
+        try:
+            rows.append((model.step(STEP, **{name: row[place] for name, place in PLACES.items()}), model.positions))
+        except StepRefused:
+            rows.append(None)
+    return rows
+
+
+def with_gaps(*places):
+    inputs = circle_inputs()
+    for place in places:
+        inputs[place, at.WIND_VELOCITY + 1] = np.nan
+    return inputs
+
+
+@every_variant
+@pytest.mark.parametrize("every", [1, 4, 0])
+@pytest.mark.parametrize("outputs", [True, False])
+def test_rows_before_a_refused_step_are_kept(variant, every, outputs):
+    inputs = with_gaps(9, 15)
+    good = started(variant).fly(inputs[:9], STEP, every, outputs=outputs)
+    with pytest.raises(StepRefused, match=r"^step 10 of 23: ") as refused:
+        started(variant).fly(inputs, STEP, every, outputs=outputs)
+    stopped = started(variant).fly(inputs, STEP, every, outputs=outputs, on_refusal="stop")
+    for flown in (refused.value.flown, stopped):
+        assert np.array_equal(flown.positions, good.positions)
+        assert len(flown.positions) == (9 // every if every else 0)
+        assert outputs is (flown.outputs is not None)
+        if outputs:
+            assert np.array_equal(flown.outputs, good.outputs)
+            assert np.array_equal(flown.peak, good.peak)
+        ((place, reason, status),) = flown.refusals
+        assert (place, status) == (9, refused.value.status)
+        assert reason.startswith("the input wind_velocity[2] is nan; it must be a finite number")
+        assert f"1 refused, the first is step 10: {reason}" in repr(flown)
+
+
+@every_variant
+@pytest.mark.parametrize("every", [1, 4, 0])
+@pytest.mark.parametrize("span", [1000, 4, 1])
+@pytest.mark.parametrize("gaps", [(0,), (9, 10, 15), (3, 22), tuple(range(STEPS))])
+def test_a_skipped_step_is_left_out(variant, every, span, gaps, monkeypatch):
+    monkeypatch.setattr("tetherfmu.compiled_flight.SPAN", span)
+    inputs = with_gaps(*gaps)
+    model, twin = started(variant), started(variant)
+    expected = skipped(twin, inputs)
+    flown = model.fly(inputs, STEP, every, on_refusal="skip")
+    assert tuple(each.step for each in flown.refusals) == gaps
+    kept = range(every - 1, STEPS, every) if every else []
+    assert len(flown.outputs) == len(flown.peak) == len(flown.positions) == len(kept)
+    for row, k in enumerate(kept):
+        if expected[k] is None:
+            assert np.isnan(flown.outputs[row]).all()
+            assert np.isnan(flown.positions[row]).all()
+            assert np.isnan(flown.peak[row])
+        else:
+            assert np.array_equal(flown.kite_force[row], expected[k][0].kite_force)
+            assert np.array_equal(flown.positions[row], expected[k][1])
+            done = [each for each in expected[k + 1 - every : k + 1] if each is not None]
+            assert flown.peak[row] == max(magnitude(each[0].kite_force) for each in done)
+    assert np.array_equal(model.get_state(), twin.get_state())  # with the inputs of the last step that was done
+    assert model.step(STEP).kite_tension == twin.step(STEP).kite_tension
+
+
+@every_variant
+def test_skipping_without_a_refusal_is_a_flight(variant):
+    for options in ({}, {"every": 4}, {"every": 5, "peaks": False}, {"every": 4, "outputs": False}):
+        plain, skipping = (
+            started(variant).fly(circle_inputs(), STEP, on_refusal=way, **options) for way in ("raise", "skip")
+        )
+        assert np.array_equal(plain.positions, skipping.positions)
+        assert np.array_equal(plain.peak, skipping.peak)
+        assert np.array_equal(plain.outputs, skipping.outputs)
+        assert plain.refusals == skipping.refusals == ()

@@ -122,8 +122,10 @@ def ratios(point, flown, states, step):
     if not all(np.isfinite(numbers).all() for numbers in (states, *flown)):
         return np.inf, np.inf
     tension, speed = bounds(point, *strain_and_speed(flown, step))
-    velocities = states[:, at.STATE_HEADER :].reshape(len(states), 2, -1, 3)[:, 1]
-    fastest = norm(velocities, axis=2).max() if point.variant.startswith("dynamic") else 0.0
+    fastest = 0.0
+    if point.variant.startswith("dynamic"):
+        motions = states[:, at.STATE_HEADER : at.state_size(point.segments)]
+        fastest = norm(motions.reshape(len(states), 2, -1, 3)[:, 1], axis=2).max()
     return float(flown.max_tension.max() / tension), float(fastest / speed)
 
 

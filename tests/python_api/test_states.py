@@ -1,0 +1,142 @@
+"""A state is whole: another object, a copy and one from a pickle continue with the same numbers. Others are refused."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+from balance import VARIANTS
+from tetherfmu import Environment, StepRefused, Tether, TetherDynamic, TetherDynamicFree, models
+from tetherfmu.runtime import layout as at
+
+WIND, KITE = (8.0, 1.0, 0.0), (300.0, 0.0, 401.0)
+EVERY = (*VARIANTS, "TetherDynamicFree")
+WAYS = {
+    "set_state": lambda tether: given_to(type(tether)(), tether),
+    "deepcopy": copy.deepcopy,
+    "copy": copy.copy,
+    "pickle": lambda tether: pickle.loads(pickle.dumps(tether)),
+}
+every_variant = pytest.mark.parametrize("variant", EVERY)
+
+
+def given_to(other, tether):
+    other.set_state(tether.get_state())
+    return other
+
+
+def flying(variant="TetherDynamic", **options):
+    """A tether away from its start, in wind, with a winch that runs."""
+    tether = getattr(models, variant)(**options)
+    tether.initialize(wind_velocity=WIND)
+    moved = {} if variant == "TetherDynamicFree" else {"kite_position": KITE}
+    tether.step(0.02, reel_out_speed=0.5, **moved)
+    return tether
+
+
+def equal(one, other):
+    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+
+
+@every_variant
+@pytest.mark.parametrize("way", WAYS)
+def test_another_object_continues_without_any_input(variant, way):
+    """69 N without wind, or the kite at the start values of the inputs, was 24 kN."""
+    tether = flying(variant)
+    other = WAYS[way](tether)
+    assert equal(other.outputs(), tether.outputs())
+    for _ in range(3):
+        assert equal(other.step(0.02), tether.step(0.02))
+    other.step(0.02, wind_velocity=(0.0, 0.0, 0.0))
+    before = tether.get_state()
+    assert not np.array_equal(before, other.get_state())
+    tether.step(0.02)  # it is on its own
+    assert not np.array_equal(before, tether.get_state())
+
+
+@pytest.mark.parametrize("way", ["deepcopy", "copy", "pickle"])
+def test_a_copy_has_all_that_the_tether_was_made_with(way):
+    series = [Tether(segments=3, initial_length=200.0), Tether(segments=4, initial_length=305.0, diameter=0.006)]
+    options = {"point_masses": {3: 2.0}, "shape_points": 5, "free_ends": (False, True)}
+    tether = TetherDynamic(series, Environment(wind_profile="power_law"), **options)
+    fresh, running = WAYS[way](tether), tether
+    with pytest.raises(StepRefused, match="is not initialized"):
+        fresh.step(0.02)
+    assert equal(fresh.initialize(wind_velocity=WIND), running.initialize(wind_velocity=WIND))
+    copied = WAYS[way](running)
+    load = {"kite_load": (50.0, 0.0, 300.0), "wind_velocity": (9.0, 0.0, 0.0)}
+    assert equal(copied.step(0.02, **load), running.step(0.02, **load))
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_wind_at_the_nodes_is_in_the_state(way):
+    tether = flying()
+    tether.step(0.02, wind_velocity=np.linspace(0.0, 12.0, 63).reshape(21, 3))
+    other = WAYS[way](tether)
+    assert equal(other.step(0.02), tether.step(0.02))
+
+
+def test_the_environment_is_that_of_the_object():
+    """Also after a wind at the nodes, which a state without one ends."""
+    tether, blown, other = flying(), *(flying(environment=Environment(wind_profile="power_law")) for _ in range(2))
+    blown.step(0.02, wind_velocity=np.ones((21, 3)))
+    for each in (blown, other):
+        each.set_state(tether.get_state())
+    expected = other.step(0.02)
+    assert equal(blown.step(0.02), expected)
+    assert not equal(tether.step(0.02), expected)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"diameter": 0.005}, r"mass per length \[kg/m\] is 0\.00909\d*, that of this one 0\.0142"),
+        ({"density": 900.0}, "mass per length"),
+        ({"initial_length": 506.0}, "initial_length is 505, that of this one 506"),
+        ({"axial_stiffness": 1e6}, r"axial_stiffness \[N\] is 614600, that of this one 1e\+06"),
+        ({"axial_damping": 1.0}, r"axial_damping \[N s\] is 473"),
+        ({"drag_coefficient": 1.1}, "drag_coefficient times diameter"),
+        ({"slack_stiffness_ratio": 0.5}, "slack_stiffness_ratio is 0.01"),
+        ({"damping_law": 2}, "damping_law is 1, that of this one 2"),
+        ({"point_masses": {4: 3.0}}, r"point mass \[kg\] at node 4 is 0, that of this one 3"),
+        ({"free_ends": (False, True)}, "kite_is_free is 0, that of this one 1"),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
+)
+def test_a_state_of_another_tether_is_refused_and_nothing_is_changed(change, says):
+    other = TetherDynamic(**change)
+    other.initialize()
+    before = other.get_state()
+    with pytest.raises(ValueError, match=says):
+        other.set_state(flying().get_state())
+    np.testing.assert_array_equal(other.get_state(), before)
+
+
+def test_a_state_of_another_kind_is_refused():
+    with pytest.raises(ValueError, match="another kind of tether: catenary, not straight"):
+        models.TetherStraight().set_state(flying("TetherCatenary").get_state())
+    with pytest.raises(ValueError, match=r"its point mass \[kg\] at node 20 is 10, that of this one 3"):
+        TetherDynamicFree(kite_mass=3.0).set_state(flying("TetherDynamicFree").get_state())
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -1.0, 1e9])
+def test_impossible_numbers_of_a_state_are_refused(number):
+    tether = flying()
+    state = tether.get_state()
+    state[at.state_size(20) + at.INPUTS] = number  # the number of the variant
+    with pytest.raises(ValueError, match="state has numbers that no tether has"):
+        tether.set_state(state)
+
+
+def test_there_is_no_state_before_the_start():
+    with pytest.raises(StepRefused, match="this TetherDynamic is not initialized: call initialize first"):
+        TetherDynamic().get_state()
+
+
+def test_kernels_of_its_own_are_shared_by_copies_and_refused_by_pickle():
+    tether = TetherDynamic(kernels=TetherDynamic()._instance.kernels)
+    tether.initialize()
+    assert copy.deepcopy(tether)._instance.kernels is tether._instance.kernels
+    with pytest.raises(pickle.PicklingError, match="this TetherDynamic was made with kernels of its own"):
+        pickle.dumps(tether)
