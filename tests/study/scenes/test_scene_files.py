@@ -1,6 +1,8 @@
 """Scene files: numbers with units, and one clear line with exit status 2 for each mistake."""
 
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ import pytest
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.__main__ import main
-from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.files import contents_of, load
 
 HEAD = "time,kite_position[1],kite_position[2],kite_position[3]\n"
 SERIES = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "series"\nfile = "flight.csv"')
@@ -23,6 +25,9 @@ WRONG = {
     "unknown output": (r"allowed_error", 'outputs = ["sag"]\nallowed_error', "wanted.outputs is ['sag']"),
     "no table": (r"\[tether\]", "tether = 3\n[more]", "the key tether is missing"),
     "no TOML": ("duration =.*", "duration =", "is no TOML file"),
+    "nested lists": ("duration =.*", "duration = " + "[" * 5000, "nested too deeply"),
+    "nested tables": ("duration =.*", "duration = " + "{a=" * 5000, "nested too deeply"),
+    "longer than a day": ('"2 s"', '"25 h"', "duration is '25 h'; it must be at least 0.5 s and at most 86400 s"),
 }
 WRONG_SERIES = {
     "unreadable": (None, "cannot be read"),
@@ -30,10 +35,15 @@ WRONG_SERIES = {
     "empty": (b"", "is no CSV file"),
     "missing column": (b"time,kite_position[1]\n0,1\n", "the column kite_position[2] is missing"),
     "unknown column": (HEAD.replace("time", "time,colour").encode(), "unknown column 'colour'"),
-    "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] is 'x'"),
-    "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] is ''"),
+    "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
+    "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
     "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "Expected 4 fields in line 2, saw 5"),
-    "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "time must grow"),
+    "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "row 3: time must grow from row to row"),
+    "time goes back": (
+        (HEAD + "".join(f"{k},1,2,3\n" for k in (0, 1, 2, 1.5, 4, 3))).encode(),
+        "row 5: time must grow from row to row",
+    ),
+    "long name": ((HEAD.replace("time", "time," + "x" * 500) + "0,0,1,2,3\n" * 5).encode(), f"'{'x' * 40}...'; known are"),
     "velocity alone": (
         (
             HEAD.replace("time", "time," + ",".join(f"ground_velocity[{i}]" for i in (1, 2, 3))) + "0,0,0,0,1,2,3\n" * 5
@@ -77,6 +87,40 @@ def test_a_wrong_series_is_told_in_one_line(tmp_path, capsys, content, says):
     line = complaint(written(tmp_path, SERIES), capsys)
     assert line.startswith(str(tmp_path))
     assert says in line
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a pipe with a name is needed")
+def test_only_regular_files_are_read(tmp_path, capsys):
+    """A pipe waits for ever, a device has no end, a file without a size is taken as empty; the head line alone is quoted."""
+    os.mkfifo(tmp_path / "pipe")
+    for name, says in (("pipe", "it is no regular file"), ("/dev/zero", "it is no regular file"), (".", "no regular file")):
+        line = complaint(written(tmp_path, SERIES.replace("flight.csv", name)), capsys)
+        assert f"cannot be read ({says}" in line or f"cannot be read (it is {says}" in line
+    for name in ("pipe", "."):
+        assert "cannot be read (it is no regular file)" in complaint(tmp_path / name, capsys)
+    (tmp_path / "secret").write_text("user:password\nadmin:hunter2\n" * 5, encoding="utf-8")
+    line = complaint(written(tmp_path, SERIES.replace("flight.csv", "secret")), capsys)
+    assert "unknown column 'user:password'" in line
+    assert "hunter2" not in line
+    (tmp_path / "secret").write_text(HEAD + "1,2,3,hunter2\n" * 5, encoding="utf-8")
+    line = complaint(written(tmp_path, SERIES.replace("flight.csv", "secret")), capsys)
+    assert "row 2, column kite_position[3]" in line
+    assert "hunter2" not in line
+
+
+def test_a_file_of_unknown_size_is_empty():
+    """Linux says 0 of what it makes up while it is read."""
+    endless = Path("/proc/self/environ")
+    if not endless.exists():
+        pytest.skip("Linux only")
+    assert contents_of(endless) == b""
+
+
+def test_a_file_that_is_too_large(tmp_path, monkeypatch):
+    monkeypatch.setattr("tetherfmu.study.scenes.files.LARGEST_FILE", 10)
+    (tmp_path / "file").write_bytes(b"x" * 11)
+    with pytest.raises(ValueError, match=r"it has more than 1e-08 GB"):
+        contents_of(tmp_path / "file")
 
 
 def test_missing_scene_file(tmp_path, capsys):

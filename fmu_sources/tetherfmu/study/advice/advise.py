@@ -24,6 +24,7 @@ PART_OF_CHECK = 0.125  # of the allowed error: what the finer model may be wrong
 CHECK_SEGMENTS = 1.8  # of the finer model to begin with: this over the root of the allowed error
 CHECK_STEP = 0.017  # its communication step to begin with [s], about
 FIRST_SEGMENTS = 11  # of the search
+MOST_SHAKING = 0.5  # [m/s2] by noise of positions: below it is not mentioned
 CLEARLY = 1.5  # a tether that is wrong by so many times the allowed error: nothing coarser is tried
 
 
@@ -141,6 +142,7 @@ def explain(scene, advice):
     why_not = [(*each, advice.search.best_of(each[0])) for each in reasons(config, found, scene.wanted.allowed_error)]
     facts = {"numbers": found, "reasons": why_not, "worst": worst}
     facts |= {"fmu": class_name(config.variant), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
+    facts["most_shaking"] = MOST_SHAKING
     return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")
 
 

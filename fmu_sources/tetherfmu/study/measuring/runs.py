@@ -73,7 +73,12 @@ def least_cost(scene, config):
 def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
-    return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
+    return {**asdict(scene.tether), **asdict(scene.environment), **chosen, "end_velocities": end_velocities(scene)}
+
+
+def end_velocities(scene):
+    """What an importer can give: the velocities of the ends, or only positions."""
+    return at.GIVEN if scene.flight.has_velocities else at.DERIVED
 
 
 def run(scene, config, exact=False):
@@ -83,6 +88,7 @@ def run(scene, config, exact=False):
     """
     inputs = scene.inputs(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
+    options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
     with catch_warnings(**UNWARNED):
         model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options, shape_points=SHAPE_POINTS)
         try:

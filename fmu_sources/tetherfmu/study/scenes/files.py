@@ -1,6 +1,8 @@
 """Scenes as files: what is flown with which tether in which wind; see docs/use/how_much_tether.md, "Scene files"."""
 
 import hashlib
+import stat
+import sys
 import tomllib
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -12,6 +14,7 @@ import pandas as pd
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.runtime.inputs import COUNT, by_name
 from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .flights import KINDS
@@ -20,6 +23,7 @@ from .flights import KINDS
 UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
+LARGEST_FILE = 1_000_000_000  # [B]
 REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
@@ -66,7 +70,7 @@ class Scene:
     """A scene; `digest` tells those of files apart by all that they hold."""
 
     name: str
-    duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=1000.0)
+    duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=86400.0)
     flight: Any = None
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
@@ -87,6 +91,18 @@ class Scene:
     def times(self):
         """Times [s] of the compared outputs, the start included."""
         return self.every * np.arange(self.count + 1)
+
+    def doubts(self):
+        """Sentences on what no tether stands: ends that are much farther apart than the tether is long."""
+        motion = self.flight.motion(self.times)
+        distance = np.linalg.norm(motion.kite - motion.ground, axis=-1)
+        length = self.tether.initial_length + motion.reeled
+        k = np.argmax(distance - LARGEST_STRETCH * length)
+        if distance[k] > LARGEST_STRETCH * length[k]:
+            yield (
+                f"the ends are {distance[k]:.6g} m apart at {self.times[k]:.6g} s, the tether is {length[k]:.6g} m long; "
+                "check tether.initial_length, and the unit m of the positions"
+            )
 
     def inputs(self, step, exact=False):
         """Inputs of all communication steps, array (steps, INPUTS), in the order of `runtime.inputs`.
@@ -113,22 +129,41 @@ class Scene:
 
 
 def load(path):
-    """`Scene` of a file; SceneError says in one line what is wrong with it."""
+    """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr."""
     path = Path(path)
     try:
-        return read(tomllib.loads(path.read_text(encoding="utf-8")), path.parent, path.stem)
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read ({error.strerror})") from None
+        scene = read(tomllib.loads(contents_of(path).decode("utf-8")), path.parent, path.stem)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError(f"{path}: is no TOML file ({error})") from None
+    except RecursionError:
+        raise SceneError(f"{path}: is no scene (its tables or lists are nested too deeply)") from None
     except ValueError as error:
         raise SceneError(f"{path}: {error}") from None
+    for doubt in scene.doubts():
+        print(f"{path}: {doubt}", file=sys.stderr)
+    return scene
+
+
+def contents_of(path):
+    """Bytes of a regular file; ValueError for others, which may have no end, and for one that cannot be read."""
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise ValueError("cannot be read (it is no regular file)")
+        if status.st_size > LARGEST_FILE:
+            raise ValueError(f"cannot be read (it has more than {LARGEST_FILE / 1e9:g} GB)")
+        with path.open("rb") as file:
+            return file.read(status.st_size)  # a file without a known size has 0
+    except OSError as error:
+        raise ValueError(f"cannot be read ({error.strerror})") from None
 
 
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
     require(table, "", ("name", "duration", "flight", *RECORDS))
     flight = read_flight(table["flight"], folder)
+    if flight.initial_length is not None and isinstance(table["tether"], dict):
+        table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
     records = {key: record(kind, table.get(key, {}), key) for key, kind in RECORDS.items()}
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")

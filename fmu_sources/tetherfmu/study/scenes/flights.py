@@ -64,7 +64,8 @@ class Flight:
     """
 
     wind = initial_length = None  # a series may bring its own, ...
-    duration, contents = np.inf, b""  # ... and has an end [s] and a file
+    duration, contents = np.inf, b""  # ... has an end [s] and a file, ...
+    has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, and have noise
     __post_init__ = check
 
     def ground(self, time):
