@@ -6,10 +6,10 @@ numbers refer to the full circle of the nominal diameter, so they are below thos
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Tether, allowed_by
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,9 @@ def tether_of(material: str, diameter: float, **more: float | str) -> Tether:
         raise ValueError(f"material is {material!r}; it must be one of {', '.join(MATERIALS)}")
     found = MATERIALS[material]
     default = Tether()
-    stiffness = found.modulus * pi / 4.0 * diameter**2
-    damping = stiffness * default.axial_damping / default.axial_stiffness
-    values = {"density": found.density, "axial_stiffness": stiffness, "axial_damping": damping, **more}
-    return Tether(diameter=diameter, **values)
+    with allowed_by(diameter):
+        stiffness = found.modulus * pi / 4.0 * diameter**2
+        damping = stiffness * default.axial_damping / default.axial_stiffness
+        values = {"density": found.density, "axial_stiffness": stiffness, "axial_damping": damping}
+        tether = Tether(diameter=diameter, **values)
+    return replace(tether, **more)

@@ -21,11 +21,16 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     """Position [m] of a kite, array (3,), from its direction as seen from the ground end.
 
     elevation : above the horizon [rad].  azimuth : from the x axis, anti-clockwise seen from above [rad], as the output
-    `ground_azimuth`.  distance : along a straight line [m].
+    `ground_azimuth`.  distance : along a straight line [m].  ValueError if the elevation is beyond pi/2.
 
     >>> kite_at(elevation=0.0, azimuth=0.0, distance=500.0).tolist()
     [500.0, 0.0, 0.0]
     """
+    if not np.all(np.abs(elevation) <= 0.5 * np.pi):  # NaN is not
+        raise ValueError(
+            f"elevation is {elevation!r}; it must be at least -pi/2 and at most pi/2 rad: angles are in rad, "
+            "math.radians makes them of degrees"
+        )
     return np.add(ground_position, polar(distance, elevation, azimuth))
 
 

@@ -1,10 +1,10 @@
-"""`tetherfmu build --diameter`: the FMU starts with the tether that the Python API has with this diameter."""
+"""`tetherfmu build --diameter` and `--material`: the FMU starts with the tether that the Python API has with them."""
 
 import pytest
 from fmpy import read_model_description
 
 from isolation import in_own_process
-from tetherfmu import Tether, TetherDynamic
+from tetherfmu import MATERIALS, Tether, TetherDynamic, tether_of
 from tetherfmu.__main__ import main
 from tetherfmu.commands.build import DIAMETER, SEGMENTS
 from tetherfmu.export.evidence import inputs_at
@@ -47,6 +47,30 @@ def test_the_first_step_is_that_of_the_python_api(fmu):
 def test_check_passes(fmu, capsys):
     assert main(["check", str(fmu)]) == 0
     assert "evidence set: 200 steps" in capsys.readouterr().out
+
+
+def starts(folder, *options):
+    """Start values of an FMU that is built with options."""
+    assert main(["build", "straight", "--out", str(folder), *options]) == 0
+    description = read_model_description(folder / "TetherStraight.fmu")
+    return {each.name: float(each.start) for each in description.modelVariables if each.start is not None}
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("diameter", [None, 0.012])
+def test_material(tmp_path, material, diameter):
+    found = starts(tmp_path, "--material", material, *(["--diameter", str(diameter)] if diameter else []))
+    expected = tether_of(material, diameter or Tether().diameter)
+    for name in ("diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "initial_length"):
+        assert found[name] == pytest.approx(getattr(expected, name), rel=1e-14)  # digits of the file
+
+
+def test_a_diameter_in_millimetres_is_named(tmp_path, capsys):
+    """4 mm, typed as 4, pull with 23 MN: one line, and the FMU that was asked for."""
+    assert starts(tmp_path, "--diameter", "4")["diameter"] == 4.0
+    assert capsys.readouterr().err == "diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004\n"
+    starts(tmp_path, "--diameter", "0.2")
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("diameter", [DIAMETER.minimum, DIAMETER.maximum])

@@ -55,6 +55,24 @@ def test_a_start_on_a_tether_that_is_too_short(model):
     assert warnings_of(lambda: tether.step(0.02)) == []
 
 
+def test_a_diameter_in_millimetres_is_named():
+    """At the line that makes the model, for every kind of it, before its forces are looked at."""
+    for model in EVERY:
+        said = warnings_of(lambda model=model: model(diameter=4))
+        assert said == ["diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004"]
+        assert warnings_of(lambda model=model: model(diameter=0.2)) == []
+
+
+def test_a_stretch_names_what_it_comes_from():
+    """Whatever the rope is made of, and without two equal numbers where it is just beyond the limit."""
+    (said,) = warnings_of(lambda: TetherStraight(initial_length=500.0 / 1.0501).initialize((300.0, 0.0, 400.0)))
+    assert said.startswith(
+        "a segment is stretched by 5.01 %; from 5 % on, ropes of most materials are broken; check kite_pos"
+    )
+    assert "diameter and axial_stiffness, and their units" in said
+    assert "Dyneema" not in said
+
+
 def test_states():
     """A state that has warned is silent in another tether, too; one that no tether has is refused."""
     tether, another = (TetherStraight(initial_length=525.0) for _ in range(2))

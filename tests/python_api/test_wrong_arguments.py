@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tetherfmu
-from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, inputs_along, tether_of
+from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, inputs_along, kite_at, tether_of
 
 
 def running(model=TetherDynamic, **quantities):
@@ -106,8 +106,34 @@ WRONG = {
         ValueError,
         "every is -1; it must be a whole number of at least 0",
     ),
+    "what to do": (
+        lambda: running().fly(np.zeros((3, 19)), 0.02, on_refusal="ignore"),
+        ValueError,
+        "on_refusal is 'ignore'; it must be one of 'raise', 'stop', 'skip'",
+    ),
     "state": (lambda: running().set_state(np.zeros(3)), ValueError, r"state has the shape \(3,\)"),
     "material": (lambda: tether_of("rope", 0.01), ValueError, "material is 'rope'; it must be one of dyneema_sk75"),
+    "material in millimetres": (
+        lambda: tether_of("steel", 10),
+        ValueError,
+        r"diameter is 10 m \(4 mm are 0\.004\): with it",
+    ),
+    "diameter in millimetres": (
+        lambda: Tether().with_diameter(8),
+        ValueError,
+        r"diameter is 8 m \(4 mm are 0\.004\): with it axial_stiffness is 2458",
+    ),
+    "diameter in words": (lambda: Tether().with_diameter("8 mm"), ValueError, "diameter is '8 mm'; it must be at least"),
+    "diameter of nothing": (lambda: Tether().with_diameter(0.0), ValueError, "diameter is 0.0; it must be at least 1e-06 m"),
+    "elevation in degrees": (lambda: kite_at(30, 0.0, 500.0), ValueError, "elevation is 30; .* at most pi/2 rad: .*degrees"),
+    "elevation of nothing": (lambda: kite_at(np.nan, 0.0, 500.0), ValueError, "elevation is nan; it must be at least -pi/2"),
+    "positions in millimetres": (
+        lambda: TetherQuasiSteady(segments=2, axial_stiffness=1.0).initialize(
+            (9e8, 0.0, 4e8), wind_velocity=(1e6, 0.0, 0.0)
+        ),
+        tetherfmu.StepRefused,
+        r"no equilibrium was found between the given ends, 9.84886e\+08 m apart; check .* in m, .*length 505.0 m",
+    ),
     "path": (
         lambda: MovingEnd(lambda t: (t, t)).at(1.0),
         ValueError,

@@ -29,6 +29,7 @@ def test_inputs_that_are_not_finite(fmu_folder, fmu):
             assert name in said
             assert str(value) in said
             assert "finite" in said
+            assert "the step from 0.0 s is refused: the input " in said
             host.set(**{name: good})
     host.step(0.02)
     twin.step(0.02)

@@ -1,6 +1,7 @@
 """Build FMUs: all or the named ones, for this platform or others, or the one that is advised for a scene."""
 
 import argparse
+import sys
 
 from tetherfmu.console.ending import FAILED, command
 from tetherfmu.console.options import Parser, amount, folder
@@ -10,8 +11,9 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 
@@ -19,7 +21,7 @@ MAX_SHAPE_POINTS = 1001
 SEGMENTS = dict(quantities(Tether))["segments"]
 # the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
 DIAMETER = Quantity("m", "", 1e-4, 5.0)
-OF_THE_DIAMETER = ("diameter", "axial_stiffness", "axial_damping")
+OF_THE_ROPE = ("diameter", "density", "axial_stiffness", "axial_damping")
 
 
 def fmu(text):
@@ -46,10 +48,15 @@ def shape_points(text):
     return int(text)
 
 
-def starts_of_diameter(text):
-    """Type of a diameter [m]: start values of the default tether, pairs (parameter, value), with this diameter instead."""
-    tether = Tether().with_diameter(amount(DIAMETER)(text))
-    return tuple((name, getattr(tether, name)) for name in OF_THE_DIAMETER)
+def starts_of(diameter, material):
+    """Start values of a rope that differ from those of the default tether, pairs (parameter, value).
+
+    diameter [m], material : None for that of the default tether.
+    """
+    default = Tether()
+    diameter = default.diameter if diameter is None else diameter
+    tether = tether_of(material, diameter) if material else default.with_diameter(diameter)
+    return tuple((name, getattr(tether, name)) for name in OF_THE_ROPE if getattr(tether, name) != getattr(default, name))
 
 
 def parse(arguments, prog="tetherfmu build"):
@@ -66,9 +73,14 @@ def parse(arguments, prog="tetherfmu build"):
     )
     option(
         "--diameter",
-        type=starts_of_diameter,
+        type=amount(DIAMETER),
         metavar="D",
         help="start value of diameter [m]; those of stiffness and damping grow with its square (default: 0.004)",
+    )
+    option(
+        "--material",
+        choices=tuple(MATERIALS),
+        help="start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)",
     )
     option(
         "--shape-points",
@@ -89,9 +101,12 @@ def parse(arguments, prog="tetherfmu build"):
     option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI, 3 with --native only (default: 2)")
     option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
     options = parser.parse_args(arguments)
-    if options.scene is not None and (options.names or options.segments or options.diameter or options.examples):
+    if options.scene is not None and any(
+        (options.names, options.segments, options.diameter, options.material, options.examples)
+    ):
         parser.error(
-            "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter and --examples"
+            "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter, --material and "
+            "--examples"
         )
     if options.fmi == 3 and not options.native:
         parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
@@ -136,7 +151,10 @@ def main(arguments=None, prog="tetherfmu build"):
     names, platforms = wanted.names or list(SLAVES), wanted.platforms
     ready.folders([library_of(SLAVES[name][1]) for name in names], platforms)  # all at once is faster
     segments = wanted.segments or BuildOptions.segments
-    options = BuildOptions(segments, wanted.shape_points, platforms, starts=wanted.diameter or ())
+    if wanted.diameter and (doubt := diameter_in_doubt(wanted.diameter)):
+        print(doubt, file=sys.stderr)
+    starts = starts_of(wanted.diameter, wanted.material)
+    options = BuildOptions(segments, wanted.shape_points, platforms, starts=starts)
     for name in names:
         build(wanted, name, options)
     if wanted.examples:

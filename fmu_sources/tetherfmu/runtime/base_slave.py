@@ -118,7 +118,9 @@ class BaseSlave(Fmi2Slave):
 
     def do_step(self, current_time, step_size):
         """One communication step. False (fmi2Discard), a message and the previous state if it cannot be done."""
-        problem = self._refusal or self._problem_of_time(current_time, step_size) or self.advance(step_size)
+        problem = self._refusal or self._problem_of_time(current_time, step_size)
+        if not problem and (refused := self.advance(step_size)):
+            problem = refusals.STEP_REFUSED.format(time=current_time, problem=refused)
         if problem:
             self._refusal = None
             self.say(problem, DISCARD)

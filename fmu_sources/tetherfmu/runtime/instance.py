@@ -4,6 +4,7 @@ The FMI slave and the Python API both run it.
 """
 
 from array import array
+from math import dist
 
 from . import layout as at
 from . import plausibility, status
@@ -130,6 +131,7 @@ class Instance:
             step=step,
             reel_out_speed=self.values[at.REEL_OUT_SPEED],
             length=self.state[at.LENGTH],
+            distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
             relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],
             fixed_step=self.parameters[at.FIXED_STEP],
             budget=at.WORK_BUDGET // self.segments,

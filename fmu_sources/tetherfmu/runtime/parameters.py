@@ -3,13 +3,16 @@
 Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its choices).
 """
 
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import pi
 
 from . import layout as at
-from .quantities import check, documented, quantities, quantity
+from .quantities import check, checked, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
+THICK = 0.2  # diameter [m] beyond which millimetres were probably meant
+THICK_DIAMETER = "diameter is {diameter:g} m, more than {most:g} m; diameters are in m: 4 mm are 0.004"
 OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
@@ -52,12 +55,30 @@ class Tether:
     def with_diameter(self, diameter: float) -> "Tether":
         """The same material and length with another diameter [m]: stiffness and damping grow with the area.
 
+        ValueError names the diameter if it, or what grows with it, is out of range.
+
         >>> Tether(axial_stiffness=1000.0).with_diameter(0.008).axial_stiffness
         4000.0
         """
-        area = (diameter / self.diameter) ** 2
-        stiffness, damping = area * self.axial_stiffness, area * self.axial_damping
-        return replace(self, diameter=diameter, axial_stiffness=stiffness, axial_damping=damping)
+        with allowed_by(diameter):
+            area = (diameter / self.diameter) ** 2
+            stiffness, damping = area * self.axial_stiffness, area * self.axial_damping
+            return replace(self, diameter=diameter, axial_stiffness=stiffness, axial_damping=damping)
+
+
+@contextmanager
+def allowed_by(diameter):
+    """For what follows from a diameter [m]: ValueError names it, whether it or what follows is out of range."""
+    checked("diameter", diameter, dict(quantities(Tether))["diameter"])
+    try:
+        yield
+    except ValueError as problem:
+        raise ValueError(f"diameter is {diameter!r} m (4 mm are 0.004): with it {problem}") from None
+
+
+def diameter_in_doubt(diameter):
+    """Sentence on a diameter [m] that was probably given in millimetres, or None."""
+    return THICK_DIAMETER.format(diameter=diameter, most=THICK) if diameter > THICK else None
 
 
 @documented

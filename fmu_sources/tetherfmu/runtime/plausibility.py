@@ -27,8 +27,9 @@ _RESIDUE = (
 )
 SENTENCES = {
     STRETCH: (
-        "a segment is stretched by {strain:.3g} %, beyond {allowed:.3g} % (Dyneema breaks near 4 %); "
-        "check kite_position (initial_kite_position of a free kite end), ground_position, initial_length and reel_out_speed"
+        "a segment is stretched by {strain:.3g} %; from {allowed:.3g} % on, ropes of most materials are broken; check "
+        "kite_position (initial_kite_position of a free kite end), ground_position, initial_length, reel_out_speed, "
+        "diameter and axial_stiffness, and their units"
     ),
     GROUND_ACCELERATION: _ACCELERATION,
     KITE_ACCELERATION: _ACCELERATION,

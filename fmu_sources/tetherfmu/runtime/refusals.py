@@ -16,6 +16,7 @@ TOLERANCE_NOT_USED = "the importer's tolerance {tolerance} is not used; the larg
 TIME_NOT_FINITE = "the communication point is {time}; it must be a finite number"
 TIME_JUMPS = "the communication point is {time} s, the last step ended at {end} s; the FMU continues from there"
 JUMP_OF_STEP, JUMP_OF_TIME = 1e-3, 1e-9  # parts of step and time by which a communication point may be off without a word
+STEP_REFUSED = "the step from {time} s is refused: {problem}"
 PAST_THE_END = "a step of {step} s from {time} s would go beyond the stop time of {stop} s"
 
 CANNOT_BE_READ = "value reference {reference} cannot be read: it is not a variable of this type"

@@ -42,8 +42,9 @@ SENTENCES = {
     ),
     STATE_NOT_FINITE: "the motion overflowed in a step of {step} s; check the inputs and parameters",
     NO_EQUILIBRIUM: (
-        "no equilibrium was found between the given ends; check kite_position, ground_position, wind_velocity, "
-        "the length (tether_length {length} m) and axial_stiffness: drag may stretch a soft tether without end"
+        "no equilibrium was found between the given ends, {distance:.6g} m apart; check kite_position, ground_position, "
+        "which are in m, wind_velocity, the length (tether_length {length} m) and axial_stiffness: drag may stretch a soft "
+        "tether without end"
     ),
     FIXED_STEPS_TOO_MANY: (
         "a communication step of {step} s needs more than {budget} iterations "

@@ -248,5 +248,5 @@ def test_numbers_are_the_same(model):
 
 
 def test_category():
-    with pytest.warns(PlausibilityWarning, match=r"^a segment is stretched by 400 %, beyond 5 %"):
+    with pytest.warns(PlausibilityWarning, match=r"^a segment is stretched by 400 %; from 5 % on"):
         TetherStraight(initial_length=100.0).initialize(KITE)

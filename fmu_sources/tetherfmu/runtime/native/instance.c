@@ -143,17 +143,23 @@ static Status warn(Instance *instance)
     return new ? WARNING : OK;
 }
 
-/* Say what the status of a kernel means for a step [s], with the inputs and the unstretched length of now. */
-static Status say_kernel_status(
-    const Instance *instance, Status status, const Arrays *arrays, const double *values, int32_t result, double step)
+/* What the status of a kernel means for a step [s], with the inputs and the unstretched length of now, into `text`. */
+static void sentence_of(
+    char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step)
 {
     int place = index_of(result);
-    return say(instance, status, KERNEL_SENTENCE[code_of(result)], FACTS(
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double way = values[AT_KITE_POSITION + i] - values[AT_GROUND_POSITION + i];
+        square += way * way;
+    }
+    fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[code_of(result)], FACTS(
         word("name", INPUT_NAME[place]),
         real("value", values[place]),
         real("step", step),
         real("reel_out_speed", values[AT_REEL_OUT_SPEED]),
         real("length", arrays->state[AT_LENGTH]),
+        real("distance", sqrt(square)),
         real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),
         real("fixed_step", arrays->parameters[AT_FIXED_STEP]),
         whole("budget", (double)(AT_WORK_BUDGET / arrays->segments))));
@@ -179,9 +185,9 @@ Status start(Instance *instance, Status refusal)
     }
     int32_t result = first_shape(arrays, arrays->values);
     if (result) {
-        say_kernel_status(instance, refusal, arrays, arrays->values, result, 0.0);
+        sentence_of(problem, arrays, arrays->values, result, 0.0);
         free_arrays(arrays);
-        return refusal;
+        return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
     }
     take_arrays(instance, arrays);
     instance->warned = 0;
@@ -234,7 +240,11 @@ Status advance(Instance *instance, double time, double step)
     if (status > WARNING) return status;
     Arrays *arrays = instance->arrays;
     int32_t result = do_step(arrays, step, arrays->spare, instance->values);
-    if (result) return say_kernel_status(instance, DISCARD, arrays, instance->values, result, step);
+    if (result) {
+        char problem[LONGEST_TEXT];
+        sentence_of(problem, arrays, instance->values, result, step);
+        return say(instance, DISCARD, STEP_REFUSED, FACTS(real("time", time), word("problem", problem)));
+    }
     remember(arrays, instance->values);
     instance->time = instance->values[TIME] = time + step;
     Status warned = warn(instance);
