@@ -96,3 +96,31 @@ def test_a_forged_note_is_refused(fmu_folder, value):
     saved = from_bytes(blob_of(host), "straight", count_of(host))
     saved.state[at.WARNINGS] = value
     host.refuses(lambda: restore(host, to_bytes(saved)), "the FMU state that was set contains impossible numbers")
+
+
+@every_fmu
+@in_own_process
+def test_a_diameter_in_millimetres_is_named(fmu_folder, fmu):
+    """Once at each start, not in initialization mode, and not from 0.2 m down."""
+    said = "diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004"
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    for length in (525.0, 530.0):
+        host.start(initial_length=length, diameter=4.0, axial_stiffness=1e12, **kite_at_start(host.name, circle(0.0)[0]))
+        assert sum(said in message for message in host.messages) == 1
+        assert not any(said in message for message in fly(host, 0, 5, 1.0))
+        host.fmu.reset()
+        host.messages.clear()
+    host.start(diameter=0.2, axial_stiffness=1e12, **kite_at_start(host.name, circle(0.0)[0]))
+    assert not any("diameter is" in message for message in host.messages)
+
+
+@every_driven_fmu
+@in_own_process
+def test_a_refused_step_names_its_time(fmu_folder, fmu):
+    host = started(fmu_folder / f"{fmu}.fmu")
+    fly(host, 0, 10, 1.0)
+    host.time, place = 10 * STEP, circle(0.0)[0].tolist()
+    for wrong in (float("nan"), float("inf")):
+        with pytest.raises(Exception, match="fmi2"):
+            host.step(STEP, kite_position=[wrong, *place[1:]])
+        assert f"the step from {10 * STEP} s is refused: the input kite_position[1] is {wrong}; it must" in host.messages[-1]

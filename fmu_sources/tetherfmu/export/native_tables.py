@@ -68,6 +68,7 @@ def _constants(variant, token):
     defined = {
         **fractions,
         "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
+        "THICK": parameters.THICK,
         "FREE_KITE": int(BY_NAME[variant].kite_is_free),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
@@ -158,6 +159,7 @@ def _sentences():
     """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
     limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
+    own["THICK_DIAMETER"] = parameters.THICK_DIAMETER
     kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]
     warnings = [_with(plausibility.SENTENCES[kind], plausibility.facts(kind)) for kind in sorted(plausibility.SENTENCES)]
     return [

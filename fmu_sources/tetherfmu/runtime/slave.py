@@ -8,7 +8,7 @@ from .base_slave import WARNING, BaseSlave
 from .instance import OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
 from .packing import pack
-from .parameters import LOOSEST_TOLERANCE
+from .parameters import LOOSEST_TOLERANCE, diameter_in_doubt
 from .resources import KERNELS_FOLDER, options_in
 from .saved_state import STEPPING, SavedState
 from .variants import BY_NAME, library_of
@@ -32,6 +32,7 @@ class TetherSlave(BaseSlave):
         references = variables.references(table, options["shape_points"])
         self.declare(table, self._instance.values, references, options["step"])
         self._importer_tolerance = 0.0
+        self._doubts = ()
 
     def _kernels(self):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""
@@ -68,6 +69,8 @@ class TetherSlave(BaseSlave):
             self._instance.set_up(*self._packed(self.values, self._importer_tolerance))
         except ValueError as error:
             return str(error)
+        diameter = self.values[self._instance.parameters_at + self._parameter_names.index("diameter")]
+        self._doubts = tuple(filter(None, (diameter_in_doubt(diameter),)))
         if not self._kite_is_free:
             return self._instance.start()
         before = self.values[_KITE_END]
@@ -84,7 +87,8 @@ class TetherSlave(BaseSlave):
 
     def warnings(self):
         """Sentences on what is implausible, each once since the start."""
-        return self._instance.warnings()
+        doubts, self._doubts = self._doubts, ()
+        return (*doubts, *self._instance.warnings()) if doubts else self._instance.warnings()
 
     def _packed(self, values, tolerance):
         """What `Instance.set_up` takes, from an array of all values; ValueError if one is not allowed."""

@@ -129,6 +129,14 @@ Status terminate(Instance *instance)
 
 /* --- start and steps */
 
+/* Say that a diameter was probably given in millimetres. */
+static Status warn_of_diameter(const Instance *instance)
+{
+    double diameter = instance->values[PARAMETERS_AT + DIAMETER];
+    if (!(diameter > THICK)) return OK;
+    return say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
+}
+
 /* Say what has been implausible since the start, each once. */
 static Status warn(Instance *instance)
 {
@@ -201,7 +209,9 @@ Status exit_initialization(Instance *instance)
     if (status != OK) return status;
     instance->phase = STEPPING;
     memcpy(instance->arrays->state + AT_GIVEN_DERIVATIVES, instance->derivatives, sizeof instance->derivatives);
-    return warn(instance);
+    status = warn_of_diameter(instance);
+    Status warned = warn(instance);
+    return status > warned ? status : warned;
 }
 
 double last_successful_time(const Instance *instance)
