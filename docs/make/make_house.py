@@ -15,7 +15,10 @@ FIGURE = ROOT / "docs" / "figures" / "house.png"
 APART = ("check", "console")  # rooms at the right
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
-    "Python API": ("models", "tether_model", "compiled_flight", "arguments", "energy", "materials", "paths", "results"),
+    "Python API": (
+        *("models", "tether_model", "compiled_flight", "arguments"),
+        *("energy", "materials", "paths", "results", "states"),
+    ),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
 
