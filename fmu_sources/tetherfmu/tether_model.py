@@ -324,7 +324,7 @@ class TetherModel:
         ValueError
             If `inputs` has another shape, `every` is not a whole number of at least 0, or `on_refusal` is something else.
         StepRefused
-            If a step cannot be done; the message says which, and the tether keeps the state and the inputs of the step before.
+            If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
         inputs, step = arguments.input_rows(inputs), arguments.number("step", step, "s")

@@ -46,6 +46,7 @@ def test_another_object_continues_without_any_input(variant, way):
     tether = flying(variant)
     other = WAYS[way](tether)
     assert equal(other.outputs(), tether.outputs())
+    assert other.positions.shape == tether.positions.shape == (tether.segments + 1, 3) == (other.segments + 1, 3)
     for _ in range(3):
         assert equal(other.step(0.02), tether.step(0.02))
     other.step(0.02, wind_velocity=(0.0, 0.0, 0.0))

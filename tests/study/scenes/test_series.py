@@ -127,6 +127,13 @@ def test_a_clean_path_has_no_noise_to_speak_of(tmp_path, digits):
     assert scene.flight.shaking < 0.1
 
 
+def test_a_diameter_in_millimetres_is_told_first(tmp_path, capsys):
+    scene_file = written(tmp_path, SCENE.replace("[tether]", "[tether]\ndiameter = 4"))
+    load(scene_file)
+    said = "tether.diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004"
+    assert capsys.readouterr().err == f"{scene_file}: {said}\n"
+
+
 @pytest.mark.parametrize(("length", "says"), [("50 m", "s, the tether is 50 m long; check"), ("477 m", None)])
 def test_a_tether_that_is_far_too_short_is_told_first(tmp_path, capsys, length, says):
     scene_file = scene_of(tmp_path, text=SERIES.replace("505 m", length))

@@ -13,7 +13,7 @@ import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu.runtime.parameters import Environment, Tether, diameter_in_doubt
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
@@ -93,7 +93,9 @@ class Scene:
         return self.every * np.arange(self.count + 1)
 
     def doubts(self):
-        """Sentences on what no tether stands: ends that are much farther apart than the tether is long."""
+        """Sentences on what was hardly meant: a diameter in millimetres, a tether much shorter than the distance of its ends."""
+        if doubt := diameter_in_doubt(self.tether.diameter):
+            yield f"tether.{doubt}"
         motion = self.flight.motion(self.times)
         distance = np.linalg.norm(motion.kite - motion.ground, axis=-1)
         length = self.tether.initial_length + motion.reeled
