@@ -121,7 +121,7 @@ def test_steps(fmi3_folder):
     before = host.outputs()
     with pytest.raises(FMICallException, match="discard"):
         host.step(STEP, wind_velocity=[0.0, math.nan, 0.0])
-    assert "tether: fmi3DoStep: the input wind_velocity[2] is nan" in host.messages[-1]
+    assert "tether: fmi3DoStep: the step from 0.02 s is refused: the input wind_velocity[2] is nan" in host.messages[-1]
     assert host.outputs() == before
     host.step(STEP, wind_velocity=[0.0, 0.0, 0.0])
     assert host.flags == (False, False, False, 2.0 * STEP)

@@ -93,7 +93,7 @@ class Scene:
         return self.every * np.arange(self.count + 1)
 
     def doubts(self):
-        """Sentences on what was hardly meant: a diameter in millimetres, a tether much shorter than the distance of its ends."""
+        """Sentences on what was hardly meant: a diameter in millimetres, a tether far too short for its ends."""
         if doubt := diameter_in_doubt(self.tether.diameter):
             yield f"tether.{doubt}"
         motion = self.flight.motion(self.times)
