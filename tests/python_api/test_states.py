@@ -126,7 +126,7 @@ def test_impossible_numbers_of_a_state_are_refused(number):
     tether = flying()
     state = tether.get_state()
     state[at.state_size(20) + at.INPUTS] = number  # the number of the variant
-    with pytest.raises(ValueError, match="state has numbers that no tether has"):
+    with pytest.raises(ValueError, match="state contains impossible numbers"):
         tether.set_state(state)
 
 
