@@ -16,7 +16,7 @@ from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.packing import pack_records
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether, Winch
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
@@ -35,6 +35,7 @@ class TetherModel:
         A sequence of them is joined in series, from the ground to the kite (tethers with nodes only).
     environment : Environment
     solver : Solver
+    winch : Winch
     point_masses : dict
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
@@ -42,13 +43,13 @@ class TetherModel:
     kernels : runtime.kernel_library.Kernels or None
         Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
     **quantities
-        Any quantity of `Tether`, `Environment` and `Solver` by its name replaces that of the record, as in
+        Any quantity of `Tether`, `Environment`, `Solver` and `Winch` by its name replaces that of the record, as in
         ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
 
     Raises
     ------
     TypeError
-        If `tether`, `environment` or `solver` is something else, or a quantity does not exist.
+        If `tether`, `environment`, `solver` or `winch` is something else, or a quantity does not exist.
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
     RuntimeError
@@ -62,6 +63,7 @@ class TetherModel:
         tether: Tether | Sequence[Tether] = Tether(),  # noqa: B008 (a constant record)
         environment: Environment = Environment(),  # noqa: B008
         solver: Solver = Solver(),  # noqa: B008
+        winch: Winch = Winch(),  # noqa: B008
         *,
         point_masses: Mapping[int, float] | None = None,
         shape_points: int | None = None,
@@ -72,8 +74,9 @@ class TetherModel:
     ):
         name, variant = type(self).__name__, BY_NAME[self.variant]
         tethers = arguments.tethers_of(name, tether)
-        environment, solver = arguments.record_of(name, environment, Environment), arguments.record_of(name, solver, Solver)
-        tethers, environment, solver = arguments.with_quantities(name, quantities, tethers, environment, solver)
+        kinds = {Environment: environment, Solver: solver, Winch: winch}
+        records = [arguments.record_of(name, record, kind) for kind, record in kinds.items()]
+        tethers, *records = arguments.with_quantities(name, quantities, tethers, *records)
         if not variant.has_nodes and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
@@ -84,7 +87,7 @@ class TetherModel:
         for sentence in arguments.doubts(tethers):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
         self._kernels, self._points = kernels, points
-        self._records = tethers, environment, solver
+        self._records = tethers, *records
         self._more = {"point_masses": tuple(masses.items()), "free_ends": _free_ends}
         self._runs = False
         self._make()
@@ -145,6 +148,7 @@ class TetherModel:
         ground_velocity: ArrayLike = ZERO,
         reel_out_speed: float = 0.0,
         wind_velocity: ArrayLike = ZERO,
+        winch_length: float = 0.0,
         *,
         slack: float | None = None,
         positions: ArrayLike | None = None,
@@ -162,6 +166,8 @@ class TetherModel:
             Rate of change of the unstretched length [m/s]; positive pays out.
         wind_velocity : (3,) or (segments + 1, 3) array
             Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
+        winch_length : float
+            Unstretched length [m] that the winch has paid out, with `winch_control` = length; 0: `initial_length`.
         slack : float or None
             The unstretched length is (1 + slack) times the distance of the ends, instead of `initial_length`; -0.01 for a
             tether that is stretched by about 1 %.
@@ -191,6 +197,7 @@ class TetherModel:
             kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": ZERO}
             ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
             self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
+            self._set(winch_length=winch_length)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -221,6 +228,7 @@ class TetherModel:
         reel_out_speed: float | None = None,
         wind_velocity: ArrayLike | None = None,
         kite_load: ArrayLike | None = None,
+        winch_length: float | None = None,
         *,
         tether_length: float | None = None,
     ) -> Outputs:
@@ -234,6 +242,8 @@ class TetherModel:
             As for `initialize`.
         kite_load : (3,) array
             External force [N] on a free kite end.
+        winch_length : float
+            Unstretched length [m] that the winch should have paid out, with `winch_control` = length.
         tether_length : float
             Unstretched length [m] at the end of the step, whatever it was before, for the tethers without waves (all but the
             dynamic one). `reel_out_speed` still says how fast material moves along the tether.
@@ -252,7 +262,8 @@ class TetherModel:
         """
         kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
         ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
-        return self._step(step, tether_length, **kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
+        winch = {"reel_out_speed": reel_out_speed, "winch_length": winch_length}
+        return self._step(step, tether_length, **kite, **ground, **winch, wind_velocity=wind_velocity)
 
     def _step(self, step, tether_length=None, **given):
         """What `step` does; given : inputs by name."""

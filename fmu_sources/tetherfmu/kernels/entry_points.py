@@ -19,6 +19,7 @@ from . import packing
 from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size
 from .compilation import kernel, part, view
 from .equations.boundary import inputs_of_step
+from .equations.winch import shortest_length
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance, transaction
 from .step.outputs import complete
@@ -63,7 +64,7 @@ def entry_points(variant):
         if status != OK:
             return status
         given = inputs_of_step(p, inputs, step, s)
-        status = transaction.check_reeling(n, p, given)
+        status = transaction.check_length(n, p, shortest_length(given.reeling, step))
         if status != OK:
             return status
         copy(s, before)

@@ -8,7 +8,7 @@ tether differs. A test sets every input and parameter to another value and looks
 from .inputs import BY_NAME, DRIVEN_KITE, components
 
 POSITIONS = ("kite_position", "ground_position")
-LENGTH = ("initial_length",)
+LENGTH = ("initial_length", "winch_control", "winch_length")
 STRETCH = (*POSITIONS, *LENGTH, "axial_stiffness", "diameter", "density")
 AIR = (
     *("kite_velocity", "ground_velocity", "wind_velocity", "end_velocities"),
@@ -16,7 +16,8 @@ AIR = (
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
 )
 FORM = (*STRETCH, *AIR, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
-FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", "reel_out_speed")
+REELING = ("reel_out_speed",)
+FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 
 def depends_on(variant, output, element, shape_points, left_out=()):
@@ -30,7 +31,8 @@ def depends_on(variant, output, element, shape_points, left_out=()):
     if point:  # of the shape; its ends are those of the tether, which are given
         declared = {shape_points: ("kite_position[*]",), 1: ("ground_position[*]",)}.get(int(point[0]), declared)
     names = dict.fromkeys(each for name in declared for each in _components(variant, name, component))
-    unused = {*variant.ignored, *left_out, *(() if variant.has_waves else ("reel_out_speed",))}
+    reeling_is_felt = variant.has_waves or declared == REELING
+    unused = {*variant.ignored, *left_out, *(() if reeling_is_felt else REELING)}
     return tuple(name for name in names if name not in unused)
 
 

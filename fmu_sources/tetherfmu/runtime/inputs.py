@@ -71,6 +71,13 @@ INPUT_TABLE = (
         "kite.load",
         FREE_KITE,
     ),
+    Input(
+        "winch_length",
+        "m",
+        "unstretched length that the winch should have paid out, only with winch_control = length; 0 at the start: initial_length",
+        (0.0,),
+        SEGMENT_LENGTH,
+    ),
 )
 BY_NAME = {each.name: each for each in INPUT_TABLE}
 COUNT = sum(each.size for each in INPUT_TABLE)  # of numbers in the array

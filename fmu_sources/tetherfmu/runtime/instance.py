@@ -130,6 +130,7 @@ class Instance:
             value=self.values[place],
             step=step,
             reel_out_speed=self.values[at.REEL_OUT_SPEED],
+            winch_length=self.values[at.WINCH_LENGTH],
             length=self.state[at.LENGTH],
             distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
             relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],

@@ -42,8 +42,9 @@ GROUND_IS_FREE = 14
 KITE_IS_FREE = 15
 END_VELOCITIES = 16
 INPUT_CONTINUATION = 17
+WINCH_CONTROL = 18
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 18
+PARAMETER_SCALARS = 19
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -86,7 +87,9 @@ WARNINGS = 41  # sum of 2**k, k of all that was implausible since the start, see
 WARNED_VALUES = 42  # for each k the value that was, 0 without
 LAST_REEL_OUT_SPEED = 42 + WARNING_KINDS  # input at the start of the last communication step [m/s]
 LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
-GIVEN_DERIVATIVES = LAST_KITE_LOAD + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+LAST_WINCH_LENGTH = LAST_KITE_LOAD + 3  # the same of the length of the winch [m]
+LAST_WINCH_SPEED = LAST_WINCH_LENGTH + 1  # its rate over the step before [m/s]
+GIVEN_DERIVATIVES = LAST_WINCH_SPEED + 1  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 
@@ -97,6 +100,7 @@ AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
+WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 

@@ -9,7 +9,7 @@ from inspect import cleandoc
 from math import inf, pi
 from typing import Any, NamedTuple
 
-from .dependencies import FORCE, FORM, LENGTH
+from .dependencies import FORCE, FORM, LENGTH, REELING
 from .limits import LARGEST_INTEGER, MAX_SEGMENTS
 from .quantities import DEGREES, Quantity, places_of
 
@@ -86,6 +86,7 @@ class Outputs(NamedTuple):
         (*LENGTH, "axial_damping"),
         NOT_NEGATIVE,
     )
+    winch_speed: float = output("m/s", "present reel-out speed, whatever controls the winch", REELING)
     wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE)
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
     solver_steps: int = output("", "internal steps of the solver since the start", (), COUNTED)

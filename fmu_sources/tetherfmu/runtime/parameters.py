@@ -152,6 +152,26 @@ class Solver:
 
 @documented
 @dataclass(frozen=True)
+class Winch:
+    """What the winch at the ground end is told. ValueError if a number is out of range.
+
+    >>> Winch(winch_control="length").winch_control
+    3
+    """
+
+    winch_control: int = quantity(
+        1,
+        "",
+        "what the winch is told: a speed (reel_out_speed); a force; a length (winch_length)",
+        choices=("speed", "force", "length"),
+    )
+
+    def __post_init__(self):
+        check(self)
+
+
+@documented
+@dataclass(frozen=True)
 class FreeKite:
     """The mass at a free kite end. ValueError if a number is out of range.
 
@@ -168,6 +188,6 @@ class FreeKite:
 QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 
-def numbers_of(tethers, environment, solver):
+def numbers_of(tethers, environment, solver, winch):
     """The quantities of records in the order in which the kernel `pack` takes them, a list."""
-    return [getattr(record, name) for record in (*tethers, environment, solver) for name, _ in quantities(record)]
+    return [getattr(record, name) for record in (*tethers, environment, solver, winch) for name, _ in quantities(record)]

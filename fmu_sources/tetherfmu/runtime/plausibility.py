@@ -29,6 +29,7 @@ SENTENCES = {
     STRETCH: (
         "a segment is stretched by {strain:.3g} %; from {allowed:.3g} % on, ropes of most materials are broken; check "
         "kite_position (initial_kite_position of a free kite end), ground_position, initial_length, reel_out_speed, "
+        "winch_length, "
         "diameter and axial_stiffness, and their units"
     ),
     GROUND_ACCELERATION: _ACCELERATION,

@@ -22,6 +22,8 @@ ROUGHNESS_TOO_LARGE = 12
 NOT_THE_SAME_IN_SERIES = 13
 SEGMENTS_TOO_MANY = 14
 SEGMENTS_TOO_SHORT = 15
+# of the winch
+WINCH_TOO_SHORT = 16
 
 SENTENCES = {
     OK: "done",
@@ -62,6 +64,10 @@ SENTENCES = {
     SEGMENTS_TOO_MANY: "segments is {in_all!r} in all; it must be at most {most}",
     SEGMENTS_TOO_SHORT: (
         "initial_length is {length!r} m for {segments!r} segments; it must be at least {shortest} m for each"
+    ),
+    WINCH_TOO_SHORT: (
+        "the winch_length {winch_length} m over a step of {step} s would leave segments shorter than {shortest} m "
+        "(tether_length {length} m); give the length that the winch should have paid out, or use fewer segments"
     ),
 }
 

@@ -4,8 +4,7 @@ The inputs are interpreted once per step, for all variants (`inputs_of_step`):
 
     ends      position p, velocity v and acceleration a that are prescribed, see `end_motion.py`. With `end_velocities =
               given` v is an input; with `derived` it is a difference of positions, and the input is not read
-    reeling   the reel-out speed u continues at the rate (u - u_last)/max(h_last, h/4), in the first step 0, and with
-              `input_continuation = held` 0; the unstretched length then grows by u t + a t^2/2 within the step
+    reeling   a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time within the step, see `winch.py`
     load      on a free kite end: continues like the reel-out speed
     wind      held
 
@@ -24,97 +23,50 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, scale, vector_at
+from .continuation import given_derivatives, is_continued
 from .end_motion import (
     curve,
     derived_motion,
     difference,
     estimated_acceleration,
-    per_last_step,
     position_at,
     target,
     turning_accelerations,
     velocity_at,
 )
 from .properties import chain_at
+from .winch import length_at, rate_at, reeling_of_step, winch_speed
 
 StepInputs = namedtuple(
     "StepInputs",
-    "step ground kite ground_velocity kite_velocity length reel_out_speed reel_acceleration wind wind_rate load load_rate",
+    "step ground kite ground_velocity kite_velocity reeling winch_speed wind wind_rate load load_rate",
 )
 StepInputs.__doc__ = """What the inputs of a communication step mean.
 
 step : its length h [s].
 ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed for each end at the start of the step.
 ground_velocity, kite_velocity : given or derived, without given derivatives [m/s]: the next step compares its own with them.
-length, reel_out_speed, reel_acceleration : unstretched length at the start [m], its rate there [m/s], constant rate of that
-[m/s2].
+reeling : of the unstretched length, see `winch.py`.
+winch_speed : rate of `winch_length` over the last step, without given derivatives [m/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
 
 BoundaryConditions = namedtuple(
-    "BoundaryConditions", "n parameters ground kite first last length reeling reel_acceleration wind load load_rate"
+    "BoundaryConditions", "n parameters ground kite first last reeling wind load load_rate"
 )
 BoundaryConditions.__doc__ = """A chain and what acts on it during one communication step.
 
 n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `end_motion.curve`.
 first, last : first and last node that moves freely.
-length, reeling, reel_acceleration : unstretched length at the start [m], its rate there [m/s], constant rate of that [m/s2].
+reeling : of the unstretched length, see `winch.py`.
 wind : mean over the step, at the reference height [m/s].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
 
 
-# --- derivatives that the importer gives
-
-
-@kernel
-def given_derivative(state, place, estimate):
-    """Derivative of the input at a place [unit/s]: the given one, else the estimate."""
-    given = state[at.GIVEN_DERIVATIVES]
-    if given != 0.0 and int(given) >> place & 1 == 1:  # nearly always 0
-        return state[at.INPUT_DERIVATIVES + place]
-    return estimate
-
-
-@kernel
-def given_derivatives(state, place, estimates):
-    """The same of the three inputs from a place on."""
-    if state[at.GIVEN_DERIVATIVES] == 0.0:
-        return estimates
-    return (
-        given_derivative(state, place, estimates[0]),
-        given_derivative(state, place + 1, estimates[1]),
-        given_derivative(state, place + 2, estimates[2]),
-    )
-
-
-@kernel
-def consume_given_derivatives(state):
-    """Forget the given derivatives in the state (modified)."""
-    if state[at.GIVEN_DERIVATIVES] != 0.0:
-        for k in range(at.GIVEN_DERIVATIVES, at.INPUT_DERIVATIVES + at.INPUTS):
-            state[k] = 0.0
-
-
 # --- inputs that continue within a step
-
-
-@kernel
-def is_continued(parameters):
-    """Whether inputs continue linearly within a step, and are not held."""
-    return parameters[at.INPUT_CONTINUATION] != at.HELD
-
-
-@kernel
-def reel_acceleration(parameters, inputs, step, state):
-    """Rate [m/s2] at which the reel-out speed continues in a step [s]."""
-    estimate = 0.0
-    if is_continued(parameters) and state[at.LAST_STEP] > 0.0:
-        change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
-        estimate = change * per_last_step(state[at.LAST_STEP], step)
-    return given_derivative(state, at.REEL_OUT_SPEED, estimate)
 
 
 @kernel
@@ -125,21 +77,6 @@ def load_rate(parameters, inputs, step, state):
         last = vector_at(state, at.LAST_KITE_LOAD)
         estimate = estimated_acceleration(vector_at(inputs, at.KITE_LOAD), last, state[at.LAST_STEP], step)
     return given_derivatives(state, at.KITE_LOAD, estimate)
-
-
-@kernel
-def reeled(length, speed, acceleration, time):
-    """Unstretched length [m] after a time [s], from the length [m], speed [m/s] and its rate [m/s2] at the start."""
-    return length + speed * time + 0.5 * acceleration * time * time
-
-
-@kernel
-def shortest_reeled(length, speed, acceleration, step):
-    """Least unstretched length [m] during a step [s]: at its end, or where the reeling turns round."""
-    least = reeled(length, speed, acceleration, step)
-    if speed < 0.0 and speed + acceleration * step > 0.0:
-        least = min(least, reeled(length, speed, acceleration, -speed / acceleration))
-    return least
 
 
 # --- ends
@@ -224,9 +161,8 @@ def inputs_of_step(parameters, inputs, step, state):
         motion_of_end(parameters, inputs, at.KITE_POSITION, kite, last_kite, step, state),
         ground,
         kite,
-        state[at.LENGTH],
-        inputs[at.REEL_OUT_SPEED],
-        reel_acceleration(parameters, inputs, step, state),
+        reeling_of_step(parameters, inputs, step, state),
+        winch_speed(inputs, state),
         vector_at(inputs, at.WIND_VELOCITY),
         given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
         vector_at(inputs, at.KITE_LOAD),
@@ -250,9 +186,7 @@ def conditions_of_chain(n, parameters, given, state, x, v):
         curve(get(x, n), get(v, n), *kite, step),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
-        given.length,
-        given.reel_out_speed,
-        given.reel_acceleration,
+        given.reeling,
         add_scaled(given.wind, 0.5 * step, given.wind_rate),
         scale(1.0 if kite_is_free else 0.0, given.load),
         scale(1.0 if kite_is_free else 0.0, given.load_rate),
@@ -262,9 +196,8 @@ def conditions_of_chain(n, parameters, given, state, x, v):
 @view
 def chain_during(conditions, time):
     """The `Chain` at a time [s] of the communication step."""
-    length = reeled(conditions.length, conditions.reeling, conditions.reel_acceleration, time)
-    reeling = conditions.reeling + conditions.reel_acceleration * time
-    return chain_at(conditions.n, conditions.parameters, length, reeling, conditions.wind)
+    length, rate = length_at(conditions.reeling, time), rate_at(conditions.reeling, time)
+    return chain_at(conditions.n, conditions.parameters, length, rate, conditions.wind)
 
 
 @kernel

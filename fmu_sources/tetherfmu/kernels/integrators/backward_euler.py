@@ -285,7 +285,7 @@ def step(conditions, time, h, in_any_case, x, v, w):
     guess(attempt, x, w)
     add_drag(attempt, w.x, w)
     phi, _ = potential(attempt, w.x, w)
-    goal = CLOSE * conditions.length / conditions.n
+    goal = CLOSE * conditions.reeling[0] / conditions.n
     iterations = 0
     farthest = inf
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS

@@ -18,7 +18,7 @@ from collections import namedtuple
 
 from ..arrays import behind, copy, shared_arrays, shared_size, split
 from ..compilation import kernel, part, view
-from ..equations import assembly
+from ..equations import assembly, winch
 from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
 from ..equations.properties import point_mass
@@ -94,7 +94,7 @@ def prepare(conditions, time, h, x, v, w):
     interleave(n, v, w.start_v)
     assembly.node_masses(chain, w.mass)
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
-    assembly.add_rate_from_acceleration(chain, conditions.reel_acceleration, x, w.records, w.q)
+    assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
     put(w.q, n, add(get(w.q, n), conditions.load_rate))
     if conditions.first == 1:
         end, rate = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
@@ -108,17 +108,11 @@ def prepare(conditions, time, h, x, v, w):
 
 
 @kernel
-def is_reeling(conditions):
-    """Whether the unstretched length changes in the communication step, and with it the masses of the nodes."""
-    return conditions.reeling != 0.0 or conditions.reel_acceleration != 0.0
-
-
-@kernel
 def stage_masses(conditions, stage, time, w):
     """Node masses at a stage [kg] into w.stage_mass (modified), which has those of the stage before."""
     if stage == 0:
         copy(w.mass, w.stage_mass)
-    elif is_reeling(conditions) and ALPHA[stage] != ALPHA[stage - 1]:
+    elif winch.is_reeling(conditions.reeling) and ALPHA[stage] != ALPHA[stage - 1]:
         assembly.node_masses(chain_during(conditions, time), w.stage_mass)
 
 
@@ -137,7 +131,7 @@ def take_force_rate(conditions, time, w):
     """
     n = conditions.n
     interleave(n, w.q, w.force_rate)
-    if not is_reeling(conditions):
+    if not winch.is_reeling(conditions.reeling):
         return
     chain = chain_during(conditions, time)
     for k in range(n // 2 + 1):

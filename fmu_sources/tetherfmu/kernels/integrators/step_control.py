@@ -101,7 +101,7 @@ def allowed_errors(conditions, v):
     after falling freely over one segment.
     """
     tolerance = conditions.parameters[at.RELATIVE_TOLERANCE]
-    segment_length = conditions.length / conditions.n
+    segment_length = conditions.reeling[0] / conditions.n
     square = max(2.0 * conditions.parameters[at.GRAVITY] * segment_length, square_of_wind(conditions))
     for i in range(conditions.n + 1):
         square = max(square, dot(get(v, i), get(v, i)))

@@ -152,6 +152,7 @@ def complete(n, state, outputs):
     x, v = positions_and_velocities(n, state)
     put_at(outputs, at.OUTPUT_KITE_POSITION, get(x, n))
     put_at(outputs, at.OUTPUT_KITE_VELOCITY, get(v, n))
+    outputs[at.WINCH_SPEED] = state[at.REELING]
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_ITERATIONS] = min(state[at.ITERATIONS], at.LARGEST_INTEGER)

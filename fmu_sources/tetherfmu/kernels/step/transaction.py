@@ -6,13 +6,22 @@ The state is copied once, before a step; a refused step gets it back, bit for bi
 from math import inf
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, REELED_TOO_SHORT, STATE_NOT_FINITE, STEP_NOT_POSITIVE
+from tetherfmu.runtime.status import (
+    INPUT_NOT_FINITE,
+    OK,
+    REELED_TOO_SHORT,
+    STATE_NOT_FINITE,
+    STEP_NOT_POSITIVE,
+    WINCH_TOO_SHORT,
+)
 
 from ..arrays import copy, state_size
 from ..compilation import kernel
-from ..equations.boundary import consume_given_derivatives, place_at_start, reeled, shortest_reeled
+from ..equations import winch
+from ..equations.boundary import place_at_start
+from ..equations.continuation import consume_given_derivatives
 from ..equations.properties import chain_at, rest_length
-from ..linear_algebra.vectors import add_scaled, put_at, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, put_at, vector_at
 from .plausibility import note_shape, note_step
 
 
@@ -43,10 +52,10 @@ def start(n, parameters, inputs, state):
     for k in range(state_size(n)):
         state[k] = 0.0
     place_at_start(n, parameters, inputs, state)
-    state[at.LENGTH] = parameters[at.INITIAL_LENGTH]
+    state[at.LENGTH] = winch.first_length(parameters, inputs)
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
-    return OK
+    return check_length(n, parameters, state[at.LENGTH])
 
 
 @kernel
@@ -69,23 +78,24 @@ def check_step(inputs, step):
 
 
 @kernel
-def check_reeling(n, parameters, given):
-    """OK, or REELED_TOO_SHORT if `StepInputs` reel in so far that a segment becomes too short."""
-    least = shortest_reeled(given.length, given.reel_out_speed, given.reel_acceleration, given.step)
-    shortest = chain_at(n, parameters, least, 0.0, given.wind)
+def check_length(n, parameters, length):
+    """OK, or REELED_TOO_SHORT or WINCH_TOO_SHORT if a segment is too short in an unstretched length [m]."""
+    chain = chain_at(n, parameters, length, 0.0, ZERO_VECTOR)
     for s in range(n):
-        if rest_length(shortest, s) < at.MIN_SEGMENT_LENGTH:
-            return REELED_TOO_SHORT
+        if rest_length(chain, s) < at.MIN_SEGMENT_LENGTH:
+            return WINCH_TOO_SHORT if winch.follows_length(parameters) else REELED_TOO_SHORT
     return OK
 
 
 @kernel
 def remember(inputs, given, state):
     """Header of the state (modified) after a communication step with `StepInputs`."""
-    speed, acceleration, step = given.reel_out_speed, given.reel_acceleration, given.step
-    state[at.LENGTH] = reeled(given.length, speed, acceleration, step)
-    state[at.REELING] = speed + acceleration * step
-    state[at.LAST_REEL_OUT_SPEED] = speed
+    step = given.step
+    state[at.LENGTH] = winch.length_at(given.reeling, step)
+    state[at.REELING] = winch.rate_at(given.reeling, step)
+    state[at.LAST_REEL_OUT_SPEED] = inputs[at.REEL_OUT_SPEED]
+    state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
+    state[at.LAST_WINCH_SPEED] = given.winch_speed
     put_at(state, at.LAST_KITE_LOAD, given.load)
     state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step

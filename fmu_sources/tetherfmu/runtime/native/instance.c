@@ -166,6 +166,7 @@ static void sentence_of(
         real("value", values[place]),
         real("step", step),
         real("reel_out_speed", values[AT_REEL_OUT_SPEED]),
+        real("winch_length", values[AT_WINCH_LENGTH]),
         real("length", arrays->state[AT_LENGTH]),
         real("distance", sqrt(square)),
         real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),

@@ -1,0 +1,44 @@
+"""How inputs continue within a step, and the derivatives that the importer gives for it.
+
+A given derivative replaces what the tether would estimate. Given derivatives wait in the state for the step that consumes
+them. Theory: docs/models/theory.md, "Inputs within a step".
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+
+
+@kernel
+def given_derivative(state, place, estimate):
+    """Derivative of the input at a place [unit/s]: the given one, else the estimate."""
+    given = state[at.GIVEN_DERIVATIVES]
+    if given != 0.0 and int(given) >> place & 1 == 1:  # nearly always 0
+        return state[at.INPUT_DERIVATIVES + place]
+    return estimate
+
+
+@kernel
+def given_derivatives(state, place, estimates):
+    """The same of the three inputs from a place on."""
+    if state[at.GIVEN_DERIVATIVES] == 0.0:
+        return estimates
+    return (
+        given_derivative(state, place, estimates[0]),
+        given_derivative(state, place + 1, estimates[1]),
+        given_derivative(state, place + 2, estimates[2]),
+    )
+
+
+@kernel
+def consume_given_derivatives(state):
+    """Forget the given derivatives in the state (modified)."""
+    if state[at.GIVEN_DERIVATIVES] != 0.0:
+        for k in range(at.GIVEN_DERIVATIVES, at.INPUT_DERIVATIVES + at.INPUTS):
+            state[k] = 0.0
+
+
+@kernel
+def is_continued(parameters):
+    """Whether inputs continue linearly within a step, and are not held."""
+    return parameters[at.INPUT_CONTINUATION] != at.HELD

@@ -1,0 +1,121 @@
+"""The unstretched length within a communication step: a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time.
+
+`winch_control` says what the winch is told:
+
+    speed     the reel-out speed u continues at the rate a = (u - u_last)/max(h_last, h/4), in the first step and with
+              `input_continuation = held` at the rate 0: the length grows by u t + a t^2/2
+    length    the length follows its input as a driven end follows its position (`end_motion.py`), from the length and the
+              speed that it has reached; the winch starts with the reel-out speed
+
+A derivative that the importer gives replaces the estimate: of the reel-out speed its rate, of the length its speed.
+
+Theory: docs/models/theory.md, "Winch".
+"""
+
+from math import sqrt
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from .continuation import given_derivative, is_continued
+from .end_motion import curve, derived_motion, per_last_step
+
+
+@kernel
+def length_at(reeling, time):
+    """Unstretched length [m] at a time [s] of the step."""
+    return reeling[0] + reeling[1] * time + reeling[2] * time * time + reeling[3] * time * time * time
+
+
+@kernel
+def rate_at(reeling, time):
+    """Its rate [m/s] at a time [s] of the step."""
+    return reeling[1] + 2.0 * reeling[2] * time + 3.0 * reeling[3] * time * time
+
+
+@kernel
+def acceleration_at(reeling, time):
+    """Its second derivative [m/s2] at a time [s] of the step."""
+    return 2.0 * reeling[2] + 6.0 * reeling[3] * time
+
+
+@kernel
+def is_reeling(reeling):
+    """Whether the unstretched length changes in the step."""
+    return reeling[1] != 0.0 or reeling[2] != 0.0 or reeling[3] != 0.0
+
+
+@kernel
+def shortest_length(reeling, step):
+    """Least unstretched length [m] during a step [s]: at its end, or where the reeling turns round."""
+    _, c1, c2, c3 = reeling
+    least = length_at(reeling, step)
+    square = c2 * c2 - 3.0 * c3 * c1
+    if square > 0.0:
+        turn = 0.0
+        if c2 > 0.0:
+            turn = -c1 / (c2 + sqrt(square))
+        elif c3 > 0.0:
+            turn = (sqrt(square) - c2) / (3.0 * c3)
+        if turn > 0.0 and turn < step:
+            least = min(least, length_at(reeling, turn))
+    return least
+
+
+@kernel
+def follows_length(parameters):
+    """Whether the winch is told a length."""
+    return parameters[at.WINCH_CONTROL] == at.WINCH_BY_LENGTH
+
+
+@kernel
+def first_length(parameters, inputs):
+    """Unstretched length [m] at the start."""
+    if follows_length(parameters) and inputs[at.WINCH_LENGTH] != 0.0:
+        return inputs[at.WINCH_LENGTH]
+    return parameters[at.INITIAL_LENGTH]
+
+
+@kernel
+def reel_acceleration(parameters, inputs, step, state):
+    """Rate [m/s2] at which the reel-out speed continues in a step [s]."""
+    estimate = 0.0
+    if is_continued(parameters) and state[at.LAST_STEP] > 0.0:
+        change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
+        estimate = change * per_last_step(state[at.LAST_STEP], step)
+    return given_derivative(state, at.REEL_OUT_SPEED, estimate)
+
+
+@kernel
+def winch_speed(inputs, state):
+    """Rate of `winch_length` over the last step [m/s]; before the second the speed with which the winch starts."""
+    if state[at.LAST_STEP] > 0.0:
+        return (inputs[at.WINCH_LENGTH] - state[at.LAST_WINCH_LENGTH]) / state[at.LAST_STEP]
+    return state[at.REELING]
+
+
+@kernel
+def on_axis(number):
+    """A number as a vector, for the functions of driven ends."""
+    return number, 0.0, 0.0
+
+
+@kernel
+def following(inputs, step, state):
+    """Coefficients of the length that follows `winch_length` in a step [s]."""
+    speed, last = winch_speed(inputs, state), state[at.LAST_WINCH_SPEED]
+    length, last_step, step_before = inputs[at.WINCH_LENGTH], state[at.LAST_STEP], state[at.STEP_BEFORE]
+    motion = derived_motion(on_axis(length), on_axis(speed), on_axis(last), last_step, step_before, step)
+    speed = on_axis(given_derivative(state, at.WINCH_LENGTH, motion[1][0]))
+    reached, reached_speed = on_axis(state[at.LENGTH]), on_axis(state[at.REELING])
+    c0, c1, c2, c3 = curve(reached, reached_speed, motion[0], speed, motion[2], step)
+    return c0[0], c1[0], c2[0], c3[0]
+
+
+@kernel
+def reeling_of_step(parameters, inputs, step, state):
+    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state."""
+    if follows_length(parameters):
+        return following(inputs, step, state)
+    acceleration = reel_acceleration(parameters, inputs, step, state)
+    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * acceleration, 0.0
