@@ -21,6 +21,9 @@ from .continuation import given_derivative, is_continued
 from .end_motion import curve, derived_motion, per_last_step
 
 
+NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
+
+
 @kernel
 def length_at(reeling, time):
     """Unstretched length [m] at a time [s] of the step."""
@@ -118,4 +121,4 @@ def reeling_of_step(parameters, inputs, step, state):
     if follows_length(parameters):
         return following(inputs, step, state)
     acceleration = reel_acceleration(parameters, inputs, step, state)
-    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * acceleration, 0.0
+    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * acceleration, NEUTRAL
