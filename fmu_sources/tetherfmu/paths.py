@@ -105,8 +105,8 @@ def inputs_along(
 
     kite, ground : ends that move, or positions [m] of ends that stay; None: at the start values of `kite_position` and
     `ground_position`, wherever `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite
-    end) [N], winch_length (with `winch_control` = length) [m] : constant, or functions of time [s].  start : time of the first step [s].  ValueError if an end is something
-    else.
+    end) [N], winch_length (with `winch_control` = length) [m] : constant, or functions of time [s].  start : time of the
+    first step [s].  ValueError if an end is something else.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 20)
@@ -115,7 +115,7 @@ def inputs_along(
     ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
     ends = [(name, end_of(name, end)) for name, end in ends]
     signals = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
-    signals["winch_length"] = winch_length
+    signals |= {"winch_length": winch_length}
     columns = by_name(rows)
     for k in range(steps):
         time = start + k * step

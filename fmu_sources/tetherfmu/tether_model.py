@@ -286,6 +286,8 @@ class TetherModel:
                 raise ValueError(
                     "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
                 )
+            if self._parameters[at.WINCH_CONTROL] == at.WINCH_BY_LENGTH:
+                raise ValueError("tether_length is given beside winch_control = length; give winch_length")
             length = arguments.number("tether_length", tether_length, "m")
             self._state[at.LENGTH] = length - self._inputs[at.REEL_OUT_SPEED] * step
             self._parameters[at.INPUT_CONTINUATION] = at.HELD

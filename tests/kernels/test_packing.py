@@ -72,7 +72,9 @@ def test_tethers_in_series():
     upper = Tether(segments=3, initial_length=50.0, axial_stiffness=7e5, axial_damping=11.0)
     environment, solver = Environment(gravity=9.7, wind_profile="explog"), Solver(fixed_step=0.01)
     masses, free_ends = ((2, 4.0), (5, 6.0)), (True, False)
-    n, parameters = pack_records(kernels("dynamic"), (lower, upper), environment, solver, masses, free_ends)
+    n, parameters = pack_records(
+        kernels("dynamic"), (lower, upper), environment, solver, point_masses=masses, free_ends=free_ends
+    )
     assert n == 5
     tethers = [lower] * 2 + [upper] * 3
     expected = {
@@ -109,7 +111,8 @@ def test_limits_of_each_parameter(number):
     if declared.kind == "Real":
         beyond = (np.nextafter(lowest, -inf), np.nextafter(highest, inf), nan, inf, -inf)
     else:
-        beyond = (lowest - 1, highest + 1, nan, inf, -inf, 1e300, -1e300, *((1.5,) if quantity.choices else ()))
+        unused = (number for number, name in enumerate(quantity.choices, start=1) if not name)
+        beyond = (lowest - 1, highest + 1, nan, inf, -inf, 1e300, -1e300, *((1.5,) if quantity.choices else ()), *unused)
     for value in map(float, beyond):
         shown = int(value) if declared.kind != "Real" and value.is_integer() else value
         said = refusal(1, **{declared.name: value})

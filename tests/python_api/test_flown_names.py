@@ -23,8 +23,8 @@ def test_columns_are_the_outputs_of_the_steps():
 def test_scalars_are_all_outputs_but_vectors():
     assert set(SCALARS) == {
         "ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth",
-        "slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag", "solver_steps",
-        "solver_rejections", "solver_iterations",
+        "slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag", "winch_speed",
+        "solver_steps", "solver_rejections", "solver_iterations",
     }  # fmt: skip
 
 

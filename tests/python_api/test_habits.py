@@ -14,6 +14,7 @@ from tetherfmu import (
     TetherStraight,
 )
 from tetherfmu.runtime import status
+from tetherfmu.runtime.inputs import COUNT
 from tetherfmu.runtime.variants import TABLE
 
 KITE, WIND = (300.0, 0.0, 400.0), (8.0, 1.0, 0.0)
@@ -56,7 +57,7 @@ def test_nothing_before_the_start(model):
     asked = [
         lambda: tether.step(0.02),
         tether.outputs,
-        lambda: tether.fly(np.zeros((1, 19)), 0.02),
+        lambda: tether.fly(np.zeros((1, COUNT)), 0.02),
         lambda: tether.positions,
     ]
     for ask in asked:

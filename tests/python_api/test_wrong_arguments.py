@@ -5,6 +5,7 @@ import pytest
 
 import tetherfmu
 from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, inputs_along, kite_at, tether_of
+from tetherfmu.runtime.inputs import COUNT
 
 
 def running(model=TetherDynamic, **quantities):
@@ -77,7 +78,7 @@ WRONG = {
         r"must be a number \[m\]",
     ),
     "flown in words": (
-        lambda: running().fly(np.zeros((3, 19)), "soon"),
+        lambda: running().fly(np.zeros((3, COUNT)), "soon"),
         ValueError,
         r"step is 'soon'; it must be a number \[s\]",
     ),
@@ -100,14 +101,14 @@ WRONG = {
         "TetherQuasiSteady is always in equilibrium",
     ),
     "far nodes": (lambda: TetherDynamic().initialize(positions=np.full((21, 3), np.inf)), ValueError, "not finite"),
-    "flight": (lambda: running().fly(np.zeros((3, 4)), 0.02), ValueError, r"shape \(3, 4\); it must be \(steps, 19\)"),
+    "flight": (lambda: running().fly(np.zeros((3, 4)), 0.02), ValueError, rf"shape \(3, 4\); it must be \(steps, {COUNT}\)"),
     "rows": (
-        lambda: running().fly(np.zeros((3, 19)), 0.02, every=-1),
+        lambda: running().fly(np.zeros((3, COUNT)), 0.02, every=-1),
         ValueError,
         "every is -1; it must be a whole number of at least 0",
     ),
     "what to do": (
-        lambda: running().fly(np.zeros((3, 19)), 0.02, on_refusal="ignore"),
+        lambda: running().fly(np.zeros((3, COUNT)), 0.02, on_refusal="ignore"),
         ValueError,
         "on_refusal is 'ignore'; it must be one of 'raise', 'stop', 'skip'",
     ),

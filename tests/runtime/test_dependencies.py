@@ -25,6 +25,7 @@ SCENE = {  # nothing at zero, nothing along an axis, all that a wind profile rea
     "wind_exponent": 0.2,
     "surface_roughness": 0.1,
     "air_density_scale_height": 8550.0,
+    "winch_length": 507.0,
 }
 # taut; 2 mm less than the distance of the ends, 499.418 m, and more; slack
 LENGTHS = (495.0, 499.416, 499.5, 520.0)
@@ -50,7 +51,8 @@ def other_value(host, known):
     """Another allowed value of an input or parameter."""
     value = host.get(known.name)
     if known.declaredType is not None:
-        return value % len(known.declaredType.items) + 1
+        numbers = [int(item.value) for item in known.declaredType.items]
+        return numbers[(numbers.index(value) + 1) % len(numbers)]
     if known.type == "Integer":
         return value + 2
     if known.name == "slack_damping_ratio":
@@ -98,6 +100,10 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     for length, shape, law in product(LENGTHS, SHAPES, LAWS):
         host.set(initial_length=length, initial_shape=shape, damping_law=law)
         seen |= see_dependencies(host, knowns, outputs)
+    host.set(winch_control=3)
+    for length in LENGTHS:
+        host.set(winch_length=length)
+        seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)
     assert not seen - declared, sorted(seen - declared)
     unseen = sorted(pair for pair in declared - seen if not not_seen(fmu, *pair))
     assert not unseen, unseen

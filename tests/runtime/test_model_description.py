@@ -15,11 +15,11 @@ VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "ou
 DRIVEN = {"input": ["kite_position", "kite_velocity"], "output": []}
 FREE = {"input": ["kite_load"], "output": ["kite_position", "kite_velocity"]}
 SCALARS = {
-    "input": ["reel_out_speed"],
+    "input": ["reel_out_speed", "winch_length"],
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("solver_steps", "solver_rejections", "solver_iterations"),
+        *("solver_steps", "solver_rejections", "solver_iterations", "winch_speed"),
     ],
 }
 PARAMETERS = {  # name: (start, unit), as the page says
@@ -45,6 +45,7 @@ PARAMETERS = {  # name: (start, unit), as the page says
     "initial_shape": ("1", None),
     "end_velocities": ("1", None),
     "input_continuation": ("1", None),
+    "winch_control": ("1", None),
 }
 
 PARAMETERS_OF_A_FREE_KITE = {

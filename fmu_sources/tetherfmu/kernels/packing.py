@@ -30,6 +30,9 @@ _CHOICES = [len(each.quantity.choices) for each in PARAMETERS]
 MINIMA = np.array([1.0 if choices else each.quantity.minimum for each, choices in zip(PARAMETERS, _CHOICES, strict=True)])
 MAXIMA = np.array([choices or each.quantity.maximum for each, choices in zip(PARAMETERS, _CHOICES, strict=True)], float)
 IS_REAL = np.array([each.kind == "Real" for each in PARAMETERS])
+NOT_IN_USE = np.array(
+    [0 if all(each.quantity.choices) else each.quantity.choices.index("") + 1 for each in PARAMETERS], float
+)
 IS_ENUMERATION = np.array([each.kind == "Enumeration" for each in PARAMETERS])
 NOWHERE = -1
 PLACES = np.array([getattr(at, name.upper(), NOWHERE) for name in _NAMES])  # of the scalars in the `parameters` array
@@ -70,7 +73,7 @@ def check_quantity(value, k, number):
     """Status: whether quantity k, which is declared under this number, has an allowed value."""
     if not (MINIMA[number] <= value <= MAXIMA[number]):  # nor has NaN
         return refused(PARAMETER_OUT_OF_RANGE, k)
-    if IS_REAL[number] or is_whole(value):
+    if IS_REAL[number] or (is_whole(value) and value != NOT_IN_USE[number]):
         return OK
     return refused(PARAMETER_OUT_OF_RANGE if IS_ENUMERATION[number] else PARAMETER_NOT_WHOLE, k)
 

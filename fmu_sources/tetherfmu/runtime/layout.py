@@ -100,7 +100,7 @@ AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
-WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
+WINCH_BY_SPEED, WINCH_BY_LENGTH = 1, 3  # 2 is kept for a winch that is told a force
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 

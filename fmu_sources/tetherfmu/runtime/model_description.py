@@ -87,8 +87,7 @@ def types(table):
 
 def items(variable):
     """The values of an enumeration: list of Item."""
-    choices = enumerate(variable.quantity.choices, start=1)
-    return [Element("Item", name=name, value=str(value)) for value, name in choices]
+    return [Element("Item", name=name, value=str(value)) for name, value in variable.quantity.numbers.items()]
 
 
 def attributes(name, reference, meaning, elements):

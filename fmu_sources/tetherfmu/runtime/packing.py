@@ -29,7 +29,7 @@ def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
     return segments, parameters
 
 
-def pack_records(kernels, tethers, environment, solver, winch=Winch(), *, point_masses=(), free_ends=(False, False)):
+def pack_records(kernels, tethers, environment, solver, winch=Winch(), *, point_masses=(), free_ends=(False, False)):  # noqa: B008
     """As `pack`, of records.
 
     tethers : in series from the ground to the kite; all reel in proportion to their lengths.  point_masses : pairs

@@ -162,8 +162,8 @@ class Winch:
     winch_control: int = quantity(
         1,
         "",
-        "what the winch is told: a speed (reel_out_speed); a force; a length (winch_length)",
-        choices=("speed", "force", "length"),
+        "what the winch is told: a speed (reel_out_speed), or a length (winch_length)",
+        choices=("speed", "", "length"),
     )
 
     def __post_init__(self):
@@ -188,6 +188,6 @@ class FreeKite:
 QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 
-def numbers_of(tethers, environment, solver, winch):
+def numbers_of(tethers, environment, solver, winch=Winch()):
     """The quantities of records in the order in which the kernel `pack` takes them, a list."""
     return [getattr(record, name) for record in (*tethers, environment, solver, winch) for name, _ in quantities(record)]

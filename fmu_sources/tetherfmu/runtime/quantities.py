@@ -16,13 +16,18 @@ class Quantity:
     meaning: str  # one line for people
     minimum: float = -inf  # allowed, as the maximum
     maximum: float = inf
-    choices: tuple = ()  # names of an enumeration, in the order of its numbers 1, 2, ...
+    choices: tuple = ()  # names of an enumeration, in the order of its numbers 1, 2, ...; "" for a number that is not in use
     display: tuple = ()  # (unit, factor) for people: shown value = factor times value
+
+    @property
+    def numbers(self):
+        """The numbers of an enumeration by their names."""
+        return {name: number for number, name in enumerate(self.choices, start=1) if name}
 
     def range(self):
         """The allowed range in words."""
         if self.choices:
-            return "one of " + ", ".join(f"{number} ({name})" for number, name in enumerate(self.choices, start=1))
+            return "one of " + ", ".join(f"{number} ({name})" for name, number in self.numbers.items())
         unit = f" {self.unit}" if self.unit else ""
         lower = f"at least {self.minimum:g}{unit}"
         upper = f"at most {self.maximum:g}{unit}"
@@ -37,7 +42,7 @@ class Quantity:
         except (TypeError, ValueError):
             return False
         if self.choices:
-            return number in range(1, len(self.choices) + 1)
+            return number in self.numbers.values()
         return isfinite(number) and self.minimum <= number <= self.maximum
 
 
@@ -74,8 +79,8 @@ def check(record):
     """Check every quantity of a record, and number what an enumeration names; ValueError names one out of range."""
     for name, declared in quantities(record):
         value = getattr(record, name)
-        if isinstance(value, str) and value in declared.choices:
-            value = declared.choices.index(value) + 1
+        if isinstance(value, str) and value in declared.numbers:
+            value = declared.numbers[value]
             object.__setattr__(record, name, value)  # records are frozen
         checked(name, value, declared)
         whole = declared.choices or isinstance(record.__dataclass_fields__[name].default, int)

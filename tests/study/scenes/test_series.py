@@ -97,6 +97,22 @@ def test_velocities_that_are_not_there_are_derived(tmp_path, columns, expected):
     assert not np.array_equal(run(scene, config).flown.kite_force, as_advised)
 
 
+@pytest.mark.parametrize("name", ["tether_length", "winch_length"])
+def test_a_length_leads_the_winch(tmp_path, name):
+    """The advised FMU is told the length, and FMPy hands it the column that has the name of the input."""
+    told = {name: lambda time: 507.5 + 0.4 * np.sin(time)}
+    scene_file = scene_of(tmp_path, 3.0, text=WITHOUT_LENGTH, **told)
+    _, _, _, options = advised(scene_file, 0, ("x86_64-linux",))
+    starts = dict(options.starts)
+    assert (starts["winch_control"], starts["initial_length"]) == (at.WINCH_BY_LENGTH, 507.5)
+    scene, config = load(scene_file), Config("dynamic", 6, 1e-4, 0.02)
+    lengths = run(scene, config).flown.of("tether_length")
+    times = scene.every * np.arange(1, len(lengths) + 1)
+    np.testing.assert_allclose(lengths, 507.5 + 0.4 * np.sin(times), rtol=0, atol=2e-3)  # of the spline between the rows
+    led_by_speed = run(scene, config, exact=True).flown.of("tether_length")
+    np.testing.assert_allclose(lengths, led_by_speed, rtol=0, atol=1e-5)
+
+
 def averaged(column):
     """A cubic through 21 rows, 2 s, in their middle (Savitzky and Golay 1964); the ends by what is there of it."""
     from scipy.signal import savgol_filter

@@ -52,9 +52,7 @@ wind, wind_rate : at the start, at the reference height [m/s], and its constant 
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
 
-BoundaryConditions = namedtuple(
-    "BoundaryConditions", "n parameters ground kite first last reeling wind load load_rate"
-)
+BoundaryConditions = namedtuple("BoundaryConditions", "n parameters ground kite first last reeling wind load load_rate")
 BoundaryConditions.__doc__ = """A chain and what acts on it during one communication step.
 
 n, parameters : number of segments and flat array of the chain, see `layout.py`.

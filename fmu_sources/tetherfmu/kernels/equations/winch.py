@@ -20,7 +20,6 @@ from ..compilation import kernel
 from .continuation import given_derivative, is_continued
 from .end_motion import curve, derived_motion, per_last_step
 
-
 NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
 
 

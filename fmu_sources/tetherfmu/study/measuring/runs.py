@@ -73,12 +73,18 @@ def least_cost(scene, config):
 def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
-    return {**asdict(scene.tether), **asdict(scene.environment), **chosen, "end_velocities": end_velocities(scene)}
+    chosen |= {"end_velocities": end_velocities(scene), "winch_control": winch_control(scene)}
+    return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
 
 
 def end_velocities(scene):
     """What an importer can give: the velocities of the ends, or only positions."""
     return at.GIVEN if scene.flight.has_velocities else at.DERIVED
+
+
+def winch_control(scene):
+    """What an importer can tell the winch: a speed, or the length of a log."""
+    return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
 
 
 def run(scene, config, exact=False):
@@ -89,6 +95,7 @@ def run(scene, config, exact=False):
     inputs = scene.inputs(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
+    options["winch_control"] = at.WINCH_BY_SPEED if exact else winch_control(scene)
     with catch_warnings(**UNWARNED):
         model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options, shape_points=SHAPE_POINTS)
         try:

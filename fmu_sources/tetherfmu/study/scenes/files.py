@@ -123,6 +123,8 @@ class Scene:
             "reel_out_speed": speed[:, np.newaxis],
             "wind_velocity": self.wind(time + 0.5 * step * exact),
         }
+        if self.flight.has_length:
+            given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
         rows = np.zeros((len(time), COUNT))
         columns = by_name(rows)
         for name, numbers in given.items():
@@ -228,7 +230,8 @@ def value_of(kind, key, value, label):
     try:
         if declared is None:
             return SPECIAL[key](value)
-        number = 1 + declared.choices.index(value) if value in declared.choices else in_si(value, declared.unit)
+        is_named = isinstance(value, str) and value in declared.numbers
+        number = declared.numbers[value] if is_named else in_si(value, declared.unit)
     except ValueError as error:
         more = f", {declared.range()}" if declared else ""
         raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None

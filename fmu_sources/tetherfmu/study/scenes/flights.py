@@ -65,7 +65,8 @@ class Flight:
 
     wind = initial_length = None  # a series may bring its own, ...
     duration, contents = np.inf, b""  # ... has an end [s] and a file, ...
-    has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, and have noise
+    has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, and have noise, ...
+    has_length = False  # ... may give the unstretched length instead of its rate
     __post_init__ = check
 
     def ground(self, time):

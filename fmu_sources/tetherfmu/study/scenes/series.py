@@ -13,7 +13,9 @@ from .files import contents_of
 from .flights import Motion
 
 VECTORS = {each.name: components(each.name, each.size) for each in inputs_of(kite_is_free=False) if each.size > 1}
-COLUMNS = ("time", *chain(*VECTORS.values()), "reel_out_speed", "tether_length")
+LENGTHS = ("tether_length", "winch_length")  # unstretched: as it is logged; by the name of the input of an FMU
+REELING = ("reel_out_speed", *LENGTHS)
+COLUMNS = ("time", *chain(*VECTORS.values()), *REELING)
 FEWEST_ROWS = 4  # that a C2 spline needs
 LONGEST_NAME = 40  # characters of a column's name in a message
 JUDGED_ROWS = 10_000  # of which noise is sought
@@ -49,8 +51,8 @@ def problems(table, numbers):
         yield f"the column {name} is missing"
     if "ground_velocity" in given and "ground_position" not in given:
         yield "has columns of ground_velocity, but none of ground_position"
-    if {"reel_out_speed", "tether_length"} <= {*table}:
-        yield "has the columns reel_out_speed and tether_length; it must have one of them"
+    if len(told := [name for name in REELING if name in table]) > 1:
+        yield f"has the columns {' and '.join(told)}; it must have one of them"
     if len(table) < FEWEST_ROWS:
         yield f"has {len(table)} rows; it must have at least {FEWEST_ROWS}"
     for row in np.flatnonzero(np.diff(numbers["time"]) <= 0.0):
@@ -88,8 +90,9 @@ class Series:
 
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
     speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
-    [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves. `scatter`
-    [m] and `shaking` [m/s2] are those of `noise` at the kite. `contents` are the bytes of the file.
+    [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves,
+    `has_length` whether it gives the unstretched length. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the
+    kite. `contents` are the bytes of the file.
     """
 
     def __init__(self, path):
@@ -104,9 +107,11 @@ class Series:
         self.has_velocities = all(f"{end}_velocity" in given for end in ("kite", "ground") if f"{end}_position" in given)
         self.scatter, self.shaking = noise(time, given["kite_position"])
         self._ends = [curve(time, given.get(f"{end}_position"), given.get(f"{end}_velocity")) for end in ("kite", "ground")]
-        if "tether_length" in table:
-            self._length = PchipInterpolator(time, table["tether_length"])
-            self._speed, self.initial_length = self._length.derivative(), float(table["tether_length"].iloc[0])
+        lengths = next((table[name] for name in LENGTHS if name in table), None)
+        self.has_length = lengths is not None
+        if self.has_length:
+            self._length = PchipInterpolator(time, lengths)
+            self._speed, self.initial_length = self._length.derivative(), float(lengths.iloc[0])
         else:
             self._speed, self.initial_length = PchipInterpolator(time, table.get("reel_out_speed", 0.0 * time)), None
             self._length = self._speed.antiderivative()

@@ -1,0 +1,136 @@
+"""A winch that is told a length: the unstretched length follows it, in every tether."""
+
+import numpy as np
+import pytest
+
+from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherDynamicFree, TetherQuasiSteady, TetherStraight
+
+DRIVEN = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
+EVERY = (*DRIVEN, TetherDynamicFree)
+MEAN, SWING, RATE = 505.0, 2.0, 0.5  # [m], [m], [rad/s]
+
+
+def told(time):
+    """Length [m] that the winch should have paid out."""
+    return MEAN + SWING * np.sin(RATE * time)
+
+
+def speed_told(time):
+    return SWING * RATE * np.cos(RATE * time)
+
+
+def started(model, **options):
+    """A tether on its winch, whose kite stays."""
+    tether = model(winch_control="length", segments=5, **options)
+    tether.initialize(wind_velocity=(8.0, 0.0, 0.0), winch_length=told(0.0), reel_out_speed=speed_told(0.0))
+    return tether
+
+
+def errors(model, step):
+    """Largest errors of the length [m] and of its rate [m/s] in 10 s, and the tension at their end [N]."""
+    tether, found = started(model), []
+    for k in range(round(10.0 / step)):
+        outputs, end = tether.step(step, winch_length=told(k * step)), (k + 1) * step
+        found.append((abs(outputs.tether_length - told(end)), abs(outputs.winch_speed - speed_told(end))))
+    return *np.max(found, axis=0), outputs.kite_tension
+
+
+@pytest.mark.parametrize("model", EVERY)
+def test_length_is_third_order_in_the_step_and_its_rate_second(model):
+    coarse, fine = errors(model, 0.1), errors(model, 0.05)
+    assert coarse[0] / fine[0] == pytest.approx(8.0, rel=0.02)
+    assert coarse[1] / fine[1] == pytest.approx(4.0, rel=0.02)
+    # the length goes on from the last three values: h^3 times the third derivative of the length times 1 + 1/... at most
+    assert coarse[0] < 1.1 * 0.1**3 * SWING * RATE**3
+
+
+@pytest.mark.parametrize("model", DRIVEN)
+def test_force_is_that_of_the_length_reeled_by_its_speed(model):
+    """A tether whose winch is told the exact speed at small steps is the oracle."""
+    step = 0.0025
+    oracle = model(segments=5, initial_length=MEAN)
+    oracle.initialize(wind_velocity=(8.0, 0.0, 0.0), reel_out_speed=speed_told(0.0))
+    for k in range(round(10.0 / step)):
+        outputs = oracle.step(step, reel_out_speed=speed_told(k * step))
+    found = errors(model, 0.05)[2]
+    assert found == pytest.approx(outputs.kite_tension, rel=2e-3)
+    assert found != pytest.approx(model(segments=5).initialize(wind_velocity=(8.0, 0.0, 0.0)).kite_tension, rel=2e-3)
+
+
+@pytest.mark.parametrize("model", EVERY)
+def test_a_jump_is_no_jump_of_the_length(model):
+    """0.3 m more at once: the length and its rate go on from where they are, and the difference is made good in a step."""
+    step, tether = 0.1, model(winch_control="length", segments=5)
+    tether.initialize()
+    tether.step(step, winch_length=MEAN)
+    before = tether.step(step)
+    assert (before.tether_length, before.winch_speed) == (MEAN, 0.0)
+    tether.step(step, winch_length=MEAN + 0.3)
+    lengths = [tether.step(step).tether_length for _ in range(5)]
+    assert lengths[-1] == pytest.approx(MEAN + 0.3, abs=1e-12)
+    within = model(winch_control="length", segments=5)  # the same, looked at after a thousandth of that step
+    within.set_state(tether_after(model, step))
+    moved = within.step(1e-3 * step, winch_length=MEAN + 0.3).tether_length - MEAN
+    assert abs(moved) < 0.3
+
+
+def tether_after(model, step):
+    """State of a tether at rest after two steps with its length told."""
+    tether = model(winch_control="length", segments=5)
+    tether.initialize()
+    tether.step(step, winch_length=MEAN)
+    tether.step(step)
+    return tether.get_state()
+
+
+@pytest.mark.parametrize("model", EVERY)
+def test_start(model):
+    """With the length that is told, or with initial_length where none is."""
+    tether = model(winch_control="length", segments=5, initial_length=510.0)
+    assert tether.initialize().tether_length == 510.0
+    assert tether.initialize(winch_length=507.0).tether_length == 507.0
+    assert model(segments=5, initial_length=510.0).initialize(winch_length=507.0).tether_length == 510.0  # counts not
+
+
+@pytest.mark.parametrize("model", EVERY)
+def test_first_step_goes_on_with_the_reel_out_speed(model):
+    tether = model(winch_control="length", segments=5)
+    tether.initialize(winch_length=MEAN, reel_out_speed=2.0)
+    assert tether.step(0.1).tether_length == pytest.approx(MEAN + 0.2, abs=1e-12)
+
+
+@pytest.mark.parametrize("model", EVERY)
+@pytest.mark.parametrize("length", [0.0, -1.0, 0.04])
+def test_too_short_a_length_is_refused_and_the_state_kept(model, length):
+    tether = model(winch_control="length", segments=5)
+    tether.initialize(winch_length=MEAN)
+    before = tether.get_state()
+    if model not in (TetherCatenary, TetherStraight) or length <= 0.0:  # these have no segments that are too short
+        with pytest.raises(
+            StepRefused, match=f"the winch_length {length} m over a step of 0.1 s would leave segments shorter"
+        ):
+            tether.step(0.1, winch_length=length)
+        np.testing.assert_array_equal(tether.get_state(), before)
+    assert tether.step(0.1, winch_length=MEAN).tether_length == MEAN
+
+
+@pytest.mark.parametrize("model", DRIVEN)
+def test_fly_equals_a_loop_of_steps(model):
+    from tetherfmu import inputs_along
+
+    flown, stepped = started(model), started(model)
+    rows = inputs_along(40, 0.05, wind_velocity=(8.0, 0.0, 0.0), winch_length=told)
+    found = flown.fly(rows, 0.05)
+    for k in range(40):
+        assert stepped.step(0.05, winch_length=told(k * 0.05)).kite_tension == found.of("kite_tension")[k]
+
+
+def test_speed_control_does_not_read_the_length():
+    one, other = (TetherDynamic(segments=5) for _ in range(2))
+    one.initialize()
+    other.initialize()
+    for k in range(5):
+        first = one.step(0.05, reel_out_speed=1.0)
+        second = other.step(0.05, reel_out_speed=1.0, winch_length=told(k))
+    assert first.kite_tension == second.kite_tension
+    assert first.winch_speed == 1.0
