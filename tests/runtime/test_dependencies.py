@@ -100,7 +100,7 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     for length, shape, law in product(LENGTHS, SHAPES, LAWS):
         host.set(initial_length=length, initial_shape=shape, damping_law=law)
         seen |= see_dependencies(host, knowns, outputs)
-    host.set(winch_control=3)
+    host.set(winch_control=3, initial_shape=1)
     for length in LENGTHS:
         host.set(winch_length=length)
         seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)

@@ -19,7 +19,7 @@ SCALARS = {
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("solver_steps", "solver_rejections", "solver_iterations", "winch_speed"),
+        *("winch_speed", "solver_steps", "solver_rejections", "solver_iterations"),
     ],
 }
 PARAMETERS = {  # name: (start, unit), as the page says

@@ -110,7 +110,7 @@ def test_a_length_leads_the_winch(tmp_path, name):
     times = scene.every * np.arange(1, len(lengths) + 1)
     np.testing.assert_allclose(lengths, 507.5 + 0.4 * np.sin(times), rtol=0, atol=2e-3)  # of the spline between the rows
     led_by_speed = run(scene, config, exact=True).flown.of("tether_length")
-    np.testing.assert_allclose(lengths, led_by_speed, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(lengths, led_by_speed, rtol=0, atol=2e-4)  # the curvature of the spline jumps at the rows
 
 
 def averaged(column):
