@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import zipfile
-from ctypes import CDLL
+from ctypes import CDLL, c_void_p
 from pathlib import Path
 
 import fmpy
@@ -121,7 +121,7 @@ def test_steps(fmi3_folder):
     before = host.outputs()
     with pytest.raises(FMICallException, match="discard"):
         host.step(STEP, wind_velocity=[0.0, math.nan, 0.0])
-    assert "tether: fmi3DoStep: the input wind_velocity[2] is nan" in host.messages[-1]
+    assert "tether: fmi3DoStep: the step from 0.02 s is refused: the input wind_velocity[2] is nan" in host.messages[-1]
     assert host.outputs() == before
     host.step(STEP, wind_velocity=[0.0, 0.0, 0.0])
     assert host.flags == (False, False, False, 2.0 * STEP)
@@ -195,6 +195,34 @@ def test_instances_that_are_refused(fmi3_folder):
     with pytest.raises(Exception, match="Failed to instantiate"):
         FMU3Model(instanceName="model", **facts).instantiate(logMessage=host.log)
     assert "this FMU is for co-simulation only" in host.messages[-1]
+
+
+@in_own_process
+def test_instances_and_states_are_told_apart(fmi3_folder):
+    """A state where an instance belongs, and the other way round: refused, nothing is freed, both can be used."""
+    host = Host(fmi3_folder / "TetherDynamic.fmu").start()
+    before, tether, state = blob_of(host), host.fmu.component, host.fmu.getFMUState()
+    itself = c_void_p(tether)
+    for call in (
+        lambda: host.fmu.setFMUState(itself),
+        lambda: host.fmu.freeFMUState(itself),
+        lambda: host.fmu.serializeFMUState(itself),
+    ):
+        with pytest.raises(FMICallException, match="error"):
+            call()
+        assert host.messages[-1].endswith("this is not a state of this FMU")
+        assert itself.value == tether
+    host.fmu.component = state
+    for call in (host.fmu.reset, host.fmu.enterInitializationMode, host.fmu.terminate, lambda: host.step(STEP)):
+        with pytest.raises(FMICallException, match="error"):
+            call()
+    host.fmu.fmi3FreeInstance(state)
+    host.fmu.component = tether
+    assert blob_of(host) == before
+    host.step(STEP)
+    host.fmu.setFMUState(state)
+    host.fmu.freeFMUState(state)
+    assert blob_of(host) == before
 
 
 @in_own_process

@@ -8,6 +8,7 @@ from math import dist
 
 from . import layout as at
 from . import plausibility, status
+from .saved_state import check_state
 from .variables import INPUT_NAMES, parameters_at
 
 OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
@@ -108,9 +109,8 @@ class Instance:
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """
-        noted = plausibility.kinds(state)
-        plausibility.bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)
-        self._warned |= noted
+        check_state(state)
+        self._warned |= plausibility.kinds(state)
         self.state[:] = state
 
     def warnings(self):

@@ -27,6 +27,8 @@ STATE_REFUSED = "the FMU state that was set {problem}; the previous state is kep
 NO_STATE = "is not a tether state, or comes from another version"
 STATE_DAMAGED = "is damaged"
 STATE_OF_ANOTHER = "belongs to another tether FMU"
+STATE_WRONG_TOLERANCE = "has the tolerance {tolerance}; it must be from 0 to {largest}"
+STATE_WRONG_TIME = "has the time {time} s; it must be a finite number"
 STATE_WRONG_PARAMETER = "has a wrong parameter ({problem})"
 NO_INTEGER = "{name} is {value}; it must be an integer"
 

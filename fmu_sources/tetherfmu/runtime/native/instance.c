@@ -8,16 +8,23 @@
 #include "finite.h"
 #include "kernels.h"
 
-const char THIS_FMU = 0;
+const char AN_INSTANCE = 0, A_SAVED_STATE = 0;
 const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 
 /* --- making and resetting */
+
+/* Take the mark off what is freed next, so that a call with it is refused as far as its memory can tell. The compiler would
+leave out a write that nobody reads. */
+void unmark(const void **identity)
+{
+    *(const void *volatile *)identity = NULL;
+}
 
 /* The instance that a call is for; NULL if the pointer that the importer passes is none of this FMU. */
 Instance *entered(void *handle, const char *call)
 {
     Instance *instance = handle;
-    if (!instance || instance->identity != &THIS_FMU) return NULL;
+    if (!instance || instance->identity != &AN_INSTANCE) return NULL;
     instance->call = call;
     return instance;
 }
@@ -40,7 +47,7 @@ Instance *make_instance(const char *name, Log log, void *environment, void (*imp
         return NULL;
     }
     memcpy(instance->name, name, length);
-    instance->identity = &THIS_FMU;
+    instance->identity = &AN_INSTANCE;
     instance->log = log;
     instance->environment = environment;
     instance->importer_log = importer_log;
@@ -52,7 +59,7 @@ void free_instance(Instance *instance)
 {
     free_arrays(instance->arrays);
     free(instance->name);
-    instance->identity = NULL;
+    unmark(&instance->identity);
     free(instance);
 }
 
