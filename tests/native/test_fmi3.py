@@ -128,6 +128,15 @@ def test_steps(fmi3_folder):
 
 
 @in_own_process
+def test_a_stop_before_the_start_is_refused(fmi3_folder):
+    host = Host(fmi3_folder / "TetherDynamic.fmu")
+    with pytest.raises(FMICallException):
+        host.fmu.enterInitializationMode(startTime=2.0, stopTime=1.0)
+    assert host.messages[-1].endswith("the stop time is 1.0 s; it must not be before the start time of 2.0 s")
+    host.start()
+
+
+@in_own_process
 def test_arrays_are_set_as_a_whole(fmi3_folder):
     host = Host(fmi3_folder / "TetherDynamic.fmu")
     reference = host.reference["kite_position"]

@@ -109,7 +109,9 @@ Status set_up_experiment(Instance *instance, bool has_tolerance, double toleranc
 {
     Fact given = real("tolerance", tolerance), largest = real("largest", LOOSEST_TOLERANCE);
     if (instance->phase != BEFORE) return refuse_phase(instance, CANNOT_BE_SET_UP);
-    if (!is_finite(start)) return say(instance, ERROR, TIME_NOT_FINITE, FACTS(real("time", start)));
+    if (!is_finite(start)) return say(instance, ERROR, START_NOT_FINITE, FACTS(real("start", start)));
+    if (has_stop && !(stop >= start))
+        return say(instance, ERROR, STOP_BEFORE_START, FACTS(real("stop", stop), real("start", start)));
     instance->start_time = instance->values[TIME] = start;
     instance->stop_is_defined = has_stop;
     instance->stop_time = stop;
