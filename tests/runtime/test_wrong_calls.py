@@ -169,5 +169,6 @@ def test_no_input_is_taken_after_the_termination(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     before, wind = host.all_outputs(), host.get("wind_velocity")
     host.fmu.terminate()
-    host.refuses(lambda: host.set(**{"wind_velocity[1]": 5.0}), "wind_velocity[1] cannot be set to 5.0 after the termination")
+    words = "wind_velocity[1] cannot be set to 5.0 after the termination"
+    host.refuses(lambda: host.set(**{"wind_velocity[1]": 5.0}), words)
     assert (host.all_outputs(), host.get("wind_velocity")) == (before, wind)

@@ -97,7 +97,7 @@ class BaseSlave(Fmi2Slave):
     # --- life cycle
 
     def setup_experiment(self, start_time, stop_time, tolerance):
-        """Refuse what cannot be, or comes too late; times are not needed, and a subclass says what it does with a tolerance."""
+        """Refuse what cannot be, or comes too late; a subclass says what it does with a tolerance."""
         if self.phase != BEFORE:
             self.refuse(refusals.CANNOT_BE_SET_UP.format(phase=refusals.PHASES[self.phase]))
         elif not isfinite(start_time):

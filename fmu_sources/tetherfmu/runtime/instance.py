@@ -85,7 +85,8 @@ class Instance:
         if self.status == status.OK:
             self._warned = 0
             return None
-        problem = self.sentence(self.status, 0.0, free=self.parameters[at.KITE_IS_FREE] != 0.0)  # with the length that was tried
+        free = self.parameters[at.KITE_IS_FREE] != 0.0
+        problem = self.sentence(self.status, 0.0, free)  # with the length that was tried
         self.state[:] = self.before
         self.values[OUTPUTS_AT : self.parameters_at] = outputs
         return problem
