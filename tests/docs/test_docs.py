@@ -44,9 +44,10 @@ def cited_sections():
     return found
 
 
-def test_interface_page_is_what_the_script_writes(monkeypatch):
+@pytest.mark.parametrize("name", ["make_interface", "make_value_references"])
+def test_pages_are_what_their_scripts_write(monkeypatch, name):
     monkeypatch.syspath_prepend(ROOT / "docs" / "make")
-    script = importlib.import_module("make_interface")
+    script = importlib.import_module(name)
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 
 

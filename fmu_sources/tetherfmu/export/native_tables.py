@@ -79,11 +79,13 @@ def _constants(variant, token):
     }
     phases = ("BEFORE", "INITIALIZING", "STEPPING", "TERMINATED")
     kinds = {name.upper() if name != "parameter" else "PARAMETER_KIND": bit for name, bit in KINDS.items()}
+    ranges = ",\n    ".join(f"{{{place}, {low!r}, {high!r}}}" for place, (low, high) in saved_state.STATE_RANGES.items())
     return [
         _enumerated(places),
         *(f"#define {name} {value}" for name, value in defined.items()),
         f"typedef {_enumerated({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
         _enumerated({**kinds, "INDEPENDENT": INDEPENDENT}),
+        "static const struct { int place; double lowest, highest; } STATE_RANGE[] = {\n    " + ranges + "};",
     ]
 
 

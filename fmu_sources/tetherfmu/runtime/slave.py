@@ -50,10 +50,8 @@ class TetherSlave(BaseSlave):
             root.set("description", f"{self.__class__.description} {self._about}")
         return root
 
-    def setup_experiment(self, start_time, stop_time, tolerance):
+    def take_tolerance(self, tolerance):
         """Remember the importer's tolerance; one that the solver cannot use is left out with a warning."""
-        if tolerance is None:
-            return
         if 0.0 < tolerance <= LOOSEST_TOLERANCE:
             self._importer_tolerance = tolerance
         else:
