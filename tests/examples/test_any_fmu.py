@@ -67,7 +67,7 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
     assert "has no variable ground_force" in capsys.readouterr().err
     for name, wrong, words in (
-        ("coupling.bridle", "TetherDynamicFree", "has a free kite end"),
+        ("coupling.mooring", "TetherDynamicFree", "has a free kite end"),
         ("coupling.iterated_master", "TetherDynamicFree", "has a free kite end"),
         ("power_system.pumping_cycle", "TetherDynamic", "has no free kite end"),
     ):
@@ -76,9 +76,9 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     assert "fmpy.fmi2" in sys.modules
 
 
-def test_a_bridle_with_legs_of_ones_own(fmu_folder):
+def test_a_mooring_with_legs_of_ones_own(fmu_folder):
     own = fmu_folder / "TetherQuasiSteady.fmu"
-    *_, last = run(fmu_folder, f"from coupling import bridle; bridle.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
+    *_, last = run(fmu_folder, f"from coupling import mooring; mooring.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
     assert float(re.search(r"([\d.]+) %", last)[1]) > 1.0  # its legs carry no waves; those of TetherDynamic have 0.4 %
 
 

@@ -67,7 +67,7 @@ def _constants(variant, token):
     fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
     defined = {
         **fractions,
-        "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
+        "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "THICK": parameters.THICK,
         "FREE_KITE": int(BY_NAME[variant].kite_is_free),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,

@@ -11,7 +11,7 @@ from sys import float_info
 from typing import NamedTuple
 
 from . import layout as at
-from .parameters import LOOSEST_TOLERANCE
+from .parameters import DEFAULT_TOLERANCE
 from .plausibility import bits
 from .refusals import (
     NO_STATE,
@@ -75,8 +75,8 @@ def from_bytes(blob, variant, count, state_size=at.state_size):
     numbers = count + (state_size(segments) if phase >= STEPPING else 0)
     if name.rstrip(b"\0") != variant.encode() or phase > TERMINATED or len(blob) != smallest + 8 * numbers:
         raise ValueError(STATE_OF_ANOTHER)
-    if not 0.0 <= tolerance <= LOOSEST_TOLERANCE:
-        raise ValueError(STATE_WRONG_TOLERANCE.format(tolerance=tolerance, largest=LOOSEST_TOLERANCE))
+    if not 0.0 <= tolerance <= DEFAULT_TOLERANCE:
+        raise ValueError(STATE_WRONG_TOLERANCE.format(tolerance=tolerance, largest=DEFAULT_TOLERANCE))
     if isinf(time):
         raise ValueError(STATE_WRONG_TIME.format(time=time))
     doubles = array("d", blob[smallest:])

@@ -107,7 +107,6 @@ static Status refuse_phase(const Instance *instance, const char *sentence)
 
 Status set_up_experiment(Instance *instance, bool has_tolerance, double tolerance, double start, bool has_stop, double stop)
 {
-    Fact given = real("tolerance", tolerance), largest = real("largest", LOOSEST_TOLERANCE);
     if (instance->phase != BEFORE) return refuse_phase(instance, CANNOT_BE_SET_UP);
     if (!is_finite(start)) return say(instance, ERROR, START_NOT_FINITE, FACTS(real("start", start)));
     if (has_stop && !(stop >= start))
@@ -116,9 +115,8 @@ Status set_up_experiment(Instance *instance, bool has_tolerance, double toleranc
     instance->stop_is_defined = has_stop;
     instance->stop_time = stop;
     if (!has_tolerance) return OK;
-    if (!(0.0 < tolerance && tolerance <= LOOSEST_TOLERANCE))
-        return say(instance, WARNING, TOLERANCE_NOT_USED, FACTS(given, largest));
-    instance->tolerance = tolerance;
+    if (!(tolerance > 0.0)) return say(instance, WARNING, TOLERANCE_NOT_USED, FACTS(real("tolerance", tolerance)));
+    if (tolerance < DEFAULT_TOLERANCE) instance->tolerance = tolerance; /* a looser one is poor */
     return OK;
 }
 

@@ -124,7 +124,7 @@ static const char *problem_of(const unsigned char *bytes, size_t size, Head *hea
     size_t state = head->phase >= STEPPING ? STATE_SIZE((size_t)head->segments) : 0;
     bool same = !memcmp(head->variant, OWN, sizeof OWN) && head->phase <= TERMINATED;
     if (!same || size != sizeof *head + (VALUES + state) * sizeof(double)) return STATE_OF_ANOTHER;
-    if (!(0.0 <= head->tolerance && head->tolerance <= LOOSEST_TOLERANCE)) return STATE_WRONG_TOLERANCE;
+    if (!(0.0 <= head->tolerance && head->tolerance <= DEFAULT_TOLERANCE)) return STATE_WRONG_TOLERANCE;
     bool no_step_done = head->time != head->time;
     return no_step_done || is_finite(head->time) ? NULL : STATE_WRONG_TIME;
 }
@@ -136,7 +136,7 @@ Status deserialize(const Instance *instance, const void *bytes, size_t size, Sav
     const char *problem = problem_of(bytes, size, &head);
     if (problem) {
         char text[LONGEST_TEXT];
-        Fact largest = real("largest", LOOSEST_TOLERANCE);
+        Fact largest = real("largest", DEFAULT_TOLERANCE);
         fill_in(text, sizeof text, problem, FACTS(real("tolerance", head.tolerance), largest, real("time", head.time)));
         return refuse_state(instance, text);
     }
