@@ -1,8 +1,9 @@
 """Error of a Rosenbrock step, and the steps that it allows within a communication step.
 
 The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
-transition may have got wrong (`transition_error`), and the error of the tension of the dampers (`damper_error`), each over
-what is allowed (`allowed_errors`). See docs/models/numerics.md, "Rosenbrock step".
+transition may have got wrong (`transition_error`), the error of the tension of the dampers (`damper_error`), and in a stiff
+tether that of its tension (`tension_error`), each over what is allowed (`allowed_errors`). See docs/models/numerics.md,
+"Rosenbrock step".
 """
 
 from math import ceil, inf, sqrt
@@ -31,6 +32,9 @@ CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no nu
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
+STIFF_STRAIN = 1e-6  # a tether is stiff where no segment is stretched more; see `is_stiff`
+TENSION = 0.01  # part of the largest tension that its error estimate in a stiff tether may be; see `tension_error`
+ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
 TINY = 1e-200  # what keeps a quotient from 0/0
 
 
@@ -82,6 +86,47 @@ def relative_damper_error(chain, w):
 
 
 @kernel
+def is_stiff(chain, h, w):
+    """Whether the last step, of h [s], has left no segment that is certainly stretched by more than STIFF_STRAIN.
+
+    Certainly: its vector r [m] less the error estimate of it. Then the errors of positions that the tolerance allows may be
+    a multiple of the stretch that the tension comes from. `chain` is that at the end of the step.
+    """
+    for s in range(chain.n):
+        r = sub(get(w.x, s + 1), get(w.x, s))
+        doubt = 2.0 * GAMMA * h * abs(dot(r, sub(get(w.q, s + 1), get(w.q, s))))
+        rest = rest_length(chain, s)
+        if dot(r, r) - doubt > rest * rest * (1.0 + 2.0 * STIFF_STRAIN):
+            return False
+    return True
+
+
+@kernel
+def tension_error(conditions, chain, h, speed, w):
+    """Error estimate of a tension in the last step, of h [s], over what is allowed in a stiff tether [-].
+
+    k e.dr + c e.du, with the differences of the error estimates of the two nodes, in positions and velocities. Allowed is
+    the largest of: TENSION times the largest tension, ROUNDING of the positions in the spring, and what in this step
+    changes the velocity of the lighter free node by the allowed error `speed` [m/s]. `chain` is that at the end of the step.
+    """
+    worst = 0.0
+    largest = TINY
+    for s in range(chain.n):
+        x_p, x_q = get(w.x, s), get(w.x, s + 1)
+        stretched, e = segment.geometry(sub(x_q, x_p))
+        rest = rest_length(chain, s)
+        k, c = segment.stiffness(chain, s, w.modes[s], rest)
+        rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
+        largest = max(largest, abs(segment.tension(chain, stretched, rate, rest, k, c)))
+        in_position = GAMMA * h * dot(e, sub(get(w.q, s + 1), get(w.q, s)))
+        in_velocity = dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
+        place = sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
+        harmless = max(ROUNDING * place * k, lighter_free_node(s, conditions, w) * speed / h)
+        worst = max(worst, abs(k * in_position + c * in_velocity) - harmless)
+    return worst / (TENSION * largest)
+
+
+@kernel
 def square_of_wind(conditions):
     """Square of the wind at the reference height [m2/s2], or of the largest one that is given at a node."""
     if not has_node_winds(conditions):
@@ -121,6 +166,10 @@ def error_of_step(conditions, time, h, v, w):
     if damper > 1.0:
         damper = min(damper, relative_damper_error(chain, w) / DAMPER)
     error = max(error, damper)
+    if is_stiff(chain, h, w):
+        tension = tension_error(conditions, chain, h, velocity_scale, w)
+        if tension > 1.0:
+            error = max(error, tension ** (2 / 3))  # it falls with h^6, the estimates of positions and velocities with h^4
     transition = transition_error(conditions, chain, h, w) / velocity_scale
     if transition > 0.0:
         keep_energy(conditions, chain, w)
