@@ -15,7 +15,7 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_during
-from ..equations.properties import has_node_winds, node_wind, rest_length
+from ..equations.properties import has_node_winds, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import dot, get, sub
 from .rodas4p import GAMMA
 from .rosenbrock import step
@@ -32,8 +32,8 @@ CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no nu
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
-STIFF_STRAIN = 1e-6  # a tether is stiff where no segment is stretched more; see `is_stiff`
-TENSION = 0.01  # part of the largest tension that its error estimate in a stiff tether may be; see `tension_error`
+STIFF, SMALL_STRAIN = 1e8, 1e-6  # axial stiffness [N] and strain between which a tether is stiff; see `is_stiff`
+TENSION = 0.01  # part of the largest tension; see `tension_error`
 ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
 TINY = 1e-200  # what keeps a quotient from 0/0
 
@@ -87,27 +87,31 @@ def relative_damper_error(chain, w):
 
 @kernel
 def is_stiff(chain, h, w):
-    """Whether the last step, of h [s], has left no segment that is certainly stretched by more than STIFF_STRAIN.
+    """Whether a segment has more than STIFF, and after the last step of h [s] none of these is certainly stretched much.
 
-    Certainly: its vector r [m] less the error estimate of it. Then the errors of positions that the tolerance allows may be
-    a multiple of the stretch that the tension comes from. `chain` is that at the end of the step.
+    Certainly by more than SMALL_STRAIN: also if its vector r [m] were shorter by its error estimate. Below, the errors of
+    positions that the tolerance allows may be a multiple of the stretch that the tension comes from. `chain` is that at the
+    end of the step.
     """
+    stiff = False
     for s in range(chain.n):
-        r = sub(get(w.x, s + 1), get(w.x, s))
-        doubt = 2.0 * GAMMA * h * abs(dot(r, sub(get(w.q, s + 1), get(w.q, s))))
-        rest = rest_length(chain, s)
-        if dot(r, r) - doubt > rest * rest * (1.0 + 2.0 * STIFF_STRAIN):
-            return False
-    return True
+        if property_of(chain, s, at.STIFFNESS) > STIFF:
+            stiff = True
+            r = sub(get(w.x, s + 1), get(w.x, s))
+            doubt = 2.0 * GAMMA * h * abs(dot(r, sub(get(w.q, s + 1), get(w.q, s))))
+            rest = rest_length(chain, s)
+            if dot(r, r) - doubt > rest * rest * (1.0 + 2.0 * SMALL_STRAIN):
+                return False
+    return stiff
 
 
 @kernel
 def tension_error(conditions, chain, h, speed, w):
-    """Error estimate of a tension in the last step, of h [s], over what is allowed in a stiff tether [-].
+    """Error estimate of a tension of a stiff tether in the last step, of h [s], over what is allowed [-].
 
-    k e.dr + c e.du, with the differences of the error estimates of the two nodes, in positions and velocities. Allowed is
-    the largest of: TENSION times the largest tension, ROUNDING of the positions in the spring, and what in this step
-    changes the velocity of the lighter free node by the allowed error `speed` [m/s]. `chain` is that at the end of the step.
+    k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities. Allowed is TENSION
+    times the largest tension, and as much more as rounding of the positions makes in the spring, or as changes the velocity
+    of the lighter free node by the allowed `speed` [m/s] within the step. `chain` is that at the end of the step.
     """
     worst = 0.0
     largest = TINY
@@ -118,11 +122,11 @@ def tension_error(conditions, chain, h, speed, w):
         k, c = segment.stiffness(chain, s, w.modes[s], rest)
         rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
         largest = max(largest, abs(segment.tension(chain, stretched, rate, rest, k, c)))
-        in_position = GAMMA * h * dot(e, sub(get(w.q, s + 1), get(w.q, s)))
-        in_velocity = dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
-        place = sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
-        harmless = max(ROUNDING * place * k, lighter_free_node(s, conditions, w) * speed / h)
-        worst = max(worst, abs(k * in_position + c * in_velocity) - harmless)
+        by_position = k * GAMMA * h * dot(e, sub(get(w.q, s + 1), get(w.q, s)))
+        by_velocity = c * dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
+        rounding = ROUNDING * k * sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
+        harmless = max(rounding, lighter_free_node(s, conditions, w) * speed / h)
+        worst = max(worst, abs(by_position + by_velocity) - harmless)
     return worst / (TENSION * largest)
 
 
@@ -168,8 +172,7 @@ def error_of_step(conditions, time, h, v, w):
     error = max(error, damper)
     if is_stiff(chain, h, w):
         tension = tension_error(conditions, chain, h, velocity_scale, w)
-        if tension > 1.0:
-            error = max(error, tension ** (2 / 3))  # it falls with h^6, the estimates of positions and velocities with h^4
+        error = max(error, tension ** (2 / 3))  # it falls with h^6, the estimates of positions and velocities with h^4
     transition = transition_error(conditions, chain, h, w) / velocity_scale
     if transition > 0.0:
         keep_energy(conditions, chain, w)
