@@ -9,6 +9,7 @@ tether that of its tension (`tension_error`), each over what is allowed (`allowe
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.limits import STIFF
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..arrays import copy
@@ -32,8 +33,9 @@ CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no nu
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
-STIFF, SMALL_STRAIN = 1e8, 1e-6  # axial stiffness [N] and strain between which a tether is stiff; see `is_stiff`
+SMALL_STRAIN = 1e-6  # see `is_stiff`
 TENSION = 0.01  # part of the largest tension; see `tension_error`
+HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step; see there
 ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
 TINY = 1e-200  # what keeps a quotient from 0/0
 
@@ -109,9 +111,10 @@ def is_stiff(chain, h, w):
 def tension_error(conditions, chain, h, speed, w):
     """Error estimate of a tension of a stiff tether in the last step, of h [s], over what is allowed [-].
 
-    k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities. Allowed is TENSION
-    times the largest tension, and as much more as rounding of the positions makes in the spring, or as changes the velocity
-    of the lighter free node by the allowed `speed` [m/s] within the step. `chain` is that at the end of the step.
+    k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities. Allowed is
+    TENSION times the largest tension, and as much more as rounding of the positions makes in the spring, or as changes the
+    velocity of the lighter free node by HARMLESS times the allowed `speed` [m/s] within the step. `chain` is that at the end
+    of the step.
     """
     worst = 0.0
     largest = TINY
@@ -125,7 +128,7 @@ def tension_error(conditions, chain, h, speed, w):
         by_position = k * GAMMA * h * dot(e, sub(get(w.q, s + 1), get(w.q, s)))
         by_velocity = c * dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
         rounding = ROUNDING * k * sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
-        harmless = max(rounding, lighter_free_node(s, conditions, w) * speed / h)
+        harmless = max(rounding, HARMLESS * lighter_free_node(s, conditions, w) * speed / h)
         worst = max(worst, abs(by_position + by_velocity) - harmless)
     return worst / (TENSION * largest)
 
