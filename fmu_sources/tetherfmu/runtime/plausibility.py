@@ -40,8 +40,8 @@ SENTENCES = {
     KITE_RESIDUE: _RESIDUE,
     STIFF_AND_SLACK: (
         "a segment with an axial_stiffness of {value:.3g} N is slack; above {stiff:.0e} N a tether that goes slack and taut "
-        "again rings, and its tensions are then far above and below their mean; set axial_stiffness to at most {stiff:.0e} N, "
-        "which is as good as inextensible, or fixed_step to a few ms, which damps the ringing"
+        "again rings, and its tensions are then far above and below their mean; set axial_stiffness to at most {stiff:.0e} "
+        "N, which is as good as inextensible, or fixed_step to a few ms, which damps the ringing"
     ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
