@@ -1,9 +1,9 @@
 """A driven tether that is nearly inextensible has the tension of rods: within 1 %, at every step, for a bounded work.
 
 Reference: `inextensible_columns` of `make_reference.py`, rods whose tensions follow from their accelerations. A tether of
-stiffness EA is longer by the strain T/EA, below 1e-6 here; the rest is the error of the solvers and of the end, which between
-the communication steps of 20 ms follows an extrapolation (0.2 %). The position of a node has to be right to nanometres for
-that (1 % of 38 N at EA = 1e12 N are 8e-12 m of a segment).
+stiffness EA is longer by the strain T/EA, 4e-6 at most here; the rest is the error of the solvers and of the end, which
+between the communication steps of 20 ms follows an extrapolation (0.2 %). 1 % of 38 N at EA = 1e12 N are 8e-12 m of the
+length of a segment.
 """
 
 import warnings
@@ -42,9 +42,9 @@ def swaying(scene, stiffness, damping=473.0, **solver):
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("scene", SCENES)
 def test_tension_of_rods(scene, stiffness, damping):
-    """Found: 0.45 % at most; at 1e8 N, where it is not controlled, 1.1 % with the largest damping.
+    """`step_control.tension_error`. Found: 0.45 % at most; at 1e8 N, where it is not controlled, 1.1 % with the most damping.
 
-    Before: mean of the second half 41 N at 1e10, 62 N at 1e12, for 37.9 N; 3.6 million internal steps at 1e12 without damping.
+    Before: a mean of 41 N at 1e10, of 62 N at 1e12, for 37.9 N; 2.6 million internal steps at 1e12 without damping.
     """
     tensions, last = swaying(scene, stiffness, damping)
     expected = REFERENCE[scene]
@@ -75,7 +75,7 @@ def test_tension_of_rods_with_a_fixed_step(stiffness, fixed_step):
 
 
 def loaded(stiffness, **solver):
-    """Tensions at both ends [N] of a tether with a free kite in a slow load, from 1 s on, and the outputs of the last step."""
+    """Tensions at both ends [N] of a tether with a free kite, from 1 s on, (steps, 2), and the outputs of the last step."""
     tether = Tether(segments=10, initial_length=200.0, axial_stiffness=stiffness)
     model = TetherDynamicFree(tether, solver=Solver(**solver), kite_mass=5.0)
     model.initialize(kite_position=(120.0, 0.0, 159.0), wind_velocity=WIND)

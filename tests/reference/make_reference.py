@@ -243,7 +243,7 @@ class Inextensible:
     wind: tuple = (8.0, 0.0, 0.0)  # [m/s]
 
     def loads(self, x, v):
-        """Weight and drag of the inner nodes [N]; rates of the vectors between nodes [m/s], their directions, lengths [m]."""
+        """Weight and drag of inner nodes [N]; rates of the vectors between nodes [m/s], their directions, lengths [m]."""
         rods = Chain(x, v, lambda _: (self.length / self.n, 0.0, 0.0, None), wind=self.wind)
         _, half, _ = rods.forces(0.0, x, v)
         r = x[1:] - x[:-1]

@@ -15,6 +15,7 @@ The kernels freeze these numbers.
 
 from . import inputs, outputs
 from .limits import (  # noqa: F401 - for those who look for them here, as the kernels do
+    ITERATION_BUDGET,
     LARGEST_INPUT,
     LARGEST_INTEGER,
     LONGEST_STEP,

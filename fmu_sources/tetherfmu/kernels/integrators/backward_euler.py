@@ -348,7 +348,7 @@ def integrate(conditions, duration, state, x, v, w):
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
     """
     wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
-    budget = at.WORK_BUDGET // conditions.n
+    budget = at.ITERATION_BUDGET // conditions.n
     if not wanted <= budget:
         return FIXED_STEPS_TOO_MANY
     count = max(1, ceil(wanted))
