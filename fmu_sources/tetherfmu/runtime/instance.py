@@ -140,5 +140,5 @@ class Instance:
             distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
             relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],
             fixed_step=self.parameters[at.FIXED_STEP],
-            budget=at.WORK_BUDGET // self.segments,
+            budget=at.ITERATION_BUDGET // self.segments,
         )

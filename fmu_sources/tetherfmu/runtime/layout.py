@@ -15,6 +15,7 @@ The kernels freeze these numbers.
 
 from . import inputs, outputs
 from .limits import (  # noqa: F401 - for those who look for them here, as the kernels do
+    ITERATION_BUDGET,
     LARGEST_INPUT,
     LARGEST_INTEGER,
     LONGEST_STEP,
@@ -62,7 +63,7 @@ for _name, _place in outputs.PLACES.items():
 SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities
-WARNING_KINDS = 7
+WARNING_KINDS = 8
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]

@@ -156,7 +156,7 @@ def test_the_quick_map_goes_on_after_a_kill(quick_map):
     results = read(folder / "stability_1.jsonl")
     assert not results.verdict.isin(("wrong", "crashed")).any()
     assert status == results.verdict.isin(FORBIDDEN).any()  # whether a call takes too long, a clock says
-    assert results.work.max() <= MOST_WORK + at.WORK_BUDGET  # begun with less than the one, ended by the other
+    assert results.work.max() <= MOST_WORK + at.ITERATION_BUDGET  # begun with less than the one, ended by the other
 
 
 def test_the_quick_map_holds(quick_map):

@@ -3,6 +3,7 @@
     stretch        max l/l0 of the segments
     acceleration   2 |x1 - x0 - v0 h|/h^2   mean of the end in a step, from where it was (x0, v0) to where it arrives (x1)
     speed          |v1| of the end
+    slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
@@ -22,7 +23,7 @@ from tetherfmu.runtime import plausibility as limits
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations.boundary import are_derived
-from ..equations.properties import chain_of, rest_length
+from ..equations.properties import chain_of, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
@@ -53,6 +54,17 @@ def note_shape(n, parameters, state):
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
     note(state, limits.GROUND_SPEED, dot(ground_velocity, ground_velocity), limits.FASTEST)
     note(state, limits.KITE_SPEED, dot(kite_velocity, kite_velocity), limits.FASTEST)
+
+
+@kernel
+def note_stiff_and_slack(chain, x, state):
+    """Note the axial stiffness [N] of a segment above `limits.STIFF` that is slack at x [m] in the state (modified)."""
+    for s in range(chain.n):
+        stiffness = property_of(chain, s, at.STIFFNESS)
+        if stiffness > limits.STIFF:
+            r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
+            if dot(r, r) < rest * rest:
+                note(state, limits.STIFF_AND_SLACK, stiffness * stiffness, limits.STIFF)
 
 
 @kernel

@@ -15,6 +15,7 @@ from ..equilibrium.rigid_body import Body, rigid_motion, straighten
 from ..integrators import backward_euler, rosenbrock, step_control
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
+from ..step.plausibility import note_stiff_and_slack
 
 
 @kernel
@@ -64,6 +65,7 @@ def advance(n, parameters, given, before, state, work):
             status = backward_euler.integrate(conditions, given.step, state, x, v, backward_euler.workspace(n, work))
         else:
             status = step_control.integrate(conditions, given.step, state, x, v, rosenbrock.workspace(n, work))
+            note_stiff_and_slack(chain_of(n, parameters, state), x, state)
     if status != OK:
         return status
     place_ends(conditions, given.step, x, v)

@@ -177,7 +177,7 @@ static void sentence_of(
         real("distance", sqrt(square)),
         real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),
         real("fixed_step", arrays->parameters[AT_FIXED_STEP]),
-        whole("budget", (double)(AT_WORK_BUDGET / arrays->segments))));
+        whole("budget", (double)(AT_ITERATION_BUDGET / arrays->segments))));
 }
 
 /* Go on with other arrays and their values. */
