@@ -78,7 +78,7 @@ def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
 @pytest.mark.parametrize(
     ("place", "value", "words"),
     [
-        *((TOLERANCE, value, f"has the tolerance {value}; it must be from 0 to 0.1") for value in WRONG),
+        *((TOLERANCE, value, f"has the tolerance {value}; it must be from 0 to 0.0001") for value in WRONG),
         *((TIME, value, f"has the time {value} s; it must be a finite number") for value in (math.inf, -math.inf)),
     ],
 )
