@@ -8,7 +8,7 @@ from typing import NamedTuple
 from . import layout as at
 from .refusals import NO_STATE, STATE_DAMAGED, STATE_OF_ANOTHER
 
-MAGIC = b"tether06"  # with the version
+MAGIC = b"tether07"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
