@@ -41,7 +41,7 @@ FEWER_WEIGHTS = np.array(
         *(0.0, 0.381830050505118945, 0.0, 0.417959183673469388),
     )
 )
-TOLERANCE = 1e-8  # of the integral of |f| by which the two rules may differ on a piece
+TOLERANCE = 1e-7  # of the integral of |f| by which the two rules may differ on a piece
 MOST_PIECES = 200  # of a part; half of them are enough for kinks
 STEEP = 0.5  # a part whose lower end is higher than this part of its upper one has no singularity nearby
 MOST_ITERATIONS = 60  # of Newton's method for the heights where the explog profile is 0
