@@ -69,6 +69,7 @@ def _constants(variant, token):
         **fractions,
         "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
         "FREE_KITE": int(BY_NAME[variant].kite_is_free),
+        "HAS_KINK": int(BY_NAME[variant].has_kink),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
         "VARIANT": c_text(variant),
