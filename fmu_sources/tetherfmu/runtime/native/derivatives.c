@@ -47,7 +47,7 @@ at the ends are not smooth over the first one. */
 enum { PARTS = 3 };
 static const double PARTS_WITH_STEPS[PARTS] = {1e-7, 1e-8, 1e-9}, PARTS_WITHOUT_STEPS[PARTS] = {1e-5, 1e-6, 1e-7};
 static const double SAME_STEP = 1e-3; /* relative difference of the next internal step: larger after other ones */
-static const double SMOOTH = 1e-3;    /* difference of both sides, relative to the larger: twice the error of a bend on one side */
+static const double SMOOTH = 1e-3;    /* difference of both sides over the larger: twice the error of a bend on one side */
 static const double ONE_SIDED = 1.0;  /* what a difference to one side counts as */
 static const double SLOW = 1e-3;      /* [m/s] by which a position may change a velocity that is derived from it */
 
