@@ -70,6 +70,7 @@ def _constants(variant, token):
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "THICK": parameters.THICK,
         "FREE_KITE": int(BY_NAME[variant].kite_is_free),
+        "HAS_KINK": int(BY_NAME[variant].has_kink),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
         "VARIANT": c_text(variant),

@@ -87,7 +87,14 @@ WARNINGS = 41  # sum of 2**k, k of all that was implausible since the start, see
 WARNED_VALUES = 42  # for each k the value that was, 0 without
 LAST_REEL_OUT_SPEED = 42 + WARNING_KINDS  # input at the start of the last communication step [m/s]
 LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
-GIVEN_DERIVATIVES = LAST_KITE_LOAD + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+LONGEST_SO_FAR = LAST_KITE_LOAD + 3  # longest communication step since the start [s]
+CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends still come to their given motion [s], see `end_motion.py`
+# rates over about a quarter of the longest step, which stand in for the last one after a much shorter step
+RECENT_KITE_ACCELERATION = CORRECTION_LEFT + 1  # [m/s2]
+RECENT_GROUND_ACCELERATION = RECENT_KITE_ACCELERATION + 3
+RECENT_REEL_ACCELERATION = RECENT_GROUND_ACCELERATION + 3
+RECENT_LOAD_RATE = RECENT_REEL_ACCELERATION + 1  # [N/s]
+GIVEN_DERIVATIVES = RECENT_LOAD_RATE + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 

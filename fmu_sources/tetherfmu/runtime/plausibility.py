@@ -19,7 +19,7 @@ STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUN
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
-    "{end}_velocity for jumps and wrong units, and whether the communication step is much shorter than the one before"
+    "{end}_velocity for jumps and wrong units"
 )
 _SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; check its motion and the units"
 _RESIDUE = (

@@ -1,7 +1,8 @@
 """What no tether and no kite does is noted in the state, once since the start; nothing else changes.
 
     stretch        max l/l0 of the segments
-    acceleration   2 |x1 - x0 - v0 h|/h^2   mean of the end in a step, from where it was (x0, v0) to where it arrives (x1)
+    acceleration   2 |x1 - x0 - v0 h|/(h H)   of the end in a step, from where it was (x0, v0) to where it arrives (x1): the
+                   mean where H = h; in a short step after a long one the end still corrects the error of H, the long one
     speed          |v1| of the end
     slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
@@ -70,7 +71,8 @@ def note_stiff_and_slack(chain, x, state):
 @kernel
 def note_acceleration(position, velocity, reached, step, kind, state):
     """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m]."""
-    acceleration = scale(2.0 / (step * step), add_scaled(sub(reached, position), -step, velocity))
+    time = step + state[at.CORRECTION_LEFT]
+    acceleration = scale(2.0 / (step * time), add_scaled(sub(reached, position), -step, velocity))
     note(state, kind, dot(acceleration, acceleration), limits.LARGEST_ACCELERATION)
 
 
