@@ -34,6 +34,8 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.SOLVER_ERROR: NOT_NEGATIVE,
     at.LAST_STEP: A_STEP,
     at.STEP_BEFORE: A_STEP,
+    at.LONGEST_SO_FAR: A_STEP,
+    at.CORRECTION_LEFT: A_STEP,
     at.STEPS: NOT_NEGATIVE,
     at.REJECTIONS: NOT_NEGATIVE,
     at.ITERATIONS: NOT_NEGATIVE,
