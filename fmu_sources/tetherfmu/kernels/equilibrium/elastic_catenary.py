@@ -11,8 +11,9 @@ The two equations say that the complementary energy  integral (T + T^2/2EA) ds -
 convex, so Newton's method with a line search on it finds the only solution from any start, slack or taut.
 
 V2 - V1 is w L, but where V is hundreds of w L, the difference of the two rounded numbers is so only for every other V. There
-the span of neighbouring numbers V jumps to and fro by more than the span is solved for. So where Newton's method has not
-ended after `USUAL_ITERATIONS`, it continues with w L itself.
+the span of neighbouring numbers V jumps to and fro by more than the span is solved for. And where the tether is stretched
+to dozens of times its length, rounding of the energy stops the line search. So where Newton's method has not ended after
+`USUAL_ITERATIONS`, it continues with w L itself and a line search that allows for that.
 
 Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/models/theory.md, "Elastic catenary".
 """
@@ -82,6 +83,14 @@ def energy(h, v, a, b, elasticity, exact):
 
 
 @kernel
+def energy_rounding(h, v, a, b, elasticity, exact):
+    """What the line search allows for rounding of `energy`: that of the tension, if exact of all of its terms."""
+    if exact:
+        return ROUNDING * (1.0 + elasticity + (1.0 + a + abs(b)) * (h + abs(v)))
+    return ROUNDING * (1.0 + h + abs(v))
+
+
+@kernel
 def taut_guess(a, b, elasticity):
     """Tension (h, v) of a shallow elastic parabola: e t^3 + (1 - c) t^2 = cos^2/24 with c the chord, cos = a/c."""
     chord = max(sqrt(a * a + b * b), 1e-12)
@@ -148,11 +157,12 @@ def solve(span, rise, load, length, axial_stiffness):
             return unit * (h + max(dh, -0.9 * h)), unit * (v + dv), iteration
         slope = g1 * dh + g2 * dv
         part = 1.0 if dh > -0.9 * h else 0.9 * h / -dh
+        noise = energy_rounding(h, v, a, b, elasticity, exact)
         for _ in range(MOST_HALVINGS):
             h_new = h + part * dh
             v_new = v + part * dv
             then = energy(h_new, v_new, a, b, elasticity, exact)
-            if then <= now + DECREASE * part * slope + ROUNDING * (1.0 + h + abs(v)):
+            if then <= now + DECREASE * part * slope + noise:
                 break
             part *= 0.5
         h = h_new
