@@ -25,7 +25,7 @@ from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import node_arrays, shared_arrays, shared_size
+from ..arrays import node_arrays, parameters_size, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
 from ..equations.properties import property_of, rest_length
@@ -49,13 +49,14 @@ NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and 
 LARGEST_PSEUDO_DAMPING = 100.0  # over that of the first iteration
 
 Workspace = namedtuple(
-    "Workspace", "load force move offset share tension aim change kept kept_tension matrix response transfer records mass"
+    "Workspace", "load force move offset share tension aim change kept kept_tension parameters matrix response transfer records mass"
 )
 Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
 
 load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
 kept, kept_tension : an equilibrium to continue from, positions [m] and tensions [N], n.
+parameters : of the chain in other air, see `arrays.parameters_size`.
 response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
 blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 """
@@ -64,7 +65,7 @@ blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 7 * 3 * (n + 1) + n
+    return shared_size(n) + 7 * 3 * (n + 1) + n + parameters_size(n)
 
 
 @view
@@ -75,7 +76,9 @@ def workspace(n, work):
     matrix = block_tridiagonal.Matrix(*blocks)
     three = part(tensions, 0, n), part(tensions, n, n), part(tensions, 2 * n, n)
     kept = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), n)
-    return Workspace(load, force, move, offset, share, *three, *kept, matrix, matrix.diagonal, matrix.lower, records, mass)
+    other = part(room, 3 * (n + 1) + n, parameters_size(n))
+    blocks = matrix, matrix.diagonal, matrix.lower
+    return Workspace(load, force, move, offset, share, *three, *kept, other, *blocks, records, mass)
 
 
 @kernel
