@@ -9,6 +9,7 @@
 6. Where the wind begins at z = 0: the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
 7. Load continuation from the equilibrium under smaller loads (`load_continuation.py`).
 8. Rotation about the chord (`chord_rotation.py`).
+9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
 
 Each method starts from the first guess, not from where the last one failed.
 """
@@ -18,7 +19,7 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 from ..compilation import kernel
 from ..equations import air, assembly
 from ..linear_algebra.vectors import get
-from . import calm_layer, chord_rotation, compressed_chain, load_continuation, newton
+from . import calm_layer, chord_rotation, compressed_chain, load_continuation, newton, stiffening
 from .first_guess import guess, is_loaded
 
 FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
@@ -93,6 +94,24 @@ def by_load_continuation(body, w):
 
 
 @kernel
+def by_stiffening(body, w):
+    """Step 9: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    load = guess(body, False, w)
+    iterations = 0
+    for strain in stiffening.STRAINS:
+        factor = stiffening.softness(body, load, strain)
+        if factor < 1.0:
+            status, more = at_once(stiffening.softened(body, factor, w), w)
+            iterations += more
+            if status == OK:
+                found, more = stiffening.stiffen(body, factor, load, w)
+                iterations += more
+                if found and is_stable(body):
+                    return OK, iterations
+    return NO_EQUILIBRIUM, iterations
+
+
+@kernel
 def find(body, w):
     """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
@@ -107,6 +126,9 @@ def find(body, w):
         iterations += more
     if status != OK:
         status, more = chord_rotation.find(body, w)
+        iterations += more
+    if status != OK:
+        status, more = by_stiffening(body, w)
         iterations += more
     return status, iterations
 
