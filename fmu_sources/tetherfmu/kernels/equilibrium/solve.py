@@ -6,9 +6,9 @@
 4. Pseudo-transient continuation, with stiffnesses, then with compliances.
 5. Steps 1 to 4 again with a perturbation load from the side, if what was found is a compressed chain (`compressed_chain.py`)
    or nothing was found and the chain has no load.
-6. Where the wind begins at z = 0: the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
-7. Load continuation from the equilibrium under smaller loads (`load_continuation.py`).
-8. Rotation about the chord (`chord_rotation.py`).
+6. Load continuation from the equilibrium under smaller loads (`load_continuation.py`).
+7. Rotation about the chord (`chord_rotation.py`).
+8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
 9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
 
 Each method starts from the first guess, not from where the last one failed.
@@ -63,20 +63,8 @@ def at_once(body, w):
 
 
 @kernel
-def by_calm_layer(body, w):
-    """Step 6: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
-    thickness = calm_layer.thickest(body)
-    status, iterations = at_once(calm_layer.in_layer(body, thickness, w), w)
-    if status == OK:
-        reached, more = calm_layer.thin(body, thickness, w)
-        iterations += more
-        status = OK if reached and is_stable(body) else NO_EQUILIBRIUM
-    return status, iterations
-
-
-@kernel
 def by_load_continuation(body, w):
-    """Step 7: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    """Step 6: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     ground, kite = get(body.v, 0), get(body.v, body.chain.n)
     iterations = 0
     reached = 0.0
@@ -91,6 +79,18 @@ def by_load_continuation(body, w):
         level *= 0.5
     load_continuation.put_end_velocities(body, 1.0, ground, kite)
     return OK if reached == 1.0 and is_stable(body) else NO_EQUILIBRIUM, iterations
+
+
+@kernel
+def by_calm_layer(body, w):
+    """Step 8: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    thickness = calm_layer.thickest(body)
+    status, iterations = at_once(calm_layer.in_layer(body, thickness, w), w)
+    if status == OK:
+        reached, more = calm_layer.thin(body, thickness, w)
+        iterations += more
+        status = OK if reached and is_stable(body) else NO_EQUILIBRIUM
+    return status, iterations
 
 
 @kernel
@@ -118,14 +118,14 @@ def find(body, w):
     Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
     status, iterations = at_once(body, w)
-    if status != OK and air.is_sheared(body.chain.parameters):
-        status, more = by_calm_layer(body, w)
-        iterations += more
     if status != OK:
         status, more = by_load_continuation(body, w)
         iterations += more
     if status != OK:
         status, more = chord_rotation.find(body, w)
+        iterations += more
+    if status != OK and air.is_sheared(body.chain.parameters):
+        status, more = by_calm_layer(body, w)
         iterations += more
     if status != OK:
         status, more = by_stiffening(body, w)
