@@ -139,7 +139,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
     """Newton step with the compliances of the segments: motions [m] into w.move, tensions [N] into w.aim (both modified).
 
     A segment counts as taut above the tension `loosest` [N]: where it is stiff, the least error of a position makes it
-    shorter than its unstretched length.
+    shorter than its unstretched length. Returns False, and nothing has a meaning, if a segment has no stiffness at all.
     """
     linearize(body, w)
     n = body.chain.n
@@ -148,6 +148,8 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
         taut = w.tension[s] > loosest
         length, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
         elongation, k = spring(body.chain, s, length, taut)
+        if k == 0.0 or w.tension[s] == 0.0:
+            return False
         w.aim[s] = w.tension[s] if taut or elongation > 0.0 else k * elongation
         put_matrix(record, segment.K, compliance.of_segment(e, length, k, w.tension[s]))
         record[segment.DAMPER] = elongation - w.aim[s] / k
@@ -155,6 +157,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
     compliance.solve(body, pseudo_damping, w)
     for s in range(n):
         w.aim[s] += w.change[s]
+    return True
 
 
 @kernel
@@ -225,7 +228,8 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
         fresh = compliant or not residual < FAST_DECREASE * last
         last = residual
         if compliant:
-            step_by_compliance(body, loosest, pseudo_damping, w)
+            if not step_by_compliance(body, loosest, pseudo_damping, w):
+                return False, iteration + 1
         else:
             if fresh:
                 linearize(body, w)
