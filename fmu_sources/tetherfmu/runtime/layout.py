@@ -43,8 +43,9 @@ GROUND_IS_FREE = 14
 KITE_IS_FREE = 15
 END_VELOCITIES = 16
 INPUT_CONTINUATION = 17
+CALM_LAYER = 18  # thickness [m] of a layer above z = 0, see `kernels/equations/air.py`; 0 but in `equilibrium/calm_layer.py`
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 18
+PARAMETER_SCALARS = 19
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]

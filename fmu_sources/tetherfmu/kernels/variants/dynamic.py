@@ -7,7 +7,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities, shared_arrays
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions, newton, solve
@@ -72,6 +72,13 @@ def advance(n, parameters, given, before, state, work):
     end_tensions.forget(state)
     compressed_chain.leave(chain_of(n, parameters, state), x, v)
     return OK
+
+
+@view
+def velocities_of(n, parameters, state, work):
+    """Node velocities [m/s] that belong to a state: those that it has."""
+    _, v = positions_and_velocities(n, state)
+    return v
 
 
 @kernel
