@@ -3,15 +3,15 @@
     python examples/power_system/pumping_cycle.py --html
 
 A tether, a kite, a flight controller and a winch are four FMUs, wired by equal names (`kite_power_system.py`). The mass of
-the kite of 20 m2 is in `TetherDynamicFree`: the stiff bond between them is solved inside, so that 20 ms are short enough. The
-kite needs 6 m/s of wind to climb while it is reeled in; from 11 m/s on the motor of the winch is too weak at times, which is
-printed.
+the kite of 20 m2 is in `TetherDynamicFree`: the stiff bond between them is solved inside, so that 20 ms are short enough.
+The kite needs 6 m/s of wind to climb while it is reeled in; from 11 m/s on the motor of the winch is too weak at times,
+which is printed.
 
 Two ways of exchange, both explicit. `jacobi`: all FMUs step from the same communication point; within the step each
-continues its inputs linearly. `gauss_seidel`: one after the other, each with the newest outputs; those behind the tether get
-inputs that belong to the end of the step already, and interpolate (`input_continuation`). The load on the kite is delayed in
-both, longer in the first, so there is a longest step; it falls as the apparent wind grows (docs/use/coupling.md). Beyond it the
-motion diverges within a second or two, which is detected.
+continues its inputs linearly. `gauss_seidel`: one after the other, each with the newest outputs; those behind the tether
+get inputs that belong to the end of the step already, and interpolate (`input_continuation`). The load on the kite is
+delayed in both, longer in the first, so there is a longest step; it falls as the apparent wind grows
+(docs/use/coupling.md). Beyond it the motion diverges within a second or two, which is detected.
 """
 
 import sys
@@ -172,8 +172,8 @@ def check(rows, bounds, step, master):
     if jump > DIVERGES:
         other = "" if master == "gauss_seidel" else " or --master gauss_seidel, which allows longer ones"
         raise RuntimeError(
-            f"the exchange diverges after {time:.1f} s: a step of {1e3 * step:g} ms delays the load on the kite too long for this "
-            f"wind; take --step {0.5 * step:g}{other}"
+            f"the exchange diverges after {time:.1f} s: a step of {1e3 * step:g} ms delays the load on the kite too long "
+            f"for this wind; take --step {0.5 * step:g}{other}"
         )
     if rows[-1][2] < 0.0:
         raise RuntimeError(f"the kite came down after {time:.1f} s; it needs more wind")
@@ -196,8 +196,8 @@ def summary(flight):
     if np.any(beyond := np.abs(flight.values["motor_torque"]) >= Drum().torque_limit * (1.0 - ROUND_OFF)):
         seconds = beyond.sum() * flight.time[0]
         lines.append(
-            f"the motor of the winch is too weak for this wind: for {seconds:.2g} s of {flight.time[-1]:.1f} s it pulls with all it "
-            f"can, {Drum().torque_limit / Drum().drum_radius:.0f} N, and the reel-out speed is not the one that is wanted"
+            f"the motor of the winch is too weak for this wind: for {seconds:.2g} s of {flight.time[-1]:.1f} s it pulls "
+            f"with all it can, {Drum().torque_limit / Drum().drum_radius:.0f} N, and the reel-out speed is not as wanted"
         )
     return "\n".join([*lines, f"{flight.time[-1] / flight.wall_time:.0f} times real time"])
 

@@ -16,7 +16,7 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGE = (DOCS / "use" / "how_much_tether.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "thresholds"])
+@pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "tolerance", "thresholds"])
 def test_words_keys_and_thresholds_are_those_of_the_sources(part):
     """What is not measured for the page: its words, the keys of a scene file, and the thresholds that the advisor reads."""
     template = TEMPLATES.get_template(TEMPLATE)
