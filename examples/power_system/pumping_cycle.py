@@ -33,6 +33,7 @@ from shared.fmu_tools import add_fmu, all_variables, find_fmu, variables_of
 from shared.named_fmu import all_running
 
 INTERPOLATED = 3  # of `input_continuation`
+STEP = 0.02  # [s], with which both masters hold in all winds that are allowed
 ROUND_OFF = 1e-9  # of a torque at its limit
 LONGEST_CYCLE = 300.0  # [s]
 READ = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension", "tether_length", "reel_out_speed")
@@ -135,7 +136,7 @@ def begin(fmu, variables, start):
         set_value([variable.valueReference], [value])
 
 
-def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False, tether=None):
+def fly(cycles=2, step=STEP, master="jacobi", start=START, frames=False, tether=None):
     """Fly until so many whole cycles are done after the first reeling in; `Cycles`.
 
     step [s] : communication step.  master : of `MASTERS`.  start : start values.  frames : whether to keep shapes.
@@ -173,7 +174,7 @@ def check(rows, bounds, step, master):
         other = "" if master == "gauss_seidel" else " or --master gauss_seidel, which allows longer ones"
         raise RuntimeError(
             f"the exchange diverges after {time:.1f} s: a step of {1e3 * step:g} ms delays the load on the kite too long "
-            f"for this wind; take --step {0.5 * step:g}{other}"
+            f"for this wind; take --step {min(0.5 * step, STEP):g}{other}"
         )
     if rows[-1][2] < 0.0:
         raise RuntimeError(f"the kite came down after {time:.1f} s; it needs more wind")
@@ -207,7 +208,9 @@ def parse(arguments, prog):
     parser = Parser(prog=prog, description="fly a kite in pumping cycles, and plot path, force, speed, power and length")
     option = parser.add_argument
     option("--cycles", type=number(1, 1000, whole=True), default=2, metavar="N", help="number of whole cycles (default: 2)")
-    option("--step", type=number(1e-4, 0.03, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
+    option(
+        "--step", type=number(1e-4, 0.1, "s"), default=STEP, metavar="H", help=f"communication step [s] (default: {STEP:g})"
+    )
     option("--master", choices=MASTERS, default="jacobi", help="way of exchange (default: jacobi)")
     about = "wind at 10 m [m/s], 6 to 14: in less the kite comes down (default: 8)"
     option("--wind", type=number(6.0, 14.0, "m/s"), default=8.0, metavar="W", help=about)
