@@ -1,8 +1,8 @@
 """Up to which communication step may the load on a free kite end be delayed? Linear theory. Helper of the examples.
 
-A mass M with a load -d v, a load that changes by d per speed, and no tether. `TetherDynamicFree` applies the load L[n] that it
-gets at t[n] over the step h: linearly extrapolated from its last two values, 3/2 L[n] - 1/2 L[n-1] on average, or held. The
-kite that computes it
+A mass M with a load -d v, a load that changes by d per speed, and no tether. `TetherDynamicFree` applies the load L[n] that
+it gets at t[n] over the step h: linearly extrapolated from its last two values, 3/2 L[n] - 1/2 L[n-1] on average, or held.
+The kite that computes it
 
     after the tether  steps when the tether has, and gives the load of the end of the step: L[n] = -d v[n]
     extrapolating     steps at the same time, continues the motion linearly:              L[n] = -d (2 v[n-1] - v[n-2])

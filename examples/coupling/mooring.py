@@ -2,12 +2,12 @@
 
     python examples/coupling/mooring.py
 
-A balloon of 10 kg is moored by three legs of some 60 m, each with its own winch, and is in balance at the start. Then one winch
-holds, one pays out, one reels in, and the balloon moves sideways. The winches start at once, so the balloon bounces on its legs,
-several times in a second: what is printed are the least and the largest pull of each interval. The legs meet in a point, the
-knot. One leg is a `TetherDynamicFree` that carries the balloon; to it, the other two, each a `TetherDynamic`, are part of the
-load: their `kite_force` is the force on the knot. Their half segments move with the knot, so that `kite_mass` contains their
-`kite_end_mass`; its weight is in their forces already.
+A balloon of 10 kg is moored by three legs of some 60 m, each with its own winch, and is in balance at the start. Then one
+winch holds, one pays out, one reels in, and the balloon moves sideways. The winches start at once, so the balloon bounces
+on its legs, several times in a second: what is printed are the least and the largest pull of each interval. The legs meet
+in a point, the knot. One leg is a `TetherDynamicFree` that carries the balloon; to it, the other two, each a
+`TetherDynamic`, are part of the load: their `kite_force` is the force on the knot. Their half segments move with the knot,
+so that `kite_mass` contains their `kite_end_mass`; its weight is in their forces already.
 
 The forces of the two are one communication step late, so the step must suit a knot of this mass on legs of this stiffness:
 h < 0.2 sqrt(M/k), docs/use/coupling.md, "Knots". The example also prints how far the forces are from the exact ones.

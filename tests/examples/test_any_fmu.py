@@ -78,7 +78,9 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
 
 def test_a_mooring_with_legs_of_ones_own(fmu_folder):
     own = fmu_folder / "TetherQuasiSteady.fmu"
-    *_, last = run(fmu_folder, f"from coupling import mooring; mooring.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
+    *_, last = run(
+        fmu_folder, f"from coupling import mooring; mooring.main(['--fmu', {str(own)!r}, '--quick'])"
+    ).splitlines()
     assert float(re.search(r"([\d.]+) %", last)[1]) > 1.0  # its legs carry no waves; those of TetherDynamic have 0.4 %
 
 

@@ -1,4 +1,4 @@
-"""Examples that couple FMUs: a balloon that three legs moor, the iterated master; and the study of coupling from end to end."""
+"""Examples that couple FMUs: a balloon on three legs, the iterated master; and the study of coupling from end to end."""
 
 import re
 import sys
@@ -9,8 +9,8 @@ from running import EXAMPLES, assert_is_drawn, run, run_python
 
 sys.path.append(str(EXAMPLES))
 
-from coupling import mooring, ways_of_coupling  # noqa: E402
-from coupling.monolithic import exact  # noqa: E402
+from coupling import mooring, ways_of_coupling
+from coupling.monolithic import exact
 
 
 def numbers(said):

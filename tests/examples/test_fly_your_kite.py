@@ -47,7 +47,9 @@ def test_the_kite_finds_its_elevation(fmu_folder, tmp_path):
     page = (EXAMPLES.parent / "docs" / "use" / "start.md").read_text(encoding="utf-8")
     assert f"comes to rest {found:.1f} degrees above the horizon" in page
     assert f"alone would hold it at {np.degrees(np.arctan2(lift - weight, drag)):.1f} degrees" in page
-    parts = [elevation(lift - weight, drag, **without) - found for without in ({"drag_of_tether": 0.0}, {"weight_of_tether": 0.0})]
+    parts = [
+        elevation(lift - weight, drag, **without) - found for without in ({"drag_of_tether": 0.0}, {"weight_of_tether": 0.0})
+    ]
     assert [round(part) for part in parts] == [4, 1]  # degrees, as the page says
     assert abs(y) < 1e-6
     assert tension == pytest.approx(np.hypot(lift - weight, drag), rel=0.1)

@@ -1,4 +1,4 @@
-"""A Dask cluster: a study that loses it, or is stopped, says so in one line and keeps its points; it gives the same verdicts."""
+"""A Dask cluster gives the same verdicts; a study that loses it, or is stopped, says so in one line and keeps its points."""
 
 import json
 import os
@@ -118,5 +118,8 @@ def test_no_scheduler_is_said_in_words(monkeypatch):
     from tetherfmu.study.measuring import cluster
 
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    with pytest.raises(WorkersLost, match="no Dask scheduler answers at tcp://127.0.0.1:1 "), executor_of("tcp://127.0.0.1:1"):
+    with (
+        pytest.raises(WorkersLost, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:1 "),
+        executor_of("tcp://127.0.0.1:1"),
+    ):
         pass

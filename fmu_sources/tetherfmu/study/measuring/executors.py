@@ -51,7 +51,8 @@ def executor_of(dask=None, processes=None, **more):
 def isolated(dask=None, processes=None):
     """Function of (function, argument, seconds) that gives a future: each call may crash or hang, the others go on.
 
-    The future has what the function of the argument returns, or TimeoutError after so many seconds, or `pebble.ProcessExpired`.
+    The future has what the function of the argument returns, or TimeoutError after so many seconds, or
+    `pebble.ProcessExpired`.
     Calls that are at work when the block is left are ended, on a cluster by their time.
 
     dask, processes : see `executor_of`.

@@ -92,6 +92,8 @@ class Series:
     [m] and `shaking` [m/s2] are those of `noise` at the kite. `contents` are the bytes of the file.
     """
 
+    kite_is_free = False
+
     def __init__(self, path):
         try:
             self.contents = contents_of(path)

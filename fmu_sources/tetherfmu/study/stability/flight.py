@@ -200,9 +200,7 @@ def read(path):
     return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
 
 
-def judge_all(
-    points, path, processes=None, dask=None, *, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar
-):
+def judge_all(points, path, processes=None, dask=None, *, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
     """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
 
     processes, dask : who works, as of `executor_of`.  judgement : function of a point, which gets `most_seconds` [s].
