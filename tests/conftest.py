@@ -48,7 +48,7 @@ def pytest_collection_modifyitems(items):
         item.add_marker(pytest.mark.xdist_group(group))
 
 
-FLAVOURS = {"pythonfmu": (), "native": ("--native",), "native_fmi3": ("--native", "--fmi", "3")}
+FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "native_fmi3": ("--native", "--header", "--fmi", "3")}
 
 
 @pytest.fixture(scope="session")

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from coupling.axial_chain import AxialChain
-from coupling.bridle import bridle
 from coupling.monolithic import exact
+from coupling.mooring import mooring
 from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Mass, Scene, fly, force_error, memory_at_start, started, step_driven
 from first_flight.fly_your_kite import load as lift_and_drag
 from tetherfmu import TetherDynamic
@@ -75,7 +75,7 @@ def in_series(duration):
 def knots(steps=KNOT_STEPS, duration=0.8):
     """Table: scene, way, step [s], error of the forces on the knot [-]."""
     times, rows = np.arange(0.0, duration + 0.5 * steps[-1], steps[-1]), []
-    for name, scene in (("series", in_series(duration)), ("bridle", bridle(duration))):
+    for name, scene in (("series", in_series(duration)), ("mooring", mooring(duration))):
         now(f"solving all legs together: {name}")
         forces, _ = exact(scene, times, 1e-8)
         rows += [(name, way, step, error_of(way, scene, step, forces, times)) for way in WAYS for step in steps]

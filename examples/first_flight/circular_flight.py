@@ -147,7 +147,7 @@ def parse(arguments, prog):
     option(
         "--tether", type=tether, default="dynamic", metavar="NAME", help=f"tether FMU: {allowed}, or all (default: dynamic)"
     )
-    option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead")
+    option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead, for FMI 2 or 3")
     option(
         "--length",
         type=number(1e-3, 1e5, "m"),

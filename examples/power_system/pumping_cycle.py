@@ -4,10 +4,14 @@
 
 A tether, a kite, a flight controller and a winch are four FMUs, wired by equal names (`kite_power_system.py`). The mass of
 the kite of 20 m2 is in `TetherDynamicFree`: the stiff bond between them is solved inside, so that 20 ms are short enough.
+The kite needs 6 m/s of wind to climb while it is reeled in; from 11 m/s on the motor of the winch is too weak at times,
+which is printed.
 
 Two ways of exchange, both explicit. `jacobi`: all FMUs step from the same communication point; within the step each
-continues its inputs linearly. `gauss_seidel`: one after the other, each with the newest outputs; those behind the tether get
-inputs that belong to the end of the step already, and interpolate (`input_continuation`).
+continues its inputs linearly. `gauss_seidel`: one after the other, each with the newest outputs; those behind the tether
+get inputs that belong to the end of the step already, and interpolate (`input_continuation`). The load on the kite is
+delayed in both, longer in the first, so there is a longest step; it falls as the apparent wind grows
+(docs/use/coupling.md). Beyond it the motion diverges within a second or two, which is detected.
 """
 
 import sys
@@ -23,15 +27,20 @@ from tetherfmu.console.options import Parser, folder, number
 from tetherfmu.console.progress import now
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from fmus.winch import Drum
 from power_system.kite_power_system import FMUS, START, given_by, starts_for, wanted_by
 from shared.fmu_tools import add_fmu, all_variables, find_fmu, variables_of
 from shared.named_fmu import all_running
 
 INTERPOLATED = 3  # of `input_continuation`
+STEP = 0.02  # [s], with which both masters hold in all winds that are allowed
+ROUND_OFF = 1e-9  # of a torque at its limit
 LONGEST_CYCLE = 300.0  # [s]
 READ = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension", "tether_length", "reel_out_speed")
-READ += ("power", "energy", "depower")
+READ += ("power", "energy", "depower", "kite_velocity[1]", "kite_velocity[2]", "kite_velocity[3]", "motor_torque")
 SHARED = ("kite_load", "kite_position", "kite_velocity", "ground_tension", "tether_length", "reel_out_speed")  # of a tether
+VELOCITY = slice(READ.index("kite_velocity[1]"), READ.index("kite_velocity[3]") + 1)
+DIVERGES = 20.0  # difference of two changes of the kite's velocity in a step [m/s]; 5 at the start in 14 m/s, then below 1
 FRAMES_EVERY = 0.5  # shapes for the page [s]
 
 
@@ -127,7 +136,7 @@ def begin(fmu, variables, start):
         set_value([variable.valueReference], [value])
 
 
-def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False, tether=None):
+def fly(cycles=2, step=STEP, master="jacobi", start=START, frames=False, tether=None):
     """Fly until so many whole cycles are done after the first reeling in; `Cycles`.
 
     step [s] : communication step.  master : of `MASTERS`.  start : start values.  frames : whether to keep shapes.
@@ -152,14 +161,22 @@ def fly(cycles=2, step=0.02, master="jacobi", start=START, frames=False, tether=
                 if before == 1.0 > signals[depower]:  # powered again: a new cycle begins
                     bounds.append(len(rows) - 1)
                     bar.update()
-                check(len(rows) * step, rows[-1], bounds, step)
+                check(rows, bounds, step, master)
     values = dict(zip(READ, np.transpose(rows), strict=True))
     return Cycles(step * np.arange(1, len(rows) + 1), values, bounds, kept, wall_time)
 
 
-def check(time, row, bounds, step):
-    """RuntimeError if the kite has come down, or if no cycle ends."""
-    if row[2] < 0.0:
+def check(rows, bounds, step, master):
+    """RuntimeError if the exchange diverges, if the kite has come down, or if no cycle ends."""
+    time = len(rows) * step
+    jump = np.linalg.norm(np.diff([row[VELOCITY] for row in rows[-3:]], n=2, axis=0))
+    if jump > DIVERGES:
+        other = "" if master == "gauss_seidel" else " or --master gauss_seidel, which allows longer ones"
+        raise RuntimeError(
+            f"the exchange diverges after {time:.1f} s: a step of {1e3 * step:g} ms delays the load on the kite too long "
+            f"for this wind; take --step {min(0.5 * step, STEP):g}{other}"
+        )
+    if rows[-1][2] < 0.0:
         raise RuntimeError(f"the kite came down after {time:.1f} s; it needs more wind")
     if time - (bounds[-1] if bounds else 0) * step > LONGEST_CYCLE:
         raise RuntimeError(
@@ -177,6 +194,12 @@ def summary(flight):
         mean, forces = (energy[b] - energy[a]) / duration, force[a:b]
         force_text = f"mean force {forces.mean():.0f} N, peak force {forces.max():.0f} N"
         lines.append(f"{name}: {duration:.2f} s, mean power {mean:.0f} W, {force_text}")
+    if np.any(beyond := np.abs(flight.values["motor_torque"]) >= Drum().torque_limit * (1.0 - ROUND_OFF)):
+        seconds = beyond.sum() * flight.time[0]
+        lines.append(
+            f"the motor of the winch is too weak for this wind: for {seconds:.2g} s of {flight.time[-1]:.1f} s it pulls "
+            f"with all it can, {Drum().torque_limit / Drum().drum_radius:.0f} N, and the reel-out speed is not as wanted"
+        )
     return "\n".join([*lines, f"{flight.time[-1] / flight.wall_time:.0f} times real time"])
 
 
@@ -185,9 +208,12 @@ def parse(arguments, prog):
     parser = Parser(prog=prog, description="fly a kite in pumping cycles, and plot path, force, speed, power and length")
     option = parser.add_argument
     option("--cycles", type=number(1, 1000, whole=True), default=2, metavar="N", help="number of whole cycles (default: 2)")
-    option("--step", type=number(1e-4, 0.03, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
+    option(
+        "--step", type=number(1e-4, 0.1, "s"), default=STEP, metavar="H", help=f"communication step [s] (default: {STEP:g})"
+    )
     option("--master", choices=MASTERS, default="jacobi", help="way of exchange (default: jacobi)")
-    option("--wind", type=number(5.0, 14.0, "m/s"), default=8.0, metavar="W", help="wind at 10 m [m/s] (default: 8)")
+    about = "wind at 10 m [m/s], 6 to 14: in less the kite comes down (default: 8)"
+    option("--wind", type=number(6.0, 14.0, "m/s"), default=8.0, metavar="W", help=about)
     option(
         "--segments", type=number(1, 300, whole=True), default=10, metavar="N", help="segments of the tether (default: 10)"
     )

@@ -11,12 +11,15 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
+from shared.scalars_of_fmi3 import ScalarsOfFmi3, scalars
 from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
 from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
 from tetherfmu.export import example_fmus
 from tetherfmu.export.archive import build
 from tetherfmu.libraries.children import ctrl_c_waits
+
+SLAVES = {"2.0": FMU2Slave, "3.0": ScalarsOfFmi3}  # by version of FMI
 
 
 def find_fmu(name):
@@ -29,14 +32,15 @@ def find_fmu(name):
 
 
 def description_of(fmu_file):
-    """Model description of an FMU for co-simulation by FMI 2.0; WrongUse if the file is none."""
+    """Model description of an FMU for co-simulation, vectors of FMI 3 as their elements; WrongUse if the file is none."""
     try:
         description = read_model_description(str(fmu_file))
     except Exception as error:  # also what zipfile and the readers of XML raise
         raise WrongUse(f"{fmu_file} is no FMU that can be read: {one_line(error)}") from None
-    if description.fmiVersion != "2.0" or description.coSimulation is None:
-        built = "; build it for that: tetherfmu build --native --fmi 2" if description.fmiVersion.startswith("3") else ""
-        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0{built}")
+    if description.fmiVersion not in SLAVES or description.coSimulation is None:
+        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0 or 3.0")
+    if description.fmiVersion == "3.0":
+        description.modelVariables = scalars(description.modelVariables)
     return description
 
 
@@ -45,7 +49,7 @@ class Variables(NamedTuple):
 
     file: Path
     description: Any  # of FMPy
-    reference: dict  # name -> value reference
+    reference: dict  # name -> value reference, or what stands for it in FMI 3
 
     def of(self, *names):
         """Value references of variables and of all elements of vectors; WrongUse names one that the FMU does not have."""
@@ -63,7 +67,7 @@ class Variables(NamedTuple):
 
 
 def all_variables(fmu_file):
-    """`Variables` of any FMU for co-simulation by FMI 2.0; WrongUse if the file is none."""
+    """`Variables` of any FMU for co-simulation; WrongUse if the file is none."""
     description = description_of(fmu_file)
     return Variables(fmu_file, description, {each.name: each.valueReference for each in description.modelVariables})
 
@@ -83,7 +87,8 @@ def variables_of(fmu_file, free=False):
 
 def add_fmu(parser, default="those in dist/, built where they are missing"):
     """Add the option --fmu FILE."""
-    parser.add_argument("--fmu", type=file, metavar="FILE", help=f"a tether FMU of your own (default: {default})")
+    text = f"a tether FMU of your own, for FMI 2 or 3 (default: {default})"
+    parser.add_argument("--fmu", type=file, metavar="FILE", help=text)
 
 
 @contextmanager
@@ -93,7 +98,7 @@ def running(fmu_file, description):
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, ctrl_c_waits() as stop_if_pressed:
             fmu = load(fmu_file, description, folder)
             yield fmu, stop_if_pressed
-            fmu.fmi2FreeInstance(fmu.component)  # not freeInstance, see `load`
+            getattr(fmu, f"fmi{description.fmiVersion[0]}FreeInstance")(fmu.component)  # not freeInstance, see `load`
     except FMICallException as error:
         raise RuntimeError(f"{fmu_file}: {str(error).rstrip('.')}; the FMU has said why") from None
 
@@ -103,13 +108,14 @@ def load(fmu_file, description, folder):
 
     When a Python process ends, PythonFMU's library gives its interpreter state back twice, and the process crashes. The
     function called here at exit leaves nothing to give back. It needs the library: never unload it, so end an instance with
-    `fmi2FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
+    `fmi2FreeInstance` or `fmi3FreeInstance`; FMPy's `freeInstance` unloads. This holds for every library that is loaded.
     """
     name = description.coSimulation.modelIdentifier
     refuse_to_crash(fmu_file, folder)
     try:
         extract(str(fmu_file), folder)
-        fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
+        slave = SLAVES[description.fmiVersion]
+        fmu = slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
         if hasattr(fmu.dll, "finalizePythonInterpreter"):
             atexit.register(fmu.dll.finalizePythonInterpreter)
         fmu.instantiate(loggingOn=True)

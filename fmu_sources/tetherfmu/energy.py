@@ -83,7 +83,7 @@ POWERS = tuple(field.name for field in fields(Energy))[3:]
 
 
 def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
-    """Energies [J], powers [W] and tensions of the segments [N] of a started `Instance` with nodes, one array.
+    """Of a started `Instance` with nodes: `Energy`, tensions of the segments [N], velocities of the nodes [m/s], arrays.
 
     reel_out_speed [m/s], wind_velocity [m/s], kite_load [N] : None for those of the last step.
     """
@@ -93,10 +93,12 @@ def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
     columns["wind_velocity"][:] = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
     if kite_load is not None:
         columns["kite_load"][:] = kite_load
-    found = np.zeros(len(fields(Energy)) + instance.segments)
+    places = np.cumsum((len(fields(Energy)), instance.segments))
+    found = np.zeros(places[-1] + 3 * (instance.segments + 1))
     arrays = (address(each) for each in (instance.parameters, instance.state))
     instance.kernels.energy(instance.segments, *arrays, inputs.ctypes.data, found.ctypes.data, address(instance.work))
-    return found
+    energies, tensions, velocities = np.split(found, places)
+    return Energy(*energies.tolist()), tensions, velocities.reshape(-1, 3)
 
 
 class Audited(Protocol):

@@ -10,6 +10,7 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.refusals import STATE_IMPOSSIBLE
+from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variants import EVERY_VARIANT
 
 _SCALARS = (
@@ -51,13 +52,23 @@ def take(variant, instance, state):
     for name, theirs, ours in properties(instance.segments, its_parameters, parameters):
         if theirs != ours:
             raise ValueError(f"state belongs to another tether: its {name} is {theirs:g}, that of this one {ours:g}")
-    try:
-        instance.take(array("d", own))
-    except ValueError as problem:
-        raise ValueError(f"state {problem}") from None
+    _take_own(instance, array("d", own))
     instance.values[: at.INPUTS] = array("d", inputs)
     winds = slice(at.parameters_size(instance.segments) - 3 * (instance.segments + 1), None)
     parameters[winds], parameters[at.WIND_PROFILE] = its_parameters[winds], its_parameters[at.WIND_PROFILE]
+
+
+def _take_own(instance, state):
+    """Set an `Instance` (modified) to a state array; ValueError, and nothing is changed, if no tether is in such a state."""
+    before = instance.state[:]
+    try:
+        instance.take(state)
+    except ValueError as problem:
+        raise ValueError(f"state {problem}") from None
+    if instance.take_outputs() != OK:
+        instance.state[:] = before
+        instance.take_outputs()
+        raise ValueError(f"state {STATE_IMPOSSIBLE}")
 
 
 def properties(segments, *parameters):

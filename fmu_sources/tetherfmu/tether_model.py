@@ -387,8 +387,8 @@ class TetherModel:
         `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
         powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        numbers = self._account(reel_out_speed, wind_velocity, kite_load)
-        return energy.Energy(*numbers[: -self.segments].tolist())
+        found, _, _ = self._account(reel_out_speed, wind_velocity, kite_load)
+        return found
 
     @property
     def implausible(self) -> list[str]:
@@ -402,7 +402,10 @@ class TetherModel:
 
     @property
     def velocities(self) -> NDArray[np.float64]:
-        """Node velocities [m/s], array (segments + 1, 3)."""
+        """Node velocities [m/s], array (segments + 1, 3); of a `TetherQuasiSteady` those of its rotation with the kite."""
+        if self._variant.has_nodes and not self._variant.has_waves:
+            _, _, velocities = self._account()
+            return velocities
         return self._motion()[1].copy()
 
     @property
@@ -413,7 +416,8 @@ class TetherModel:
     @property
     def segment_tensions(self) -> NDArray[np.float64]:
         """Tensions of the segments [N], array (segments,), negative where one is slack; tethers with nodes only."""
-        return self._account()[-self.segments :]
+        _, tensions, _ = self._account()
+        return tensions
 
     @property
     def counters(self) -> dict[str, int]:
@@ -429,7 +433,7 @@ class TetherModel:
             self._set_wind(wind_velocity)
 
     def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
-        """Energies, powers and tensions of the present state, see `energy` and `kernels.step.power_balance`."""
+        """`Energy`, tensions [N] and velocities [m/s] of the present state, see `energy.account`."""
         if not self._variant.has_nodes:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
         self._check_started()

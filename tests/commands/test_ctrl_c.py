@@ -145,7 +145,7 @@ def test_the_stability_map_keeps_finished_points(tmp_path):
     begun = lambda _: results.exists() and results.read_bytes().count(b"\n") > 1  # noqa: E731
     options = ("--quick", "--out", tmp_path, "--results", results, "--processes", 2)
     said = stopped(os.killpg, COMMAND, "stability", *options, begun=begun, cwd=tmp_path)
-    assert said == ["stopped; the finished points are kept, the same command goes on"]
+    assert said == ["stopped; the finished points are kept, and the same command continues from them"]
 
 
 def test_while_the_advisor_flies(tmp_path):

@@ -44,9 +44,10 @@ def cited_sections():
     return found
 
 
-def test_interface_page_is_what_the_script_writes(monkeypatch):
+@pytest.mark.parametrize("name", ["make_interface", "make_value_references"])
+def test_pages_are_what_their_scripts_write(monkeypatch, name):
     monkeypatch.syspath_prepend(ROOT / "docs" / "make")
-    script = importlib.import_module("make_interface")
+    script = importlib.import_module(name)
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 
 
@@ -136,7 +137,7 @@ def test_blocks_for_users_of_tethers_jl(tmp_path):
     assert quasi_steady > coarse > 10.0 * fine  # of second order: a quarter of the length is a sixteenth of the error
     pressure = 0.5 * 1.225 * 10.0 * 8.0**2  # times the area [N]: the kite hovers in the wind
     up, along = 0.7 * pressure - 10.0 * 9.81, 0.15 * pressure  # lift less weight, drag [N]
-    flattest = np.arctan2(up - 18.0, along + 20.0)  # weight and drag of the tether [N] turn its chord down
+    flattest = np.arctan2(up - 18.0, along + 20.0)  # drag of the tether [N] turns its chord down by 4 degrees, weight by 1
     elevation = float(re.search(r"([\d.]+) deg above", printed)[1])
     assert np.degrees(flattest) < elevation < np.degrees(np.arctan2(up, along))
 
@@ -152,6 +153,10 @@ def test_blocks_of_cranes_and_drones(tmp_path):
     found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
     assert float(found[0]) == pytest.approx(hanging, abs=1.0)  # N, no digits printed
     assert re.search(r"(\d+) N at rest, .*, and at most (\d+) N", page("cranes_and_drones")).groups() == found
+    swing = re.search(r"largest swing, from below the tip: ([\d.]+) m", text)[1]
+    assert f"up to {swing} m away from below the tip" in page("cranes_and_drones").replace("\n", " ")
+    circling = 0.1**2 * (30.0 + 2.7) / 9.81 * 80.0  # offset [m] of a load that follows its circle: tan = w^2 r/g
+    assert float(swing) > 2.5 * circling
     hoisting = float(re.search(r"hoisted by 64\.\d m, tension while hoisting: at most (\d+) N", text)[1])
     assert hanging * (1.0 + 0.25 / 9.81) < hoisting < hanging * (1.0 + 0.5 / 9.81)  # at most twice a: mass on a spring
     assert f"It prints at most {hoisting:.0f} N" in page("cranes_and_drones")
@@ -163,8 +168,10 @@ def test_blocks_of_cranes_and_drones(tmp_path):
 @pytest.mark.parametrize("name", ["diameter", "density", "axial_stiffness", "axial_damping"])
 def test_parameters_of_the_crane_are_those_of_its_wire(name):
     """Three digits stand in the table."""
+    wire = tetherfmu.tether_of("steel", 0.012)
+    damping = 2.0 * 0.01 * np.sqrt(500.0 * 80.0 * wire.axial_stiffness)  # 1 % of critical: c = 2 zeta sqrt(k m), D = c L
     number = float(re.search(rf"^\| `{name}` \| (\S+) \|$", page("cranes_and_drones"), re.MULTILINE)[1])
-    assert number == pytest.approx(getattr(tetherfmu.tether_of("steel", 0.012), name), rel=1e-3)
+    assert number == pytest.approx(damping if name == "axial_damping" else getattr(wire, name), rel=1e-3)
 
 
 def test_both_pages_have_the_same_command():

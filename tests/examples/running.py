@@ -10,8 +10,8 @@ import numpy as np
 from tetherfmu.libraries.examples import EXAMPLES
 
 
-def run_python(*arguments):
-    """Run Python with the rooms of the examples; the finished process."""
+def run_python(*arguments, cwd=None):
+    """Run Python with the rooms of the examples, in a folder; the finished process."""
     path = os.pathsep.join([str(EXAMPLES), *sys.path])
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
@@ -20,6 +20,7 @@ def run_python(*arguments):
         text=True,
         check=False,
         timeout=900,
+        cwd=cwd,
     )
 
 

@@ -67,7 +67,7 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
     assert "has no variable ground_force" in capsys.readouterr().err
     for name, wrong, words in (
-        ("coupling.bridle", "TetherDynamicFree", "has a free kite end"),
+        ("coupling.mooring", "TetherDynamicFree", "has a free kite end"),
         ("coupling.iterated_master", "TetherDynamicFree", "has a free kite end"),
         ("power_system.pumping_cycle", "TetherDynamic", "has no free kite end"),
     ):
@@ -76,7 +76,42 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     assert "fmpy.fmi2" in sys.modules
 
 
-def test_a_bridle_with_legs_of_ones_own(fmu_folder):
+def test_a_mooring_with_legs_of_ones_own(fmu_folder):
     own = fmu_folder / "TetherQuasiSteady.fmu"
-    *_, last = run(fmu_folder, f"from coupling import bridle; bridle.main(['--fmu', {str(own)!r}, '--quick'])").splitlines()
+    *_, last = run(
+        fmu_folder, f"from coupling import mooring; mooring.main(['--fmu', {str(own)!r}, '--quick'])"
+    ).splitlines()
     assert float(re.search(r"([\d.]+) %", last)[1]) > 1.0  # its legs carry no waves; those of TetherDynamic have 0.4 %
+
+
+@pytest.fixture
+def dist(fmu_folder, example_folder, tmp_path):
+    """Folder of the FMUs where the examples look for them."""
+    dist = tmp_path / "dist"
+    dist.mkdir()
+    for path in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
+        (dist / path.name).symlink_to(path)
+    return dist
+
+
+@pytest.mark.parametrize(
+    ("name", "tether", "options"),
+    [
+        ("first_flight.circular_flight", "TetherDynamic", ("--duration", "2", "--wind", "8", "0", "0", "--out", "plots")),
+        ("at_rest.catenary", "TetherCatenary", ("--out", "plots")),
+        ("at_rest.forces_over_wind_and_slack", "TetherStraight", ("--out", "plots")),
+        ("coupling.bridle", "TetherQuasiSteady", ("--quick",)),
+        ("coupling.iterated_master", "TetherStraight", ("--duration", "0.4")),
+        ("power_system.pumping_cycle", "TetherDynamicFree", ("--cycles", "1", "--step", "0.03", "--out", "plots")),
+    ],
+)
+def test_fmi_3_gives_the_numbers_of_fmi_2(dist, native_folder, fmi3_folder, name, tether, options):
+    """What each example prints of an FMU of one's own, but for how fast it was."""
+    said = []
+    for folder in (native_folder, fmi3_folder):
+        code = f"import sys; from {name} import main; sys.exit(main(sys.argv[1:]))"
+        done = run_python("-c", code, "--fmu", folder / f"{tether}.fmu", *options, cwd=dist.parent)
+        assert done.returncode == 0, done.stderr
+        said.append(re.sub(r"[\d.]+ times real time|\d+ ms for a second", "", done.stdout))
+    assert said[0] == said[1]
+    assert re.search(r"\d\.\d", said[0])

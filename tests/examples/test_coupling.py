@@ -10,6 +10,7 @@ with k, c of the whole tether, m the kite with a third of the tether, M the kite
 
 import csv
 import sys
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "examples"))
 
 from coupling import coupling_study as limits  # noqa: E402
+from coupling import delayed_load  # noqa: E402
 from coupling.axial_chain import STEPS, AxialChain  # noqa: E402
 from coupling.monolithic import exact  # noqa: E402
 from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started  # noqa: E402
@@ -198,17 +200,32 @@ def test_ways_are_all_in_the_figure():
     assert len(set(COLOURS.values())) == len(WAYS)
 
 
-@pytest.mark.parametrize(("part", "grows"), [(0.8, False), (1.2, True)])
-def test_a_late_load_limits_a_free_end(part, grows):
-    """A mass M with a load -d v that continues linearly, and next to no tether: h < M/d (Adams-Bashforth of order 2)."""
+@pytest.mark.parametrize("continuation", delayed_load.CONTINUATIONS)
+@pytest.mark.parametrize("kite", delayed_load.KITES)
+@pytest.mark.parametrize(("part", "grows"), [(0.9, False), (1.1, True)])
+def test_a_late_load_limits_a_free_end(continuation, kite, part, grows):
+    """A mass M with a load -d v and next to no tether: a deviation grows beyond the step of the theory, and not before."""
     mass, drag = 10.0, 100.0
-    step = part * mass / drag
+    step = part * delayed_load.largest_step(continuation, kite) * mass / drag
     tether = Tether(segments=1, axial_stiffness=1e-3, axial_damping=0.0, density=1e-3)
-    model = TetherDynamicFree(tether, Environment(gravity=0.0, air_density=0.0), kite_mass=mass)
-    outputs = model.initialize((0.0, 0.0, 505.0), (1.0, 0.0, 0.0))
-    for _ in range(60):
-        outputs = model.step(step, -drag * outputs.kite_velocity)
-    assert bool(abs(outputs.kite_velocity[0]) > 1.0) is grows
+    void = Environment(gravity=0.0, air_density=0.0)
+    model = TetherDynamicFree(tether, void, kite_mass=mass, input_continuation=continuation)
+    speeds = [model.initialize((0.0, 0.0, 505.0), (1.0, 0.0, 0.0)).kite_velocity] * 3
+    growth = delayed_load.growth(continuation, kite, part * delayed_load.largest_step(continuation, kite))
+    for _ in range(200 if growth <= 1.0 else ceil(np.log(1e3) / np.log(growth)) + 20):
+        seen = {"after the tether": speeds[-1], "extrapolating": 2.0 * speeds[-2] - speeds[-3], "holding": speeds[-2]}[kite]
+        speeds.append(model.step(step, -drag * seen).kite_velocity)
+    assert bool(np.abs(speeds[-20:]).max() > 1.0) is grows
+
+
+def test_limits_of_a_late_load_on_the_page():
+    """Adams and Bashforth's method of second order has the limit 1, Euler's 2; the page has two digits of each."""
+    page = (ROOT / "docs" / "use" / "coupling.md").read_text(encoding="utf-8")
+    assert delayed_load.largest_step("linear", "after the tether") == pytest.approx(1.0, abs=0.003)  # steps of the search
+    assert delayed_load.largest_step("held", "after the tether") == pytest.approx(2.0, abs=0.003)
+    for kite in delayed_load.KITES:
+        numbers = (f"{delayed_load.largest_step(each, kite):.2f}" for each in delayed_load.CONTINUATIONS)
+        assert f"| {kite} | {' | '.join(numbers)} |" in page
 
 
 @pytest.mark.parametrize("way", ["parallel, linear", "sequential, linear"])

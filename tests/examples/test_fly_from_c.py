@@ -11,6 +11,8 @@ import pytest
 
 from native.programs import WARNINGS, available
 from tetherfmu import TetherDynamic
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.native import build
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE, PAGE = ROOT / "examples" / "hosts" / "fly_from_c.c", ROOT / "docs" / "use" / "importing.md"
@@ -21,9 +23,10 @@ pytestmark = pytest.mark.skipif(not available(), reason="needs gcc on 64-bit Lin
 
 
 @pytest.fixture
-def program(tmp_path):
+def program(tmp_path, native_folder):
     """Path of the compiled example."""
-    command = ["gcc", "-std=c99", *WARNINGS, SOURCE, f"-I{HEADERS}", "-ldl", "-o", tmp_path / "fly_from_c"]
+    places = (f"-I{native_folder}", f"-I{HEADERS}")
+    command = ["gcc", "-std=c99", *WARNINGS, SOURCE, *places, "-ldl", "-o", tmp_path / "fly_from_c"]
     subprocess.run([*map(str, command)], check=True)
     return tmp_path / "fly_from_c"
 
@@ -47,4 +50,17 @@ def test_forces_are_those_of_the_python_api(program, native_folder, tmp_path):
 
 def test_a_folder_without_an_fmu_is_refused_in_one_line(program, tmp_path):
     done = subprocess.run([program, tmp_path], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (1, "fly_from_c: the folder has no modelDescription.xml\n")
+    (said,) = done.stderr.splitlines()
+    assert done.returncode == 1
+    assert said.startswith(f"fly_from_c: {tmp_path}/binaries/linux64/TetherDynamic.so: cannot open")
+
+
+def test_an_fmu_of_another_build_is_refused(program, tmp_path):
+    """The header belongs to one build: the guid tells, and the FMU says so."""
+    path = build("TetherDynamic", tmp_path / "other", BuildOptions(shape_points=5))
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "TetherDynamic")
+    done = subprocess.run([program, tmp_path / "TetherDynamic"], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "the guid or token is {" in done.stderr
+    assert done.stderr.endswith("fly_from_c: the FMU gives no instance\n")

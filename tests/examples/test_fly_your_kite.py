@@ -14,6 +14,21 @@ from tetherfmu.runtime.parameters import Tether
 SCRIPT = EXAMPLES / "first_flight" / "fly_your_kite.py"
 
 
+def elevation(up, along, drag_of_tether=1.0, weight_of_tether=1.0):
+    """Elevation [deg] of a kite with these forces [N] on a straight tether: half of the tether's loads act at the kite.
+
+    Drag of a line across the wind: rho cd d L v^2/2 sin(b)^2 along (sin b, -cos b), b its elevation; other arguments: parts
+    of the tether's drag and weight that count.
+    """
+    tether, length, angle = Tether(), 200.0, 1.0
+    drag = drag_of_tether * 0.5 * 1.225 * tether.drag_coefficient * tether.diameter * length * 8.0**2
+    weight = weight_of_tether * tether.mass_per_meter * length * 9.81
+    for _ in range(50):
+        across = 0.5 * drag * np.sin(angle) ** 2
+        angle = np.arctan2(up - 0.5 * weight - across * np.cos(angle), along + across * np.sin(angle))
+    return np.degrees(angle)
+
+
 def test_the_kite_finds_its_elevation(fmu_folder, tmp_path):
     (tmp_path / "dist").symlink_to(fmu_folder)
     said = run(
@@ -26,11 +41,16 @@ def test_the_kite_finds_its_elevation(fmu_folder, tmp_path):
     _, x, y, z, *velocity, tension, _ = map(float, said.split()[-9:])
     pressure = 0.5 * 1.225 * 10.0 * 8.0**2
     lift, drag = 0.7 * pressure, 0.15 * pressure
-    weight, tether = 10.0 * 9.81, Tether().mass_per_meter * 200.0 * 9.81
-    # weight and drag of the tether (a few N) turn the chord down from the direction at the kite
-    steepest = np.arctan2(lift - weight, drag)
-    flattest = np.arctan2(lift - weight - tether, drag + 20.0)
-    assert flattest < np.arctan2(z, x) < steepest
+    weight = 10.0 * 9.81
+    found = np.degrees(np.arctan2(z, x))
+    assert found == pytest.approx(elevation(lift - weight, drag), abs=0.3)  # a straight tether: no sag
+    page = (EXAMPLES.parent / "docs" / "use" / "start.md").read_text(encoding="utf-8")
+    assert f"comes to rest {found:.1f} degrees above the horizon" in page
+    assert f"alone would hold it at {np.degrees(np.arctan2(lift - weight, drag)):.1f} degrees" in page
+    parts = [
+        elevation(lift - weight, drag, **without) - found for without in ({"drag_of_tether": 0.0}, {"weight_of_tether": 0.0})
+    ]
+    assert [round(part) for part in parts] == [4, 1]  # degrees, as the page says
     assert abs(y) < 1e-6
     assert tension == pytest.approx(np.hypot(lift - weight, drag), rel=0.1)
     np.testing.assert_allclose(velocity, 0.0, atol=0.3)  # it still swings a little

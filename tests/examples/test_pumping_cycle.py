@@ -59,15 +59,35 @@ def test_prints_draws_and_animates(folder, tmp_path):
     assert "<script src=" not in page
 
 
+@pytest.mark.parametrize("wind", [10, 12, 14])
+def test_a_step_that_is_too_long_is_named_as_the_cause(folder, wind, tmp_path):
+    """Not too little wind, nor what an FMU refuses in the end; half of the step is advised, and holds over a cycle."""
+    options = ["--wind", str(wind), "--step", "0.03", "--out", str(tmp_path)]
+    advised = ["--wind", str(wind), "--step", "0.015", "--cycles", "1", "--out", str(tmp_path)]
+    code = f"""
+import contextlib, sys
+kite_power_system.START["longest_length"] = 225.0
+with contextlib.redirect_stderr(sys.stdout):
+    print("status", pumping_cycle.main({options!r}))
+    print("status", pumping_cycle.main({advised!r}))
+"""
+    said = flown(folder, code)
+    causes = r"the exchange diverges after \d\.\d s: .+; take --step 0\.015 or --master gauss_seidel, .+"
+    assert re.search(rf"^{causes}\nstatus 1\n(?:.+\n)*status 0$", said, re.M), said
+    assert "more wind" not in said
+    assert ("the motor of the winch is too weak for this wind: for " in said) is (wind == 14)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"wind_velocity[1]": float("nan")}, "wind_velocity[1] is nan; it must be a finite number"),
         ({"torque_limit": 1.0, "maximum_length": 250.0}, "the winch is jammed: tether_length is"),
         ({"wind_velocity[1]": 0.0}, "the kite came down after"),
+        ({"wind_velocity[1]": 5.0}, "it needs more wind"),
         ({"kite_mass": -1.0}, "kite_mass is -1.0; it must be at least 0 kg"),
     ],
-    ids=["nan", "jammed", "no_wind", "mass"],
+    ids=["nan", "jammed", "no_wind", "little_wind", "mass"],
 )
 def test_what_cannot_fly_ends_in_words(folder, changes, words):
     code = f"""

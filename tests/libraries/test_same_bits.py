@@ -125,8 +125,9 @@ class KernelByKernel:
         return outputs
 
     def energies(self, inputs):
-        energies = np.zeros(power_balance.ENERGIES + self.n)
-        power_balance.balance(self.n, self.parameters, self.state, inputs, energies, self.work)
+        energies = np.zeros(power_balance.size(self.n))
+        _, v = positions_and_velocities(self.n, self.state)
+        power_balance.balance(self.n, self.parameters, self.state, v, inputs, energies, self.work)
         return energies
 
 

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import zipfile
-from ctypes import CDLL
+from ctypes import CDLL, c_void_p
 from pathlib import Path
 
 import fmpy
@@ -128,6 +128,15 @@ def test_steps(fmi3_folder):
 
 
 @in_own_process
+def test_a_stop_before_the_start_is_refused(fmi3_folder):
+    host = Host(fmi3_folder / "TetherDynamic.fmu")
+    with pytest.raises(FMICallException):
+        host.fmu.enterInitializationMode(startTime=2.0, stopTime=1.0)
+    assert host.messages[-1].endswith("the stop time is 1.0 s; it must not be before the start time of 2.0 s")
+    host.start()
+
+
+@in_own_process
 def test_arrays_are_set_as_a_whole(fmi3_folder):
     host = Host(fmi3_folder / "TetherDynamic.fmu")
     reference = host.reference["kite_position"]
@@ -195,6 +204,34 @@ def test_instances_that_are_refused(fmi3_folder):
     with pytest.raises(Exception, match="Failed to instantiate"):
         FMU3Model(instanceName="model", **facts).instantiate(logMessage=host.log)
     assert "this FMU is for co-simulation only" in host.messages[-1]
+
+
+@in_own_process
+def test_instances_and_states_are_told_apart(fmi3_folder):
+    """A state where an instance belongs, and the other way round: refused, nothing is freed, both can be used."""
+    host = Host(fmi3_folder / "TetherDynamic.fmu").start()
+    before, tether, state = blob_of(host), host.fmu.component, host.fmu.getFMUState()
+    itself = c_void_p(tether)
+    for call in (
+        lambda: host.fmu.setFMUState(itself),
+        lambda: host.fmu.freeFMUState(itself),
+        lambda: host.fmu.serializeFMUState(itself),
+    ):
+        with pytest.raises(FMICallException, match="error"):
+            call()
+        assert host.messages[-1].endswith("this is not a state of this FMU")
+        assert itself.value == tether
+    host.fmu.component = state
+    for call in (host.fmu.reset, host.fmu.enterInitializationMode, host.fmu.terminate, lambda: host.step(STEP)):
+        with pytest.raises(FMICallException, match="error"):
+            call()
+    host.fmu.fmi3FreeInstance(state)
+    host.fmu.component = tether
+    assert blob_of(host) == before
+    host.step(STEP)
+    host.fmu.setFMUState(state)
+    host.fmu.freeFMUState(state)
+    assert blob_of(host) == before
 
 
 @in_own_process

@@ -6,6 +6,7 @@ Called through ctypes, as a host in C would do it.
 import ctypes
 import gc
 import math
+import subprocess
 import sys
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from fmpy import extract, read_model_description
 
 from isolation import in_own_process
+from native import programs
 from runtime.test_memory import LINUX, resident
 
 ODD = ("+", "(", "@", "#", "%", "%41", ",", "{", ";", "'", "&", "ü", "日本", "a b", "[x]", "=", "!", "$HOME")
@@ -168,6 +170,36 @@ def test_null_and_foreign_pointers(native_folder, dynamic):
 
 
 @in_own_process
+def test_instances_and_states_are_told_apart(dynamic):
+    """A state where an instance belongs, and the other way round: refused, nothing is freed, both can be used."""
+    fmu = Library(dynamic)
+    tether, state, size, number = fmu.started(), c_void_p(), c_size_t(), c_double()
+    assert fmu.GetFMUstate(tether, byref(state)) == OK
+    before, room = fmu.bytes_of(tether), ctypes.create_string_buffer(5000)
+    first = (c_uint * 1)(0)
+    itself = c_void_p(tether.value)
+    for call, *arguments in (
+        (fmu.SetFMUstate, tether),
+        (fmu.GetFMUstate, byref(itself)),
+        (fmu.FreeFMUstate, byref(itself)),
+        (fmu.SerializedFMUstateSize, tether, byref(size)),
+        (fmu.SerializeFMUstate, tether, room, c_size_t(5000)),
+        (fmu.DeSerializeFMUstate, before, c_size_t(len(before)), byref(itself)),
+    ):
+        assert call(tether, *arguments) == ERROR, call
+        assert fmu.messages[-1].endswith("this is not a state of this FMU")
+        assert itself.value == tether.value
+    assert fmu.step(state) == fmu.Reset(state) == fmu.Terminate(state) == fmu.EnterInitializationMode(state) == ERROR
+    assert fmu.GetReal(state, first, c_size_t(1), byref(number)) == ERROR
+    assert fmu.SetReal(state, first, c_size_t(1), byref(number)) == ERROR
+    assert fmu.GetFMUstate(state, byref(c_void_p())) == fmu.SetFMUstate(state, state) == ERROR
+    fmu.FreeInstance(state)
+    assert fmu.bytes_of(tether) == before
+    assert fmu.step(tether) == fmu.SetFMUstate(tether, state) == fmu.FreeFMUstate(tether, byref(state)) == OK
+    assert fmu.bytes_of(tether) == before
+
+
+@in_own_process
 def test_short_buffers(dynamic):
     fmu = Library(dynamic)
     tether, state = fmu.started(), c_void_p()
@@ -261,6 +293,17 @@ def test_10_000_instances(dynamic):
         fmu.FreeInstance(tether)
     del tethers
     assert resident() - memory < 0.1 * each * 10_000
+
+
+@pytest.mark.skipif(not programs.available(), reason="needs gcc on 64-bit Linux")
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("optimized", ["-O0", "-Os"])
+def test_what_was_freed_is_refused(tmp_path, fmi, optimized):
+    """As far as its memory can tell: this host keeps what is freed as it is, so that nothing but the mark can."""
+    options = (optimized, "-Wl,--wrap=free")
+    program = programs.compiled(tmp_path, "straight", fmi, Path(__file__).with_name("after_free.c"), options)
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "all refused\n"), done.stderr
 
 
 @in_own_process

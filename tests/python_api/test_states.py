@@ -1,5 +1,6 @@
 """A state is whole: another object, a copy and one from a pickle continue with the same numbers. Others are refused."""
 
+import contextlib
 import copy
 import pickle
 
@@ -141,3 +142,25 @@ def test_kernels_of_its_own_are_shared_by_copies_and_refused_by_pickle():
     assert copy.deepcopy(tether)._instance.kernels is tether._instance.kernels
     with pytest.raises(pickle.PicklingError, match="this TetherDynamic was made with kernels of its own"):
         pickle.dumps(tether)
+
+
+@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+@every_variant
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1.0, 1e300])
+def test_a_state_with_any_number_replaced_is_refused_or_harmless(variant, value):
+    """Refused: nothing is changed. Taken: the outputs are finite, and a step is done or refused in words."""
+    tether = flying(variant, segments=3)
+    good = tether.get_state()
+    for place in range(len(good)):
+        state = good.copy()
+        state[place] = value
+        try:
+            tether.set_state(state)
+        except ValueError:
+            np.testing.assert_array_equal(tether.get_state(), good)
+            continue
+        assert all(np.isfinite(each).all() for each in tether.outputs())
+        with contextlib.suppress(StepRefused):
+            tether.step(0.02)
+        assert all(np.isfinite(each).all() for each in tether.outputs())
+        tether.set_state(good)

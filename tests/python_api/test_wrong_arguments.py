@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 
 import tetherfmu
-from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, inputs_along, kite_at, tether_of
+from tetherfmu import (
+    MovingEnd,
+    Tether,
+    TetherCatenary,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    inputs_along,
+    kite_at,
+    tether_of,
+)
 from tetherfmu.runtime.inputs import COUNT
 
 
@@ -134,6 +144,11 @@ WRONG = {
         ),
         tetherfmu.StepRefused,
         r"no equilibrium was found between the given ends, 9.84886e\+08 m apart; check .* in m, .*length 505.0 m",
+    ),
+    "fast start of a free kite": (
+        lambda: TetherDynamicFree().initialize((300.0, 0.0, 400.0), (0.0, 2e9, 0.0)),
+        tetherfmu.StepRefused,
+        r"the input kite_velocity\[2\] at the start is 2000000000.0; it must be a finite number, at most 1e\+09",
     ),
     "path": (
         lambda: MovingEnd(lambda t: (t, t)).at(1.0),

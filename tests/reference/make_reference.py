@@ -9,6 +9,9 @@ Point masses m_i on segments of unstretched length l0, with the equations writte
 
 A tether has k = EA/l0, c = D/l0, and masses mu l0, half of that at its ends; l0 and with it k, c, m_i follow the reel-out.
 The damper does not see the reel-out (`stretch_rate`). Needs numpy and scipy; all files take some minutes.
+
+An inextensible chain (`Inextensible`) has the tensions at which the lengths stay: of each segment, e.(v_q' - v_p') =
+-(u.u - (e.u)^2)/l, linear in the tensions.
 """
 
 import argparse
@@ -224,8 +227,86 @@ def held_in_wind(length, ratio, diameter, wind):
     return found
 
 
+def swaying(end):
+    """Function of the time: position [m], velocity [m/s] and acceleration [m/s2] of an end that sways along y."""
+    along = np.array([0.0, 2.0, 0.0])
+    return lambda time: (end + along * (1.0 - np.cos(time)), along * np.sin(time), along * np.cos(time))
+
+
+@dataclass
+class Inextensible:
+    """A hanging chain of n rods in wind, the first node held, the last one led."""
+
+    n: int
+    length: float  # [m]
+    last: object  # of the time: position [m], velocity [m/s] and acceleration [m/s2]
+    wind: tuple = (8.0, 0.0, 0.0)  # [m/s]
+
+    def loads(self, x, v):
+        """Weight and drag of inner nodes [N]; rates of the vectors between nodes [m/s], their directions, lengths [m]."""
+        rods = Chain(x, v, lambda _: (self.length / self.n, 0.0, 0.0, None), wind=self.wind)
+        _, half, _ = rods.forces(0.0, x, v)
+        r = x[1:] - x[:-1]
+        length = np.linalg.norm(r, axis=1)
+        return half[1:] + half[:-1] - MU * self.length / self.n * G * UP, v[1:] - v[:-1], r / length[:, None], length
+
+    def tensions(self, time, x, v):
+        """Tensions [N], and the accelerations of the inner nodes [m/s2]."""
+        mass, (load, u, e, length) = MU * self.length / self.n, self.loads(x, v)
+        free = np.vstack((np.zeros(3), load / mass, self.last(time)[2]))
+        turning = -((u * u).sum(axis=1) - (e * u).sum(axis=1) ** 2) / length - (e * (free[1:] - free[:-1])).sum(axis=1)
+        beside = (e[1:] * e[:-1]).sum(axis=1) / mass
+        ends = np.concatenate(([1.0], np.full(self.n - 2, 2.0), [1.0])) / mass
+        tension = np.linalg.solve(np.diag(beside, 1) + np.diag(beside, -1) - np.diag(ends), turning)
+        pull = tension[:, None] * e
+        return tension, (load + pull[1:] - pull[:-1]) / mass
+
+    def whole(self, time, inner):
+        """Positions [m] and velocities [m/s] of all nodes from those of the inner ones."""
+        x, v, _ = self.last(time)
+        inside = inner.reshape(2, -1, 3)
+        return [np.vstack((np.zeros(3), part, end)) for part, end in zip(inside, (x, v), strict=True)]
+
+    def at_rest(self):
+        """Positions of the inner nodes in equilibrium [m]."""
+        count, end = 3 * (self.n - 1), self.last(0.0)[0]
+        start = sagging(end, self.length, self.n)
+
+        def missing(unknown):
+            x = np.vstack((start[:1], unknown[:count].reshape(-1, 3), end))
+            load, _, e, length = self.loads(x, np.zeros_like(x))
+            pull = unknown[count:, None] * e
+            return np.concatenate(((load + pull[1:] - pull[:-1]).ravel(), length - self.length / self.n))
+
+        found = root(missing, np.concatenate((start[1:-1].ravel(), np.full(self.n, 40.0))), method="hybr", tol=1e-13)
+        assert np.abs(missing(found.x)).max() < 1e-9, found.message
+        return found.x[:count]
+
+    def motion(self, times):
+        """Tensions of all segments [N] at times [s], array (times, segments)."""
+
+        def rates(time, inner):
+            x, v = self.whole(time, inner)
+            return np.concatenate((v[1:-1].ravel(), self.tensions(time, x, v)[1].ravel()))
+
+        start = np.concatenate((self.at_rest(), np.zeros(3 * (self.n - 1))))
+        solved = solve_ivp(rates, (0.0, times[-1]), start, t_eval=times, **SOLVER)
+        assert solved.success, solved.message
+        rows = zip(times, solved.y.T, strict=True)
+        return np.array([self.tensions(time, *self.whole(time, row))[0] for time, row in rows])
+
+
+def inextensible_columns():
+    """Columns of `inextensible.csv`: tension of the last segment of two chains whose last node sways."""
+    times = 0.02 * np.arange(1, 201)
+    short = Inextensible(5, 100.0, swaying(np.array([60.0, 0.0, 79.0])))
+    long = Inextensible(20, 505.0, swaying(np.array([300.0, 0.0, 400.0])))
+    return {"time": times, "tension_100m_n5": short.motion(times)[:, -1], "tension_505m_n20": long.motion(times)[:, -1]}
+
+
 FILES = {f"tether_{number:02d}.csv": lambda number=number: tutorial_columns(number) for number in range(1, 9)}
 FILES |= {"sceneB_n20_w0.1.csv": circle_columns, "wind_loaded.csv": wind_loaded_columns}
+FILES |= {"inextensible.csv": inextensible_columns}
 FROM = {"sceneB_n20_w0.1.csv": 2.0}  # time [s] from which a file is compared
 
 

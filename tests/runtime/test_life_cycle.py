@@ -11,6 +11,7 @@ from tetherfmu.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 WIND = (0.1, 0.0, 0.0)
+every_shell = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native", "native_fmi3"], indirect=True)
 
 
 def fly(host, steps, step=0.02, begin=0):
@@ -52,15 +53,36 @@ def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
     host.close()
 
 
-@every_flavour
+@every_shell
 @in_own_process
 def test_importers_tolerance_and_own_tolerance(fmu_folder):
-    """A tolerance of 0 takes the importer's, another one wins."""
+    """A tolerance of 0 takes the importer's where that is tighter than the default; another one wins."""
     path = fmu_folder / "TetherDynamic.fmu"
-    options = ({"tolerance": 1e-8}, {"tolerance": 1e-2, "relative_tolerance": 1e-8}, {})
+    options = (
+        {"tolerance": 1e-8},
+        {"tolerance": 1e-2, "relative_tolerance": 1e-8},
+        {},
+        {"tolerance": 1e-3},
+        {"tolerance": 0.5},
+        {"relative_tolerance": 1e-3},
+    )
     results = [fly(started(path, **option), 20) for option in options]
     assert results[0] == results[1]
     assert results[0] != results[2]
+    assert results[2] == results[3] == results[4]
+    assert results[2] != results[5]
+
+
+@every_shell
+@in_own_process
+def test_a_tolerance_that_is_none_is_said(fmu_folder):
+    """A warning, with which the run goes on as without a tolerance."""
+    path = fmu_folder / "TetherDynamic.fmu"
+    expected = fly(started(path), 20)
+    for tolerance in (-1e-6, 0.0, float("nan")):
+        host = started(path, tolerance=tolerance)
+        assert any("is not used; it must be greater than 0" in text for text in host.messages), tolerance
+        assert fly(host, 20) == expected
 
 
 @of_every_flavour("name")

@@ -133,3 +133,42 @@ def test_reeled_in_to_zero(fmu_folder, fmu):
     nodes = 1 if fmu in ("TetherStraight", "TetherCatenary") else 5
     assert host.get("tether_length") == pytest.approx(0.01 * nodes, abs=0.0101)
     host.step(0.02, reel_out_speed=0.5)
+
+
+@every_flavour
+@pytest.mark.parametrize(
+    ("start", "stop", "words"),
+    [
+        (1.0, 0.5, "the stop time is 0.5 s; it must not be before the start time of 1.0 s"),
+        (0.0, math.nan, "the stop time is nan s"),
+        (math.nan, None, "the start time is nan; it must be a finite number"),
+        (-math.inf, 1.0, "the start time is -inf"),
+    ],
+)
+@in_own_process
+def test_times_of_the_experiment(fmu_folder, start, stop, words):
+    """Said when the experiment is set up, not with the first step; then it can be set up well."""
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    host.refuses(lambda: host.fmu.setupExperiment(startTime=start, stopTime=stop), words)
+    host.fmu.setupExperiment(startTime=1.0, stopTime=1.0 + (stop is None))
+    host.fmu.enterInitializationMode()
+    host.fmu.exitInitializationMode()
+
+
+@every_flavour
+@in_own_process
+def test_an_experiment_that_has_begun_is_not_set_up(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    host.refuses(lambda: host.fmu.setupExperiment(startTime=0.0), "the experiment cannot be set up after the initialization")
+    host.step(0.02)
+
+
+@every_flavour
+@in_own_process
+def test_no_input_is_taken_after_the_termination(fmu_folder):
+    host = Host(fmu_folder / "TetherDynamic.fmu").start()
+    before, wind = host.all_outputs(), host.get("wind_velocity")
+    host.fmu.terminate()
+    words = "wind_velocity[1] cannot be set to 5.0 after the termination"
+    host.refuses(lambda: host.set(**{"wind_velocity[1]": 5.0}), words)
+    assert (host.all_outputs(), host.get("wind_velocity")) == (before, wind)

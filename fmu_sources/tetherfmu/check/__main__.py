@@ -16,8 +16,8 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file
 from tetherfmu.console.progress import now
 
-from . import inspection
-from .inspection import NOTE, OK, PROBLEM, Finding
+from . import inspection, soundness
+from .findings import NOTE, OK, PROBLEM, Finding
 from .replay import evidence_of
 
 TIMEOUT = 300.0  # seconds for the run of the evidence set; it takes one or two
@@ -27,7 +27,7 @@ NOT_LOADED = "Failed to load shared library"  # what FMPy says
 
 def findings(path):
     """All findings on an FMU that exists: list of `Finding`."""
-    found = inspection.archive(path)
+    found = soundness.archive(path)
     if any(each.level == PROBLEM for each in found):
         return found
     with zipfile.ZipFile(path) as opened:

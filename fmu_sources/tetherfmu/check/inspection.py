@@ -6,27 +6,19 @@ import string
 import sys
 import sysconfig
 import zipfile
-import zlib
 from importlib.metadata import version
 from pathlib import Path, PurePosixPath
-from typing import NamedTuple
 
 from tetherfmu.runtime.kernel_library import platform_of, this_platform
 
-OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"
+from .findings import NOTE, OK, PROBLEM, Finding
+from .soundness import DESCRIPTION
+
 MADE_BY_PYTHONFMU = "resources/slavemodule.txt"
 KERNELS = "resources/kernels/"
 RECOMMENDED = ("documentation/index.html", "documentation/externalDependencies.txt", "documentation/licenses/license.txt")
 ICONS = {"2": "model.png", "3": "terminalsAndIcons/icon.png"}
 HARMLESS = frozenset(string.ascii_letters + string.digits + "_-.~ ")  # in a path that PythonFMU's library must understand
-
-
-class Finding(NamedTuple):
-    """One thing found: its level (`OK`, `NOTE` or `PROBLEM`), what it is, and the remedy if there is one."""
-
-    level: str
-    text: str
-    remedy: str = ""
 
 
 def machine():
@@ -36,31 +28,10 @@ def machine():
     return [Finding(OK, python), Finding(OK, f"FMPy {version('fmpy')}")]
 
 
-def archive(path):
-    """Whether the file is a sound archive with a model description."""
-    try:
-        with zipfile.ZipFile(path) as opened:
-            names = opened.namelist()
-            damaged = opened.testzip()
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, NotImplementedError) as error:
-        return [Finding(PROBLEM, f"this is no zip archive that can be read: {error}", "build or download the FMU again")]
-    found = []
-    if damaged:
-        found.append(Finding(PROBLEM, f"{damaged!r} is damaged in the archive", "build or download the FMU again"))
-    if "modelDescription.xml" not in names:
-        found.append(Finding(PROBLEM, "this is no FMU: it has no modelDescription.xml at its root"))
-    for name in names:
-        if "\\" in name or name.startswith("/") or ".." in PurePosixPath(name).parts:
-            found.append(Finding(PROBLEM, f"the archive has the path {name!r}, which leads out of it or has a backslash"))
-    if len(set(names)) < len(names):
-        found.append(Finding(PROBLEM, "the archive has two files of one name"))
-    return found or [Finding(OK, f"archive: {len(names)} files, {Path(path).stat().st_size / 1000:.0f} kB, none damaged")]
-
-
 def fmi_version(path):
     """Major version of FMI of an FMU, "2" for example; "" if its description cannot be read."""
     with zipfile.ZipFile(path) as opened:
-        found = re.search(rb"""fmiVersion\s*=\s*["'](\d)""", opened.read("modelDescription.xml"))
+        found = re.search(rb"""fmiVersion\s*=\s*["'](\d)""", opened.read(DESCRIPTION))
     return found[1].decode() if found else ""
 
 
@@ -85,7 +56,7 @@ def schema_problems(path):
     from lxml import etree
 
     with zipfile.ZipFile(path) as opened:
-        text = opened.read("modelDescription.xml")
+        text = opened.read(DESCRIPTION)
     try:
         root = etree.fromstring(text, etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:

@@ -99,6 +99,11 @@ def parse(arguments, prog="tetherfmu build"):
     option("--examples", action="store_true", help="also build the FMUs and systems (SSP) of the examples")
     option("--native", action="store_true", help="build FMUs that need no Python in their host")
     option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI, 3 with --native only (default: 2)")
+    option(
+        "--header",
+        action="store_true",
+        help="with --native: also write a C header for hosts, with value references and the guid or token",
+    )
     option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
     options = parser.parse_args(arguments)
     if options.scene is not None and any(
@@ -110,6 +115,8 @@ def parse(arguments, prog="tetherfmu build"):
         )
     if options.fmi == 3 and not options.native:
         parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
+    if options.header and not options.native:
+        parser.error("--header is for hosts in C, which take native FMUs; it goes with --native")
     if options.examples and options.native:
         parser.error("the FMUs of the examples are written in Python; --examples goes without --native")
     return options
@@ -138,8 +145,13 @@ def show(path, platforms):
 
 def build(wanted, name, options):
     """Build an FMU of the flavour that is wanted, with these `BuildOptions`, and print a line on it."""
-    made = native.build(name, wanted.out, options, wanted.fmi) if wanted.native else archive.build(name, wanted.out, options)
+    if wanted.native:
+        made = native.build(name, wanted.out, options, wanted.fmi, wanted.header)
+    else:
+        made = archive.build(name, wanted.out, options)
     show(made, options.platforms)
+    if wanted.header:
+        print(f"{made.with_suffix('.h')}  value references for hosts in C")
 
 
 @command

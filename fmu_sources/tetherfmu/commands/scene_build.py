@@ -3,10 +3,9 @@
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
-from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.advice.advise import advise, explain
 from tetherfmu.study.advice.scene_report import html
-from tetherfmu.study.measuring.runs import parameters_of
+from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import by_name
 from tetherfmu.study.scenes.files import SceneError, load
@@ -17,7 +16,7 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
     "ground_direction": {"ground_force"},
     "power": {"kite_force", "ground_tension"},
 }
-KEPT = ("kite_position", "kite_velocity")
+KEPT = ("kite_position", "kite_velocity", "kite_load")
 
 
 def vector_of(name):
@@ -55,7 +54,7 @@ def advised(path, shape_points, platforms):
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
     config, text = advice.point.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
-    inputs = by_name(scene.inputs(config.step))
+    inputs = by_name(scene.inputs(config.step), scene.kite_is_free)
     no_inputs, no_outputs = left_out(scene, inputs, points)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
@@ -66,4 +65,4 @@ def advised(path, shape_points, platforms):
     starts = tuple((inputs.iloc[0].to_dict() | parameters_of(scene, config)).items())
     purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, page)
     options = BuildOptions(config.segments or 1, points, platforms, starts, purpose)
-    return text, advice.met, class_name(config.variant), options
+    return text, advice.met, fmu_of(scene, config), options

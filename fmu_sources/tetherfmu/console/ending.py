@@ -19,6 +19,10 @@ class WrongUse(ValueError):
     """What a user typed, or wrote into a file, cannot be used; the message says in one line why and what is allowed."""
 
 
+class WorkersLost(RuntimeError):
+    """The processes, or the cluster, that did the work of a command are gone; the message says which in one line."""
+
+
 def command(main):
     """A function that returns an exit status or None, with one line on stderr for what a user can make go wrong."""
 

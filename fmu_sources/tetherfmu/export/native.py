@@ -17,7 +17,7 @@ from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
 
-from . import native_description, native_description_fmi3
+from . import host_header, native_description, native_description_fmi3
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
 from .build_options import BuildOptions
 from .documents import documents
@@ -30,10 +30,11 @@ TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 SYSTEMS_OF_FMI2 = {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}
 
 
-def build(name, folder, options=None, fmi=2):
+def build(name, folder, options=None, fmi=2, with_header=False):
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
-    The arguments are those of `archive.build`; fmi : version, 2 or 3.
+    The arguments are those of `archive.build`; fmi : version, 2 or 3.  with_header : whether a C header for hosts is written
+    beside it, see `host_header`.
     """
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
@@ -49,7 +50,12 @@ def build(name, folder, options=None, fmi=2):
     token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
     files[DESCRIPTION] = describe(token).encode("utf-8")
     files |= binaries(name, kernels, tabulate(token), fmi)
-    return write(files, folder, name, options.purpose)
+    made = write(files, folder, name, options.purpose)
+    if with_header:
+        table, shape_points = table_of(variant, given), given["shape_points"]
+        text = host_header.text(made.stem, name, table, shape_points, fmi, token)
+        made.with_suffix(".h").write_text(text, encoding="utf-8", newline="\n")
+    return made
 
 
 def kernels_of(variant, platforms):

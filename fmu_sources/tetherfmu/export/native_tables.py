@@ -67,9 +67,10 @@ def _constants(variant, token):
     fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
     defined = {
         **fractions,
-        "LOOSEST_TOLERANCE": parameters.LOOSEST_TOLERANCE,
+        "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "THICK": parameters.THICK,
         "FREE_KITE": int(BY_NAME[variant].kite_is_free),
+        "HAS_KINK": int(BY_NAME[variant].has_kink),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
         "VARIANT": c_text(variant),
@@ -79,11 +80,13 @@ def _constants(variant, token):
     }
     phases = ("BEFORE", "INITIALIZING", "STEPPING", "TERMINATED")
     kinds = {name.upper() if name != "parameter" else "PARAMETER_KIND": bit for name, bit in KINDS.items()}
+    ranges = ",\n    ".join(f"{{{place}, {low!r}, {high!r}}}" for place, (low, high) in saved_state.STATE_RANGES.items())
     return [
         _enumerated(places),
         *(f"#define {name} {value}" for name, value in defined.items()),
         f"typedef {_enumerated({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
         _enumerated({**kinds, "INDEPENDENT": INDEPENDENT}),
+        "static const struct { int place; double lowest, highest; } STATE_RANGE[] = {\n    " + ranges + "};",
     ]
 
 

@@ -5,7 +5,8 @@ Each variant has seven: segments, pack, work_size, initialize, advance, outputs,
 the number of steps done.
 
 Of a variant they need the kernels work_size(n), initialize(n, parameters, state, work),
-advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work).
+advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work); with nodes
+the view velocities_of(n, parameters, state, work).
 """
 
 from numba import carray, types
@@ -157,8 +158,9 @@ def entry_points(variant):
         return steps
 
     def energy(n, parameters, state, inputs, energies, work):
-        """Energies, powers and tensions (modified) of a state with the wind, the reel-out speed and the load of `inputs`."""
+        """Energies, powers, tensions and velocities (modified) of a state with wind, reel-out speed and load of `inputs`."""
         p, s, w = chain_arrays(n, parameters, state, work)
-        return power_balance.balance(n, p, s, carray(inputs, at.INPUTS), carray(energies, power_balance.ENERGIES + n), w)
+        v = variant.velocities_of(n, p, s, w)
+        return power_balance.balance(n, p, s, v, carray(inputs, at.INPUTS), carray(energies, power_balance.size(n)), w)
 
     return Kernels(segments, pack, work_size, initialize, advance, outputs, fly, energy)

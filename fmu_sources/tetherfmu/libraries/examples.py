@@ -10,7 +10,7 @@ EXAMPLES = IN_WHEEL if IN_WHEEL.exists() else PACKAGE.parents[1] / "examples"  #
 
 
 def example(name):
-    """Module of an example, such as `coupling.bridle`; the examples import each other by the same names."""
+    """Module of an example, such as `coupling.mooring`; the examples import each other by the same names."""
     if str(EXAMPLES) not in sys.path:
         sys.path.insert(0, str(EXAMPLES))
     return import_module(name)

@@ -14,7 +14,7 @@ SHELL = PACKAGE / "runtime" / "native"
 PARTS = ("has_avx", "messages", "arrays", "saved_state", "derivatives", "instance")
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
-    ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen", "strncmp"),
+    ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen"),
     ("libc.so.6", "private"): ("memcpy", "memcmp", "bcmp", "strchr"),  # LLVM makes bcmp of memcmp
     ("libc.so.6", "heap"): ("calloc", "free"),
     ("libc.so.6", "convert"): ("strtod", "strtol"),

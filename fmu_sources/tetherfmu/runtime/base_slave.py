@@ -97,7 +97,18 @@ class BaseSlave(Fmi2Slave):
     # --- life cycle
 
     def setup_experiment(self, start_time, stop_time, tolerance):
-        """Nothing of it is needed."""
+        """Refuse what cannot be, or comes too late; a subclass says what it does with a tolerance."""
+        if self.phase != BEFORE:
+            self.refuse(refusals.CANNOT_BE_SET_UP.format(phase=refusals.PHASES[self.phase]))
+        elif not isfinite(start_time):
+            self.refuse(refusals.START_NOT_FINITE.format(start=start_time))
+        elif stop_time is not None and not stop_time >= start_time:
+            self.refuse(refusals.STOP_BEFORE_START.format(stop=stop_time, start=start_time))
+        elif tolerance is not None:
+            self.take_tolerance(tolerance)
+
+    def take_tolerance(self, tolerance):
+        """Remember the importer's tolerance; nothing where none is needed."""
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""
@@ -161,7 +172,7 @@ class BaseSlave(Fmi2Slave):
 
     def set_real(self, vrs, values):
         """Store values of Real variables; they are checked when they are used."""
-        if self._inputs.issuperset(vrs):
+        if self._inputs.issuperset(vrs) and self.phase != TERMINATED:
             store = self.values
             for reference, value in zip(vrs, values, strict=True):
                 store[reference] = value
@@ -209,6 +220,9 @@ class BaseSlave(Fmi2Slave):
             elif reference not in self._inputs and self.phase >= STEPPING:
                 name = self._by_reference[reference].name
                 self.refuse(refusals.IS_FIXED.format(name=name, value=value))
+            elif self.phase == TERMINATED:
+                name = self._by_reference[reference].name
+                self.refuse(refusals.NOT_AFTER_THE_END.format(name=name, value=value))
             else:
                 self.values[reference] = value
 

@@ -8,8 +8,10 @@ from math import dist
 
 from . import layout as at
 from . import plausibility, status
+from .saved_state import check_state
 from .variables import INPUT_NAMES, parameters_at
 
+_KITE_MOTION = range(at.KITE_POSITION, at.KITE_VELOCITY + 3)  # places of the motion of the kite end among the inputs
 OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
 
 
@@ -83,7 +85,8 @@ class Instance:
         if self.status == status.OK:
             self._warned = 0
             return None
-        problem = self.sentence(self.status, 0.0)  # with the length that was tried
+        free = self.parameters[at.KITE_IS_FREE] != 0.0
+        problem = self.sentence(self.status, 0.0, free)  # with the length that was tried
         self.state[:] = self.before
         self.values[OUTPUTS_AT : self.parameters_at] = outputs
         return problem
@@ -108,9 +111,8 @@ class Instance:
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """
-        noted = plausibility.kinds(state)
-        plausibility.bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)
-        self._warned |= noted
+        check_state(state)
+        self._warned |= plausibility.kinds(state)
         self.state[:] = state
 
     def warnings(self):
@@ -121,12 +123,16 @@ class Instance:
         self._warned |= plausibility.kinds(self.state)
         return new
 
-    def sentence(self, result, step):
-        """What a status says about a step [s] with the inputs and the unstretched length of now."""
+    def sentence(self, result, step, free=False):
+        """What a status says about a step [s] with the inputs and the unstretched length of now.
+
+        free : whether the motion of the kite end is that of a free one at the start, which is no input.
+        """
         place = status.index(result)
+        name = INPUT_NAMES[place]
         return status.sentence(
             result,
-            name=INPUT_NAMES[place],
+            name=f"{name} at the start" if free and place in _KITE_MOTION else name,
             value=self.values[place],
             step=step,
             reel_out_speed=self.values[at.REEL_OUT_SPEED],
@@ -135,5 +141,5 @@ class Instance:
             distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
             relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],
             fixed_step=self.parameters[at.FIXED_STEP],
-            budget=at.WORK_BUDGET // self.segments,
+            budget=at.ITERATION_BUDGET // self.segments,
         )

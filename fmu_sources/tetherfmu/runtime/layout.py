@@ -15,6 +15,7 @@ The kernels freeze these numbers.
 
 from . import inputs, outputs
 from .limits import (  # noqa: F401 - for those who look for them here, as the kernels do
+    ITERATION_BUDGET,
     LARGEST_INPUT,
     LARGEST_INTEGER,
     LONGEST_STEP,
@@ -42,9 +43,10 @@ GROUND_IS_FREE = 14
 KITE_IS_FREE = 15
 END_VELOCITIES = 16
 INPUT_CONTINUATION = 17
-WINCH_CONTROL = 18
+CALM_LAYER = 18  # thickness [m] of a layer above z = 0, see `kernels/equations/air.py`; 0 but in `equilibrium/calm_layer.py`
+WINCH_CONTROL = 19
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 19
+PARAMETER_SCALARS = 20
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -63,7 +65,7 @@ for _name, _place in outputs.PLACES.items():
 SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities
-WARNING_KINDS = 7
+WARNING_KINDS = 8
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -89,7 +91,17 @@ LAST_REEL_OUT_SPEED = 42 + WARNING_KINDS  # input at the start of the last commu
 LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
 LAST_WINCH_LENGTH = LAST_KITE_LOAD + 3  # the same of the length of the winch [m]
 LAST_WINCH_SPEED = LAST_WINCH_LENGTH + 1  # its rate over the step before [m/s]
-GIVEN_DERIVATIVES = LAST_WINCH_SPEED + 1  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+LONGEST_SO_FAR = LAST_WINCH_SPEED + 1  # longest communication step since the start [s]
+CORRECTION_LEFT = (
+    LONGEST_SO_FAR + 1
+)  # time in which ends and length still come to their given motion [s], see `end_motion.py`
+# rates over about a quarter of the longest step, which stand in for the last one after a much shorter step
+RECENT_KITE_ACCELERATION = CORRECTION_LEFT + 1  # [m/s2]
+RECENT_GROUND_ACCELERATION = RECENT_KITE_ACCELERATION + 3
+RECENT_REEL_ACCELERATION = RECENT_GROUND_ACCELERATION + 3
+RECENT_WINCH_ACCELERATION = RECENT_REEL_ACCELERATION + 1  # of the length that the winch is told
+RECENT_LOAD_RATE = RECENT_WINCH_ACCELERATION + 1  # [N/s]
+GIVEN_DERIVATIVES = RECENT_LOAD_RATE + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 

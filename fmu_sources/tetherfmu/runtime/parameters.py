@@ -122,7 +122,7 @@ class Solver:
     """
 
     relative_tolerance: float = quantity(
-        0.0, "", "solver tolerance; 0: the importer's tolerance if it gives one, else 1e-4", 0.0, LOOSEST_TOLERANCE
+        0.0, "", "solver tolerance; 0: 1e-4, or the importer's tolerance where that is tighter", 0.0, LOOSEST_TOLERANCE
     )
     fixed_step: float = quantity(
         0.0, "s", "internal step of the solver; 0: adaptive; else fixed, so that its work is bounded (real time)", 0.0, 1e3

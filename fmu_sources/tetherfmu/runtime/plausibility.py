@@ -4,6 +4,7 @@ The kernels note it in the state (`layout.WARNINGS`), see `kernels/step/plausibi
 """
 
 from . import layout as at
+from .limits import STIFF
 
 LARGEST_STRETCH = 1.05  # length of a segment over its unstretched length [-]; ropes of Dyneema break near 1.04
 LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
@@ -12,13 +13,13 @@ JUDGED_WAY = 0.5  # displacement of an end over which positions and velocities a
 LARGEST_RESIDUE = 0.5  # part of it that the velocities need not account for [-]; it is 1 if they are 0
 STATE_IMPOSSIBLE = "contains impossible numbers"
 
-STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(
-    at.WARNING_KINDS
+STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE, STIFF_AND_SLACK = (
+    range(at.WARNING_KINDS)
 )
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
-    "{end}_velocity for jumps and wrong units, and whether the communication step is much shorter than the one before"
+    "{end}_velocity for jumps and wrong units"
 )
 _SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; check its motion and the units"
 _RESIDUE = (
@@ -38,13 +39,18 @@ SENTENCES = {
     KITE_SPEED: _SPEED,
     GROUND_RESIDUE: _RESIDUE,
     KITE_RESIDUE: _RESIDUE,
+    STIFF_AND_SLACK: (
+        "a segment with an axial_stiffness of {value:.3g} N is slack; above {stiff:.0e} N a tether that goes slack and taut "
+        "again rings, and its tensions are then far above and below their mean; set axial_stiffness to at most {stiff:.0e} "
+        "N, which is as good as inextensible, or fixed_step to a few ms, which damps the ringing"
+    ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
 
 
 def facts(kind):
     """What the sentence of a kind says whatever the value is."""
-    return {"end": _END.get(kind, "kite"), "allowed": 100.0 * (LARGEST_STRETCH - 1.0)}
+    return {"end": _END.get(kind, "kite"), "allowed": 100.0 * (LARGEST_STRETCH - 1.0), "stiff": STIFF}
 
 
 def bits(number, count):

@@ -1,17 +1,46 @@
-"""A saved state as bytes: header, facts, all FMI values, and the state array once the tether is initialized."""
+"""A saved state as bytes: header, facts, all FMI values, and the state array once the tether is initialized.
+
+What it holds is checked before it is used: a checksum can be right and the numbers wrong.
+"""
 
 import struct
 import zlib
 from array import array
+from math import isfinite, isinf
+from sys import float_info
 from typing import NamedTuple
 
 from . import layout as at
-from .refusals import NO_STATE, STATE_DAMAGED, STATE_OF_ANOTHER
+from .parameters import DEFAULT_TOLERANCE
+from .plausibility import bits
+from .refusals import (
+    NO_STATE,
+    STATE_DAMAGED,
+    STATE_IMPOSSIBLE,
+    STATE_OF_ANOTHER,
+    STATE_WRONG_TIME,
+    STATE_WRONG_TOLERANCE,
+)
 
-MAGIC = b"tether06"  # with the version
+MAGIC = b"tether07"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
+
+NOT_NEGATIVE, A_STEP = (0.0, float_info.max), (0.0, at.LONGEST_STEP)
+STATE_RANGES = {  # smallest and largest number at a place of the state array; all of its numbers are finite
+    at.LENGTH: (at.MIN_SEGMENT_LENGTH, float_info.max),
+    at.SOLVER_STEP: NOT_NEGATIVE,
+    at.SOLVER_ERROR: NOT_NEGATIVE,
+    at.LAST_STEP: A_STEP,
+    at.STEP_BEFORE: A_STEP,
+    at.LONGEST_SO_FAR: A_STEP,
+    at.CORRECTION_LEFT: A_STEP,
+    at.STEPS: NOT_NEGATIVE,
+    at.REJECTIONS: NOT_NEGATIVE,
+    at.ITERATIONS: NOT_NEGATIVE,
+    **{at.WARNED_VALUES + kind: NOT_NEGATIVE for kind in range(at.WARNING_KINDS)},
+}
 
 
 class SavedState(NamedTuple):
@@ -48,5 +77,18 @@ def from_bytes(blob, variant, count, state_size=at.state_size):
     numbers = count + (state_size(segments) if phase >= STEPPING else 0)
     if name.rstrip(b"\0") != variant.encode() or phase > TERMINATED or len(blob) != smallest + 8 * numbers:
         raise ValueError(STATE_OF_ANOTHER)
+    if not 0.0 <= tolerance <= DEFAULT_TOLERANCE:
+        raise ValueError(STATE_WRONG_TOLERANCE.format(tolerance=tolerance, largest=DEFAULT_TOLERANCE))
+    if isinf(time):
+        raise ValueError(STATE_WRONG_TIME.format(time=time))
     doubles = array("d", blob[smallest:])
     return SavedState(variant, phase, segments, tolerance, time, doubles[:count], doubles[count:])
+
+
+def check_state(state):
+    """ValueError if a state array has numbers that no tether has."""
+    possible = all(map(isfinite, state))
+    if not (possible and all(lowest <= state[place] <= highest for place, (lowest, highest) in STATE_RANGES.items())):
+        raise ValueError(STATE_IMPOSSIBLE)
+    bits(state[at.WARNINGS], at.WARNING_KINDS)
+    bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)

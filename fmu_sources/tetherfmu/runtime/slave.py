@@ -8,7 +8,7 @@ from .base_slave import WARNING, BaseSlave
 from .instance import OUTPUTS_AT, Instance, zeros
 from .kernel_library import load
 from .packing import pack
-from .parameters import LOOSEST_TOLERANCE, diameter_in_doubt
+from .parameters import DEFAULT_TOLERANCE, diameter_in_doubt
 from .resources import KERNELS_FOLDER, options_in
 from .saved_state import STEPPING, SavedState
 from .variants import BY_NAME, library_of
@@ -50,14 +50,12 @@ class TetherSlave(BaseSlave):
             root.set("description", f"{self.__class__.description} {self._about}")
         return root
 
-    def setup_experiment(self, start_time, stop_time, tolerance):
-        """Remember the importer's tolerance; one that the solver cannot use is left out with a warning."""
-        if tolerance is None:
-            return
-        if 0.0 < tolerance <= LOOSEST_TOLERANCE:
+    def take_tolerance(self, tolerance):
+        """Remember the importer's tolerance where it is tighter than the default; warn of one that is none."""
+        if not tolerance > 0.0:
+            self.say(refusals.TOLERANCE_NOT_USED.format(tolerance=tolerance), WARNING)
+        elif tolerance < DEFAULT_TOLERANCE:
             self._importer_tolerance = tolerance
-        else:
-            self.say(refusals.TOLERANCE_NOT_USED.format(tolerance=tolerance, largest=LOOSEST_TOLERANCE), WARNING)
 
     # --- the tether
 

@@ -35,7 +35,8 @@ SENTENCES = {
     ),
     STEP_BUDGET_SPENT: (
         "the solver needs more than its budget of internal steps for a communication step of {step} s; use a shorter "
-        "communication step, a larger relative_tolerance, fewer segments, more axial_damping or a fixed_step"
+        "communication step, a larger relative_tolerance, fewer segments, more axial_damping, less axial_stiffness or a "
+        "fixed_step"
     ),
     STEP_TOO_SMALL: (
         "the solver cannot reach the relative_tolerance {relative_tolerance} with any internal step; the motion of an "

@@ -20,6 +20,7 @@ class Variant:
     evidence_tolerance: float | None = None  # relative tolerance of that run; None for the default
     library: str = ""  # the variant whose compiled library it uses; "" for its own
     kite_is_free: bool = False
+    has_kink: bool = True  # of the forces, where `slack_segments` changes
     ignored: dict = field(default_factory=dict)  # parameters without effect, and why
     meanings: dict = field(default_factory=dict)  # of outputs
     depends_on: dict = field(default_factory=dict)  # of outputs or their components, see `dependencies`
@@ -90,6 +91,7 @@ CATENARY = Variant(
     compile_seconds=4,
     colour="green",
     evidence_deviation=1e-6,
+    has_kink=False,
     ignored=_IGNORED_WITHOUT_NODES,
     meanings=_ONE_LINE,
     depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": ()},

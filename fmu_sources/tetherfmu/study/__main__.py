@@ -4,11 +4,18 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import WorkersLost, WrongUse, command
 from tetherfmu.console.options import Parser, address, file, folder, new_file, number
 
 DOCS, STUDY, BENCHMARK = Path("docs"), Path("study"), Path("benchmark")
-GOING_ON = ("tradeoff", "page", "stability")  # commands that keep finished points
+STORING = ("tradeoff", "page", "stability")  # commands that keep finished points
+KEPT = "the finished points are kept, and the same command continues from them"
+
+
+def add_workers(option):
+    """Declare who does the work of a command."""
+    option("--processes", type=number(1, whole=True), metavar="N", help="number of processes (default: one per core)")
+    option("--dask", type=address, metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
 
 
 def add_advice(added):
@@ -20,8 +27,7 @@ def add_advice(added):
     option = added("tradeoff", "advice.scene_report", "measure error and cost of every configuration in a scene")
     option("scene", metavar="SCENE", help="scene file (TOML)")
     option("--out", type=folder, metavar="DIR", help="folder of results; continues a stopped run (default: study/NAME)")
-    option("--processes", type=number(1, whole=True), metavar="N", help="number of processes (default: one per core)")
-    option("--dask", type=address, metavar="ADDRESS", help="use the cluster of this Dask scheduler (extra: cluster)")
+    add_workers(option)
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
     option("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
 
@@ -49,7 +55,7 @@ def add_limits_and_costs(added):
     about = "file of finished points of another version, to compare with"
     option("--before", type=file, metavar="FILE", help=about)
     option("--also", type=file, metavar="FILE", help="file of finished points of another seed, for a table of its own")
-    option("--processes", type=number(1, whole=True), metavar="N", help="number of processes (default: one per core)")
+    add_workers(option)
     option("--quick", action="store_true", help="smoke test: a few points and no figures")
     option("--point", type=number(0, whole=True), metavar="NUMBER", help="judge this point only and print it")
 
@@ -88,9 +94,9 @@ def main(arguments=None, prog="python -m tetherfmu.study"):
         return import_module(f"{__package__}.{options.module}").run(options)
     except StepRefused as refusal:
         raise WrongUse(f"{getattr(options, 'scene', options.command)}: this scene cannot be flown: {refusal}") from None
-    except KeyboardInterrupt:
-        if options.command in GOING_ON:
-            raise KeyboardInterrupt("the finished points are kept, the same command goes on") from None
+    except (KeyboardInterrupt, WorkersLost) as end:
+        if options.command in STORING:
+            end.args = ("; ".join([*end.args, KEPT]),)
         raise
 
 

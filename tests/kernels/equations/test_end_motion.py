@@ -1,7 +1,7 @@
 """A driven end follows a smooth motion: path of order 3, outputs of order 2 or more in the communication step h.
 
 Inputs are the position and velocity at the start of a step. The end is led to p + v h + a h^2/2 with velocity v + a h,
-a = (v - v_last)/h_last (h_last no shorter than h/4), which is late by half a step: the position errs by
+a = (v - v_last)/h_last (after much shorter steps: test_unequal_steps.py), which is late by half a step: the position errs by
 |jerk| h^3 (1/6 + 1/4), the velocity by |jerk| h^2 (1/2 + 1/2). Motion of constant acceleration is reached exactly from the
 second step on. In the first step a is 0, so constant velocity is reached exactly; with initial_shape quasi_steady the two
 ends turn around each other: on a circle of the radius R, with q = v h/R, the distance errs by R q^4/8 and not by R q^2/2.
@@ -37,7 +37,8 @@ def test_constant_acceleration_is_reached_exactly(end):
             node = {"kite": -1, "ground": 0}[end]
             expected = start + speed * then + 0.5 * acceleration * then**2
             np.testing.assert_allclose(model.positions[node], expected, rtol=0, atol=1e-13)  # rounding
-            np.testing.assert_allclose(model.velocities[node], speed + acceleration * then, rtol=0, atol=1e-13)
+            # the last two steps are within a curve of 50 ms: the rounding of a position, 7e-15 m, times 6/(50 ms)
+            np.testing.assert_allclose(model.velocities[node], speed + acceleration * then, rtol=0, atol=1e-12)
 
 
 def test_a_jump_of_velocity_after_a_short_step_is_not_blown_up():

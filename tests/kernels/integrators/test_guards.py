@@ -1,7 +1,7 @@
 """Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
 
 Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
-over n internal steps (adaptive) or iterations (fixed step), plus those of one fixed step.
+over n internal steps (adaptive) or `layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step.
 """
 
 from types import SimpleNamespace
@@ -104,8 +104,12 @@ def test_one_segment_between_driven_ends(solver):
     assert model.counters["steps"] == 0
 
 
-def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch):
-    """With a proposal that never grows, a billionth of the communication step: each internal step is one call."""
+@pytest.mark.parametrize("segments", [2, 20, 300])
+def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch, segments):
+    """With a proposal that never grows, a billionth of the communication step: each internal step is one call.
+
+    A step is refused after the work of 10 000 internal steps of 20 segments.
+    """
     tried = []
     monkeypatch.setattr(step_control, "step", lambda *arguments: tried.append(arguments) or True)
     monkeypatch.setattr(step_control, "error_of_step", lambda *arguments: 1.0)
@@ -113,10 +117,10 @@ def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch):
     state, nodes = np.zeros(at.STATE_HEADER), np.zeros(3)
     state[at.SOLVER_STEP] = 1e-9
     result = step_control.integrate.py_func(
-        SimpleNamespace(n=300), 1.0, state, nodes, nodes, SimpleNamespace(x=nodes, v=nodes)
+        SimpleNamespace(n=segments), 1.0, state, nodes, nodes, SimpleNamespace(x=nodes, v=nodes)
     )
     assert result == status.STEP_BUDGET_SPENT
-    assert len(tried) == at.WORK_BUDGET // 300
+    assert len(tried) == 10_000 * 20 // segments
 
 
 def test_the_adaptive_solver_stops_at_its_budget():

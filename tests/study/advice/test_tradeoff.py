@@ -108,7 +108,7 @@ def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
     os.killpg(process.pid, signal.SIGINT)
     said = process.communicate(timeout=TIMEOUT)[1]
     assert process.returncode == 130, said
-    assert said.splitlines() == ["stopped; the finished points are kept, the same command goes on"]
+    assert said.splitlines() == ["stopped; the finished points are kept, and the same command continues from them"]
 
 
 @pytest.mark.parametrize("wrong", [["--processes", "0"], ["--procesess", "2"], ["--out", "short.toml/out"]])

@@ -91,21 +91,21 @@ def test_a_tension_beyond_the_bound_is_seen():
 
 
 def test_a_point_that_kills_its_process_is_found(tmp_path):
-    results = judge_all(POINTS[:12], tmp_path / "map.jsonl", 2, judge_or_die)
+    results = judge_all(POINTS[:12], tmp_path / "map.jsonl", 2, judgement=judge_or_die)
     assert (results.verdict == np.where(results.number == DEADLY.number, "crashed", "converged")).all()
 
 
 def test_a_point_that_hangs_is_found(tmp_path):
-    results = judge_all(POINTS[:6], tmp_path / "map.jsonl", 2, judge_or_hang, most_seconds=5.0)
+    results = judge_all(POINTS[:6], tmp_path / "map.jsonl", 2, judgement=judge_or_hang, most_seconds=5.0)
     assert (results.verdict == np.where(results.number == ENDLESS.number, "hanging", "converged")).all()
 
 
 def test_finished_points_are_not_judged_again(tmp_path):
     path = tmp_path / "map.jsonl"
-    judge_all(POINTS[:4], path, 1, judge_or_die)
+    judge_all(POINTS[:4], path, 1, judgement=judge_or_die)
     first = path.read_text(encoding="utf-8")
     path.write_text(first + '{"key": "cut o', encoding="utf-8")
-    results = judge_all(POINTS[:5], path, 1, judge_or_hang)
+    results = judge_all(POINTS[:5], path, 1, judgement=judge_or_hang)
     assert list(results[["seed", "number"]].itertuples(index=False, name=None)) == [(1, k) for k in range(5)]
     assert list(results.itertuples(index=False, name=None)) == [
         (*p, *Verdict("converged", 0.0, calls=1)) for p in POINTS[:5]
@@ -124,7 +124,7 @@ def test_an_interrupt_ends_all_processes(tmp_path, monkeypatch):
 
     monkeypatch.setenv(ENDED, str(tmp_path / "ended"))
     with pytest.raises(KeyboardInterrupt):
-        judge_all(POINTS[2:8], tmp_path / "map.jsonl", 2, judge_or_hang, progress=interrupted)
+        judge_all(POINTS[2:8], tmp_path / "map.jsonl", 2, judgement=judge_or_hang, progress=interrupted)
     assert not (tmp_path / "ended").exists()
     assert len(read(tmp_path / "map.jsonl")) >= 1
     assert not multiprocessing.active_children()
@@ -156,7 +156,7 @@ def test_the_quick_map_goes_on_after_a_kill(quick_map):
     results = read(folder / "stability_1.jsonl")
     assert not results.verdict.isin(("wrong", "crashed")).any()
     assert status == results.verdict.isin(FORBIDDEN).any()  # whether a call takes too long, a clock says
-    assert results.work.max() <= MOST_WORK + at.WORK_BUDGET  # begun with less than the one, ended by the other
+    assert results.work.max() <= MOST_WORK + at.ITERATION_BUDGET  # begun with less than the one, ended by the other
 
 
 def test_the_quick_map_holds(quick_map):

@@ -8,6 +8,8 @@
 
 z [m] above z = 0, h reference height [m], z0 surface roughness [m]. The factor f on the reference wind is never
 negative. Theory: docs/models/theory.md, "Air".
+
+With a calm layer of thickness c > 0 it grows linearly with the height below c: f(z) = f(c) z/c.
 """
 
 from math import exp, log
@@ -17,7 +19,7 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..linear_algebra.pairs import lanewise
 
-_LOWEST = 1e-3  # the slope of the power law is taken at no less than this part of h: it is infinite at z = 0
+_LOWEST = 1e-3  # without a calm layer the slope of the power law is that of at least this part of h: it is infinite at z = 0
 
 
 @kernel
@@ -28,7 +30,8 @@ def power_law(height, parameters):
         return 0.0, 0.0
     exponent = parameters[at.WIND_EXPONENT]
     factor = (height / reference) ** exponent
-    return factor, exponent * factor / max(height, _LOWEST * reference)
+    layer = parameters[at.CALM_LAYER]
+    return factor, exponent * factor / max(height, layer if layer > 0.0 else _LOWEST * reference)
 
 
 @kernel
@@ -42,8 +45,15 @@ def logarithmic(height, parameters):
 
 
 @kernel
-def wind_factor(height, parameters):
-    """Wind at a height [m] over wind at the reference height [-], and its slope [1/m]."""
+def is_sheared(parameters):
+    """Whether the wind changes with the height by one of the laws."""
+    profile = parameters[at.WIND_PROFILE]
+    return profile == at.POWER_LAW or profile == at.LOGARITHMIC or profile == at.EXPLOG
+
+
+@kernel
+def factor_by_law(height, parameters):
+    """Wind at a height [m] over wind at the reference height [-], and its slope [1/m], without a calm layer."""
     profile = parameters[at.WIND_PROFILE]
     if profile == at.POWER_LAW:
         return power_law(height, parameters)
@@ -56,6 +66,18 @@ def wind_factor(height, parameters):
             return 0.0, 0.0
         return 2.0 * logarithm - power, 2.0 * logarithm_slope - power_slope
     return 1.0, 0.0  # uniform, or given at the nodes
+
+
+@kernel
+def wind_factor(height, parameters):
+    """Wind at a height [m] over wind at the reference height [-], and its slope [1/m]."""
+    layer = parameters[at.CALM_LAYER]
+    if layer <= 0.0 or height >= layer:
+        return factor_by_law(height, parameters)
+    if height <= 0.0:
+        return 0.0, 0.0
+    above, _ = factor_by_law(layer, parameters)
+    return above * height / layer, above / layer
 
 
 @kernel

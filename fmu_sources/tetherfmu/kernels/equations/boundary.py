@@ -25,31 +25,33 @@ from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, scale, vector_at
 from .continuation import given_derivatives, is_continued
 from .end_motion import (
+    correction_time,
     curve,
-    derived_motion,
     difference,
-    estimated_acceleration,
+    estimated_rates,
     position_at,
     target,
     turning_accelerations,
     velocity_at,
 )
 from .properties import chain_at
-from .winch import length_at, rate_at, reeling_of_step, winch_speed
+from .winch import length_at, rate_at, reel_rate, reeling_of_step, winch_acceleration, winch_speed
 
 StepInputs = namedtuple(
     "StepInputs",
-    "step ground kite ground_velocity kite_velocity reeling winch_speed wind wind_rate load load_rate",
+    "step correction ground kite ground_velocity kite_velocity reeling winch_speed wind wind_rate load load_rate recent",
 )
 StepInputs.__doc__ = """What the inputs of a communication step mean.
 
-step : its length h [s].
+step, correction : its length h and the time H in which the ends come to their given motion [s].
 ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed for each end at the start of the step.
 ground_velocity, kite_velocity : given or derived, without given derivatives [m/s]: the next step compares its own with them.
 reeling : of the unstretched length, see `winch.py`.
 winch_speed : rate of `winch_length` over the last step, without given derivatives [m/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
+recent : rates as the next steps take them after a much shorter one: accelerations of ground and kite [m/s2], of the reel-out
+speed and of the length that the winch is told [m/s2], rate of the load [N/s].
 """
 
 BoundaryConditions = namedtuple("BoundaryConditions", "n parameters ground kite first last reeling wind load load_rate")
@@ -68,12 +70,20 @@ load, load_rate : force on a free kite end at the start [N], its constant rate [
 
 
 @kernel
+def rate_of_load(inputs, step, state):
+    """Rate [N/s] of the load of a free kite end, estimated for a step [s]."""
+    now, last, recent = (
+        vector_at(inputs, at.KITE_LOAD),
+        vector_at(state, at.LAST_KITE_LOAD),
+        vector_at(state, at.RECENT_LOAD_RATE),
+    )
+    return estimated_rates(now, last, recent, state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
+
+
+@kernel
 def load_rate(parameters, inputs, step, state):
     """Rate [N/s] at which the load of a free kite end continues in a step [s]."""
-    estimate = ZERO_VECTOR
-    if is_continued(parameters):
-        last = vector_at(state, at.LAST_KITE_LOAD)
-        estimate = estimated_acceleration(vector_at(inputs, at.KITE_LOAD), last, state[at.LAST_STEP], step)
+    estimate = rate_of_load(inputs, step, state) if is_continued(parameters) else ZERO_VECTOR
     return given_derivatives(state, at.KITE_LOAD, estimate)
 
 
@@ -104,19 +114,32 @@ def end_velocities(parameters, inputs, state):
 
 
 @kernel
-def motion_of_end(parameters, inputs, place, velocity, last_velocity, step, state):
-    """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end in a step [s].
-
-    place : of its position among the inputs; its velocity stands behind.  velocity, last_velocity : of `end_velocities`.
-    """
-    position, last_step = vector_at(inputs, place), state[at.LAST_STEP]
+def between_velocities(parameters, state):
+    """Time [s] between the velocity of an end and the last one, 0 without: derived ones belong to the middles of steps."""
+    last_step, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
     if are_derived(parameters):
-        motion = derived_motion(position, velocity, last_velocity, last_step, state[at.STEP_BEFORE], step)
-        position, velocity, acceleration = motion
-        velocity = given_derivatives(state, place, velocity)
-    else:
-        acceleration = estimated_acceleration(velocity, last_velocity, last_step, step)
-    return position, velocity, given_derivatives(state, place + 3, acceleration)
+        return 0.5 * (last_step + before) if before > 0.0 else 0.0
+    return last_step
+
+
+@kernel
+def acceleration_of_end(parameters, velocity, last_velocity, recent, step, state):
+    """Acceleration [m/s2] of an end, estimated for a step [s], from its velocities of `end_velocities` [m/s]."""
+    return estimated_rates(
+        velocity, last_velocity, recent, between_velocities(parameters, state), state[at.LONGEST_SO_FAR], step
+    )
+
+
+@kernel
+def motion_of_end(parameters, inputs, place, velocity, acceleration, state):
+    """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end at the start of a step.
+
+    place : of its position among the inputs; its velocity stands behind.  velocity : of `end_velocities`.  acceleration : of
+    `acceleration_of_end`.
+    """
+    if are_derived(parameters):
+        velocity = given_derivatives(state, place, add_scaled(velocity, 0.5 * state[at.LAST_STEP], acceleration))
+    return vector_at(inputs, place), velocity, given_derivatives(state, place + 3, acceleration)
 
 
 @kernel
@@ -152,19 +175,31 @@ def move_ends(n, given, state):
 def inputs_of_step(parameters, inputs, step, state):
     """`StepInputs` of a communication step of `step` [s] from a state."""
     ground, kite = end_velocities(parameters, inputs, state)
-    last_ground, last_kite = vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
+    longest, correction = state[at.LONGEST_SO_FAR], correction_time(state[at.LAST_STEP], state[at.CORRECTION_LEFT], step)
+    of_ground = ground, vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.RECENT_GROUND_ACCELERATION)
+    of_kite = kite, vector_at(state, at.LAST_KITE_VELOCITY), vector_at(state, at.RECENT_KITE_ACCELERATION)
+    ground_acceleration = acceleration_of_end(parameters, *of_ground, step, state)
+    kite_acceleration = acceleration_of_end(parameters, *of_kite, step, state)
     return StepInputs(
         step,
-        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, last_ground, step, state),
-        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, last_kite, step, state),
+        correction,
+        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, ground_acceleration, state),
+        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, kite_acceleration, state),
         ground,
         kite,
-        reeling_of_step(parameters, inputs, step, state),
+        reeling_of_step(parameters, inputs, correction, step, state),
         winch_speed(inputs, state),
         vector_at(inputs, at.WIND_VELOCITY),
         given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
         vector_at(inputs, at.KITE_LOAD),
         load_rate(parameters, inputs, step, state),
+        (
+            acceleration_of_end(parameters, *of_ground, longest, state),
+            acceleration_of_end(parameters, *of_kite, longest, state),
+            reel_rate(inputs, longest, state),
+            winch_acceleration(inputs, longest, state),
+            rate_of_load(inputs, longest, state),
+        ),
     )
 
 
@@ -180,8 +215,8 @@ def conditions_of_chain(n, parameters, given, state, x, v):
     return BoundaryConditions(
         n,
         parameters,
-        curve(get(x, 0), get(v, 0), *ground, step),
-        curve(get(x, n), get(v, n), *kite, step),
+        curve(get(x, 0), get(v, 0), *ground, given.correction),
+        curve(get(x, n), get(v, n), *kite, given.correction),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         given.reeling,

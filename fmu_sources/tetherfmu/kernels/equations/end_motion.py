@@ -1,14 +1,24 @@
 """Motion of a driven end within a communication step: a curve with continuous position and velocity.
 
 At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
-velocity inputs, a = (v - v_last)/h_last (h_last counts as at least h/4, so that a jump of the velocity is extrapolated to no
-more than four times itself; in the first step a is 0, or that of `turning_accelerations`), the end moves from the position
-and velocity it has reached to
+velocity inputs, a = (v - v_last)/h_last (in the first step a is 0, or that of `turning_accelerations`), the end moves from
+the position and velocity it has reached towards
 
-    p + v h + a h^2/2,   v + a h
+    p + v H + a H^2/2,   v + a H,   H = max(h, h_last, what is left of the H of the last step)
 
-by the cubic Hermite polynomial, so neither position nor velocity ever jumps. Where the importer knows positions only, the
-differences u = (p - p_last)/h_last belong to the middles of the steps, so that
+by the cubic Hermite polynomial, so neither position nor velocity ever jumps. H is h unless steps become shorter. Then only
+the first part of the correction is done: a short step after a long one has the error of the long one to correct, and would
+jerk the end.
+
+After a step much shorter than h the last difference of velocities is not extrapolated alone: a jump of the velocity would
+be multiplied by h/h_last. The time T = h/4 counts instead, with the acceleration r of before h_last:
+
+    a = (v - v_last + (T - h_last) r)/T,   T = h/4 > h_last
+
+r is the same formula for the longest step so far, h_longest, in place of h; where h > h_longest, r counts over h_longest/4
+only. So a jump is extrapolated to no more than four times itself.
+
+Where the importer knows positions only, the differences u = (p - p_last)/h_last belong to the middles of the steps, so that
 
     a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
 
@@ -24,20 +34,35 @@ LARGEST_TURN = 2.0  # [rad] of the chord in a first step: beyond, half of the sq
 
 
 @kernel
-def per_last_step(last_step, step):
-    """1/h_last [1/s], with h_last no shorter than `SHORTEST_LAST_STEP` times the communication step [s]."""
-    return 1.0 / max(last_step, SHORTEST_LAST_STEP * step)
+def estimated_rate(change, recent, last_step, longest, step):
+    """Rate of an input [unit/s] in a communication step [s], from its change in the time `last_step` [s]; 0 without a last.
+
+    recent : its rate before that time, over a quarter of the longest step so far [s]; it counts if `last_step` is much
+    shorter than the step, see above.
+    """
+    if last_step <= 0.0:
+        return 0.0
+    missing = SHORTEST_LAST_STEP * min(step, longest) - last_step
+    if missing > 0.0:
+        change += missing * recent
+    return 1.0 / max(last_step, SHORTEST_LAST_STEP * step) * change
 
 
 @kernel
-def estimated_acceleration(velocity, last_velocity, last_step, step):
-    """Acceleration [m/s2] from two velocities [m/s] that are `last_step` [s] apart; 0 without a last.
+def estimated_rates(now, last, recent, last_step, longest, step):
+    """The same of an input with three components, of its present and its last value."""
+    change = sub(now, last)
+    return (
+        estimated_rate(change[0], recent[0], last_step, longest, step),
+        estimated_rate(change[1], recent[1], last_step, longest, step),
+        estimated_rate(change[2], recent[2], last_step, longest, step),
+    )
 
-    `step` [s] is the communication step that it is for: after a much shorter one it counts in part only.
-    """
-    if last_step <= 0.0:
-        return 0.0, 0.0, 0.0
-    return scale(per_last_step(last_step, step), sub(velocity, last_velocity))
+
+@kernel
+def correction_time(last_step, left, step):
+    """Time H [s] in which an end comes to its given motion, from a communication step [s] on; `left` of the last H [s]."""
+    return max(step, last_step, left)
 
 
 @kernel
@@ -67,32 +92,20 @@ def difference(position, last_position, last_step):
 
 
 @kernel
-def derived_motion(position, velocity, last_velocity, last_step, step_before, step):
-    """Position [m], velocity [m/s] and acceleration [m/s2] at the start of a step [s], from the last three positions.
-
-    velocity, last_velocity : `difference` over the last step and over the one before [m/s].  last_step, step_before : [s].
-    The acceleration is 0 before the third step.
-    """
-    between = 0.5 * (last_step + step_before) if step_before > 0.0 else 0.0
-    acceleration = estimated_acceleration(velocity, last_velocity, between, step)
-    return position, add_scaled(velocity, 0.5 * last_step, acceleration), acceleration
-
-
-@kernel
-def target(position, velocity, acceleration, step):
-    """Position [m] and velocity [m/s] that an end reaches at the end of a step [s]."""
-    return add_scaled(add_scaled(position, step, velocity), 0.5 * step * step, acceleration), add_scaled(
-        velocity, step, acceleration
+def target(position, velocity, acceleration, time):
+    """Position [m] and velocity [m/s] that an end is to have after a time [s], from its motion at the start."""
+    return add_scaled(add_scaled(position, time, velocity), 0.5 * time * time, acceleration), add_scaled(
+        velocity, time, acceleration
     )
 
 
 @kernel
-def curve(reached_position, reached_velocity, position, velocity, acceleration, step):
-    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3: returns (x0, v0, c2, c3), SI units."""
-    target_position, target_velocity = target(position, velocity, acceleration, step)
-    mean = scale(1.0 / step, sub(target_position, reached_position))
-    c2 = scale(1.0 / step, sub(scale(3.0, mean), add(scale(2.0, reached_velocity), target_velocity)))
-    c3 = scale(1.0 / (step * step), sub(add(reached_velocity, target_velocity), scale(2.0, mean)))
+def curve(reached_position, reached_velocity, position, velocity, acceleration, time):
+    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3 to the target after a time [s]: (x0, v0, c2, c3), SI units."""
+    target_position, target_velocity = target(position, velocity, acceleration, time)
+    mean = scale(1.0 / time, sub(target_position, reached_position))
+    c2 = scale(1.0 / time, sub(scale(3.0, mean), add(scale(2.0, reached_velocity), target_velocity)))
+    c3 = scale(1.0 / (time * time), sub(add(reached_velocity, target_velocity), scale(2.0, mean)))
     return reached_position, reached_velocity, c2, c3
 
 

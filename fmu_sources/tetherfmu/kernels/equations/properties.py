@@ -71,6 +71,15 @@ def rest_length(chain, s):
 
 
 @kernel
+def stiffest(chain):
+    """Largest axial stiffness E A of the segments [N]."""
+    most = 0.0
+    for s in range(chain.n):
+        most = max(most, property_of(chain, s, at.STIFFNESS))
+    return most
+
+
+@kernel
 def point_mass(chain, i):
     """Mass [kg] that node i carries beside its share of the tether."""
     return chain.parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + i]

@@ -2,8 +2,8 @@
 
 `winch_control` says what the winch is told:
 
-    speed     the reel-out speed u continues at the rate a = (u - u_last)/max(h_last, h/4), in the first step and with
-              `input_continuation = held` at the rate 0: the length grows by u t + a t^2/2
+    speed     the reel-out speed u continues at the rate a = (u - u_last)/h_last, estimated as the acceleration of an end is,
+              in the first step and with `input_continuation = held` at the rate 0: the length grows by u t + a t^2/2
     length    the length follows its input as a driven end follows its position (`end_motion.py`), from the length and the
               speed that it has reached; the winch starts with the reel-out speed
 
@@ -18,7 +18,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from .continuation import given_derivative, is_continued
-from .end_motion import curve, derived_motion, per_last_step
+from .end_motion import curve, estimated_rate
 
 NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
 
@@ -79,12 +79,16 @@ def first_length(parameters, inputs):
 
 
 @kernel
+def reel_rate(inputs, step, state):
+    """Rate [m/s2] of the reel-out speed, estimated for a step [s]."""
+    change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
+    return estimated_rate(change, state[at.RECENT_REEL_ACCELERATION], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
+
+
+@kernel
 def reel_acceleration(parameters, inputs, step, state):
     """Rate [m/s2] at which the reel-out speed continues in a step [s]."""
-    estimate = 0.0
-    if is_continued(parameters) and state[at.LAST_STEP] > 0.0:
-        change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
-        estimate = change * per_last_step(state[at.LAST_STEP], step)
+    estimate = reel_rate(inputs, step, state) if is_continued(parameters) else 0.0
     return given_derivative(state, at.REEL_OUT_SPEED, estimate)
 
 
@@ -97,27 +101,33 @@ def winch_speed(inputs, state):
 
 
 @kernel
+def winch_acceleration(inputs, step, state):
+    """Rate [m/s2] of `winch_speed`, estimated for a step [s]: speeds belong to the middles of steps."""
+    last_step, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
+    between = 0.5 * (last_step + before) if before > 0.0 else 0.0
+    change = winch_speed(inputs, state) - state[at.LAST_WINCH_SPEED]
+    return estimated_rate(change, state[at.RECENT_WINCH_ACCELERATION], between, state[at.LONGEST_SO_FAR], step)
+
+
+@kernel
 def on_axis(number):
     """A number as a vector, for the functions of driven ends."""
     return number, 0.0, 0.0
 
 
 @kernel
-def following(inputs, step, state):
-    """Coefficients of the length that follows `winch_length` in a step [s]."""
-    speed, last = winch_speed(inputs, state), state[at.LAST_WINCH_SPEED]
-    length, last_step, step_before = inputs[at.WINCH_LENGTH], state[at.LAST_STEP], state[at.STEP_BEFORE]
-    motion = derived_motion(on_axis(length), on_axis(speed), on_axis(last), last_step, step_before, step)
-    speed = on_axis(given_derivative(state, at.WINCH_LENGTH, motion[1][0]))
-    reached, reached_speed = on_axis(state[at.LENGTH]), on_axis(state[at.REELING])
-    c0, c1, c2, c3 = curve(reached, reached_speed, motion[0], speed, motion[2], step)
+def following(inputs, correction, step, state):
+    """Coefficients of the length that follows `winch_length` in a step [s], to which it comes in the time `correction` [s]."""
+    acceleration = winch_acceleration(inputs, step, state)
+    speed = winch_speed(inputs, state) + 0.5 * state[at.LAST_STEP] * acceleration
+    told = on_axis(inputs[at.WINCH_LENGTH]), on_axis(given_derivative(state, at.WINCH_LENGTH, speed)), on_axis(acceleration)
+    c0, c1, c2, c3 = curve(on_axis(state[at.LENGTH]), on_axis(state[at.REELING]), *told, correction)
     return c0[0], c1[0], c2[0], c3[0]
 
 
 @kernel
-def reeling_of_step(parameters, inputs, step, state):
-    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state."""
+def reeling_of_step(parameters, inputs, correction, step, state):
+    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state; see `following`."""
     if follows_length(parameters):
-        return following(inputs, step, state)
-    acceleration = reel_acceleration(parameters, inputs, step, state)
-    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * acceleration, NEUTRAL
+        return following(inputs, correction, step, state)
+    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * reel_acceleration(parameters, inputs, step, state), NEUTRAL

@@ -50,6 +50,7 @@ def is_unstable(chain, x, angle):
     pressed = 0
     compliance = 0.0  # across, of all segments in series [m/N]
     size = 0.0
+    idle = False  # whether a segment pulls at nothing: then nothing holds the others across
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         if not is_along(e, first, angle):
@@ -57,11 +58,13 @@ def is_unstable(chain, x, angle):
         rest = rest_length(chain, s)
         k, _ = segment.stiffness(chain, s, length - rest, rest)
         pull = k * (length - rest)
-        compliance += length / pull
-        size += length / abs(pull)
+        idle = idle or pull == 0.0
+        across = length / (pull if pull != 0.0 else 1.0)
+        compliance += across
+        size += abs(across)
         if length - rest < -PRESSED * rest and pull < 0.0:
             pressed += 1
-    return pressed > 1 or (pressed == 1 and compliance > NEUTRAL * size)
+    return pressed > 1 or (pressed == 1 and not idle and compliance > NEUTRAL * size)
 
 
 @kernel

@@ -10,6 +10,11 @@ the kite end). With the tension (H, V - w L/2) at the ground end and (H, V + w L
 The two equations say that the complementary energy  integral (T + T^2/2EA) ds - a H - b V  is stationary in (H, V). It is
 convex, so Newton's method with a line search on it finds the only solution from any start, slack or taut.
 
+V2 - V1 is w L, but where V is hundreds of w L, the difference of the two rounded numbers is so only for every other V. There
+the span of neighbouring numbers V jumps to and fro by more than the span is solved for. And where the tether is stretched
+to dozens of times its length, rounding of the energy stops the line search. So where Newton's method has not ended after
+`USUAL_ITERATIONS`, it continues with w L itself and a line search that allows for that.
+
 Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/models/theory.md, "Elastic catenary".
 """
 
@@ -19,7 +24,8 @@ from ..compilation import kernel
 from ..equations.segment import SHORTEST
 from ..linear_algebra.vectors import add, add_scaled, dot, norm, scale
 
-MOST_ITERATIONS = 60  # of Newton's method; it needs about 10
+MOST_ITERATIONS = 60  # of Newton's method
+USUAL_ITERATIONS = 20  # that it needs at most, but for rounding
 MOST_HALVINGS = 40  # of one step of it
 DECREASE = 1e-4  # of the slope that a step must bring (Armijo's rule)
 TAUTNESS = 0.999  # chord over length below which the first guess is that of an inextensible line
@@ -34,8 +40,15 @@ def end_tensions(h, v1, v2):
 
 
 @kernel
-def asinh_difference(h, v1, v2):
-    """h (asinh(v2/h) - asinh(v1/h)) for h >= 0, v1 < v2, without cancellation."""
+def end_loads(v, exact):
+    """v1, v2 and v2 - v1 of a line with v at mid-length, in units of w L; the difference 1 or as the two are rounded."""
+    v1, v2 = v - 0.5, v + 0.5
+    return v1, v2, 1.0 if exact else v2 - v1
+
+
+@kernel
+def asinh_difference(h, v1, v2, rise):
+    """h (asinh(v2/h) - asinh(v1/h)) for h >= 0, v1 < v2, rise = v2 - v1, without cancellation."""
     if h <= 0.0:
         return 0.0
     if v1 < 0.0 < v2:
@@ -43,25 +56,38 @@ def asinh_difference(h, v1, v2):
     if v2 <= 0.0:
         v1, v2 = -v2, -v1
     t1, t2 = end_tensions(h, v1, v2)
-    return h * log1p((v2 - v1) * (1.0 + (v1 + v2) / (t1 + t2)) / (t1 + v1))
+    return h * log1p(rise * (1.0 + (v1 + v2) / (t1 + t2)) / (t1 + v1))
 
 
 @kernel
-def gap(h, v, a, b, elasticity):
-    """What the span of the tension (h, v) at mid-length, in units of w L, is longer than (a, b), in units of L."""
-    t1, t2 = end_tensions(h, v - 0.5, v + 0.5)
-    across = elasticity * h + asinh_difference(h, v - 0.5, v + 0.5)
+def gap(h, v, a, b, elasticity, exact):
+    """What the span of the tension (h, v) at mid-length, in units of w L, is longer than (a, b), in units of L.
+
+    exact : see `end_loads`.
+    """
+    v1, v2, rise = end_loads(v, exact)
+    t1, t2 = end_tensions(h, v1, v2)
+    across = elasticity * h + asinh_difference(h, v1, v2, rise)
     return across - a, elasticity * v + 2.0 * v / max(t1 + t2, LEAST) - b
 
 
 @kernel
-def energy(h, v, a, b, elasticity):
-    """Complementary energy in units of w L^2; its gradient is the span of (h, v) minus (a, b)."""
-    t1, t2 = end_tensions(h, v - 0.5, v + 0.5)
+def energy(h, v, a, b, elasticity, exact):
+    """Complementary energy in units of w L^2; its gradient is the span of (h, v) minus (a, b).  exact : see `end_loads`."""
+    v1, v2, rise = end_loads(v, exact)
+    t1, t2 = end_tensions(h, v1, v2)
     total = t1 + t2  # v2 t2 - v1 t1 = total/2 + 2 v^2/total
-    length_term = 0.25 * total + v * v / max(total, LEAST) + 0.5 * h * asinh_difference(h, v - 0.5, v + 0.5)
+    length_term = 0.25 * total + v * v / max(total, LEAST) + 0.5 * h * asinh_difference(h, v1, v2, rise)
     elastic_term = 0.5 * elasticity * (h * h + v * v + 1.0 / 12.0)
     return length_term + elastic_term - a * h - b * v
+
+
+@kernel
+def energy_rounding(h, v, a, b, elasticity, exact):
+    """What the line search allows for rounding of `energy`: that of the tension, if exact of all of its terms."""
+    if exact:
+        return ROUNDING * (1.0 + elasticity + (1.0 + a + abs(b)) * (h + abs(v)))
+    return ROUNDING * (1.0 + h + abs(v))
 
 
 @kernel
@@ -111,12 +137,14 @@ def solve(span, rise, load, length, axial_stiffness):
     else:
         h, v = taut_guess(a, b, elasticity)
     unit = load * length
-    g1, g2 = gap(h, v, a, b, elasticity)
-    now = energy(h, v, a, b, elasticity)
+    g1, g2 = gap(h, v, a, b, elasticity, False)
+    now = energy(h, v, a, b, elasticity, False)
     for iteration in range(MOST_ITERATIONS):
-        t1, t2 = end_tensions(h, v - 0.5, v + 0.5)
-        vertical = (v + 0.5) / t2 - (v - 0.5) / t1
-        across = max(asinh_difference(h, v - 0.5, v + 0.5) / h - vertical, 0.0)
+        exact = iteration >= USUAL_ITERATIONS
+        v1, v2, rise = end_loads(v, exact)
+        t1, t2 = end_tensions(h, v1, v2)
+        vertical = v2 / t2 - v1 / t1
+        across = max(asinh_difference(h, v1, v2, rise) / h - vertical, 0.0)
         j11 = elasticity + across
         j12 = h * (1.0 / t2 - 1.0 / t1)
         j22 = elasticity + vertical
@@ -129,17 +157,18 @@ def solve(span, rise, load, length, axial_stiffness):
             return unit * (h + max(dh, -0.9 * h)), unit * (v + dv), iteration
         slope = g1 * dh + g2 * dv
         part = 1.0 if dh > -0.9 * h else 0.9 * h / -dh
+        noise = energy_rounding(h, v, a, b, elasticity, exact)
         for _ in range(MOST_HALVINGS):
             h_new = h + part * dh
             v_new = v + part * dv
-            then = energy(h_new, v_new, a, b, elasticity)
-            if then <= now + DECREASE * part * slope + ROUNDING * (1.0 + h + abs(v)):
+            then = energy(h_new, v_new, a, b, elasticity, exact)
+            if then <= now + DECREASE * part * slope + noise:
                 break
             part *= 0.5
         h = h_new
         v = v_new
         now = then
-        g1, g2 = gap(h, v, a, b, elasticity)
+        g1, g2 = gap(h, v, a, b, elasticity, exact)
         if abs(g1) + abs(g2) <= ROUNDING * (1.0 + a + abs(b)) or (h < 1e-14 and abs(g2) <= ROUNDING):
             return unit * h, unit * v, iteration + 1
     return 0.0, 0.0, -1
@@ -187,6 +216,6 @@ def point(arc, horizontal, ground_vertical, load, axial_stiffness):
     if arc <= 0.0:
         return 0.0, 0.0
     t1, t2 = end_tensions(horizontal, v1, v2)
-    across = arc * horizontal / axial_stiffness + asinh_difference(horizontal, v1, v2) / load
+    across = arc * horizontal / axial_stiffness + asinh_difference(horizontal, v1, v2, v2 - v1) / load
     against = 0.5 * arc * (v1 + v2) / axial_stiffness + arc * (v1 + v2) / max(t1 + t2, LEAST)
     return across, against

@@ -23,6 +23,7 @@ from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, scale, sub
 
 MOST_ITERATIONS = 60  # of Newton's method
 MOST_HALVINGS = 40  # of one step of it
+LEAST = 1e-100  # |t| [N] that is divided by, also to the third power
 FLAT = 1e-13  # increase of the energy that is rounding, relative
 SLACKEST = 1e-3  # eps over the mean node load
 CLOSED = 1e-3  # gap of the chain over its length that a first guess may have; Newton's method in `newton.py` does the rest
@@ -40,7 +41,7 @@ def rounding_tension(n, load):
 @kernel
 def segment_compliance(chain, s, t, eps):
     """l0 (1/|t| + 1/EA) [m/N]: the vector between the nodes of a segment over its tension vector t [N]; also |t| [N]."""
-    size = sqrt(dot(t, t) + eps * eps)
+    size = max(sqrt(dot(t, t) + eps * eps), LEAST)
     return rest_length(chain, s) * (1.0 / size + 1.0 / property_of(chain, s, at.STIFFNESS)), size
 
 

@@ -25,7 +25,7 @@ from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import node_arrays, shared_arrays, shared_size
+from ..arrays import node_arrays, parameters_size, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
 from ..equations.properties import property_of, rest_length
@@ -49,13 +49,15 @@ NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and 
 LARGEST_PSEUDO_DAMPING = 100.0  # over that of the first iteration
 
 Workspace = namedtuple(
-    "Workspace", "load force move offset share tension aim change kept kept_tension matrix response transfer records mass"
+    "Workspace",
+    "load force move offset share tension aim change kept kept_tension parameters matrix response transfer records mass",
 )
 Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
 
 load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
 kept, kept_tension : an equilibrium to continue from, positions [m] and tensions [N], n.
+parameters : of the chain in other air, see `arrays.parameters_size`.
 response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
 blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 """
@@ -64,7 +66,7 @@ blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 7 * 3 * (n + 1) + n
+    return shared_size(n) + 7 * 3 * (n + 1) + n + parameters_size(n)
 
 
 @view
@@ -75,7 +77,9 @@ def workspace(n, work):
     matrix = block_tridiagonal.Matrix(*blocks)
     three = part(tensions, 0, n), part(tensions, n, n), part(tensions, 2 * n, n)
     kept = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), n)
-    return Workspace(load, force, move, offset, share, *three, *kept, matrix, matrix.diagonal, matrix.lower, records, mass)
+    other = part(room, 3 * (n + 1) + n, parameters_size(n))
+    blocks = matrix, matrix.diagonal, matrix.lower
+    return Workspace(load, force, move, offset, share, *three, *kept, other, *blocks, records, mass)
 
 
 @kernel
@@ -136,7 +140,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
     """Newton step with the compliances of the segments: motions [m] into w.move, tensions [N] into w.aim (both modified).
 
     A segment counts as taut above the tension `loosest` [N]: where it is stiff, the least error of a position makes it
-    shorter than its unstretched length.
+    shorter than its unstretched length. Returns False, and nothing has a meaning, if a segment has no stiffness at all.
     """
     linearize(body, w)
     n = body.chain.n
@@ -145,6 +149,8 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
         taut = w.tension[s] > loosest
         length, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
         elongation, k = spring(body.chain, s, length, taut)
+        if k == 0.0 or w.tension[s] == 0.0:
+            return False
         w.aim[s] = w.tension[s] if taut or elongation > 0.0 else k * elongation
         put_matrix(record, segment.K, compliance.of_segment(e, length, k, w.tension[s]))
         record[segment.DAMPER] = elongation - w.aim[s] / k
@@ -152,6 +158,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
     compliance.solve(body, pseudo_damping, w)
     for s in range(n):
         w.aim[s] += w.change[s]
+    return True
 
 
 @kernel
@@ -222,7 +229,8 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
         fresh = compliant or not residual < FAST_DECREASE * last
         last = residual
         if compliant:
-            step_by_compliance(body, loosest, pseudo_damping, w)
+            if not step_by_compliance(body, loosest, pseudo_damping, w):
+                return False, iteration + 1
         else:
             if fresh:
                 linearize(body, w)

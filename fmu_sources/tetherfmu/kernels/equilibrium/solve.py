@@ -8,6 +8,8 @@
    or nothing was found and the chain has no load.
 6. Load continuation from the equilibrium under smaller loads (`load_continuation.py`).
 7. Rotation about the chord (`chord_rotation.py`).
+8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
+9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
 
 Each method starts from the first guess, not from where the last one failed.
 """
@@ -15,9 +17,9 @@ Each method starts from the first guess, not from where the last one failed.
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
 from ..compilation import kernel
-from ..equations import assembly
+from ..equations import air, assembly
 from ..linear_algebra.vectors import get
-from . import chord_rotation, compressed_chain, load_continuation, newton
+from . import calm_layer, chord_rotation, compressed_chain, load_continuation, newton, stiffening
 from .first_guess import guess, is_loaded
 
 FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
@@ -80,6 +82,36 @@ def by_load_continuation(body, w):
 
 
 @kernel
+def by_calm_layer(body, w):
+    """Step 8: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    thickness = calm_layer.thickest(body)
+    status, iterations = at_once(calm_layer.in_layer(body, thickness, w), w)
+    if status == OK:
+        reached, more = calm_layer.thin(body, thickness, w)
+        iterations += more
+        status = OK if reached and is_stable(body) else NO_EQUILIBRIUM
+    return status, iterations
+
+
+@kernel
+def by_stiffening(body, w):
+    """Step 9: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    load = guess(body, False, w)
+    iterations = 0
+    for strain in stiffening.STRAINS:
+        factor = stiffening.softness(body, load, strain)
+        if factor < 1.0:
+            status, more = at_once(stiffening.softened(body, factor, w), w)
+            iterations += more
+            if status == OK:
+                found, more = stiffening.stiffen(body, factor, load, w)
+                iterations += more
+                if found and is_stable(body):
+                    return OK, iterations
+    return NO_EQUILIBRIUM, iterations
+
+
+@kernel
 def find(body, w):
     """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
@@ -91,6 +123,12 @@ def find(body, w):
         iterations += more
     if status != OK:
         status, more = chord_rotation.find(body, w)
+        iterations += more
+    if status != OK and air.is_sheared(body.chain.parameters):
+        status, more = by_calm_layer(body, w)
+        iterations += more
+    if status != OK:
+        status, more = by_stiffening(body, w)
         iterations += more
     return status, iterations
 

@@ -25,7 +25,7 @@ from collections import namedtuple
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy, node_arrays, shared_arrays, shared_size
@@ -33,7 +33,7 @@ from ..compilation import kernel, part, view
 from ..equations import node_loads, segment
 from ..equations.assembly import longest_part, node_masses
 from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
-from ..equations.properties import property_of, rest_length
+from ..equations.properties import property_of, rest_length, stiffest
 from ..linear_algebra.block_tridiagonal import Matrix, factorize, solve
 from ..linear_algebra.matrices import (
     ZERO_MATRIX,
@@ -49,7 +49,8 @@ from ..linear_algebra.matrices import (
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
 
 MOST_HALVINGS = 8  # of a move that does not go down
-CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square
+CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square,
+# which in the tension is EA times it: above `STIFF`, CLOSE falls with the root of EA
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
 Attempt = namedtuple("Attempt", "conditions chain h v")
@@ -59,20 +60,21 @@ conditions : `BoundaryConditions`.  chain : `Chain` at the end of the step.  h :
 v : velocities before it [m/s].
 """
 
-Workspace = namedtuple("Workspace", "x trial old free drag slope move matrix mass modes")
+Workspace = namedtuple("Workspace", "x trial old free drag slope move matrix mass modes held")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
 free : y, where the nodes would fly freely [m].  drag : half drags F of the segments [N].  slope : their slopes A [N s/m],
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
+held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.
 """
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 6 * 3 * (n + 1) + 9 * (n + 1) + n
+    return shared_size(n) + 6 * 3 * (n + 1) + 9 * (n + 1) + 2 * n
 
 
 @view
@@ -80,8 +82,8 @@ def workspace(n, work):
     """Cut the work array into the arrays of `Workspace`."""
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
-    slope, modes = part(room, 0, 9 * (n + 1)), part(room, 9 * (n + 1), n)
-    return Workspace(x, trial, old, free, drag, slope, move, Matrix(*blocks), mass, modes)
+    slope, modes, held = part(room, 0, 9 * (n + 1)), part(room, 9 * (n + 1), n), part(room, 9 * (n + 1) + n, n)
+    return Workspace(x, trial, old, free, drag, slope, move, Matrix(*blocks), mass, modes, held)
 
 
 @kernel
@@ -151,6 +153,7 @@ def linearize(attempt, x, w):
         put(w.move, i, scale(m, sub(get(w.free, i), get(x, i))))
     for s in range(n):
         length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
+        w.held[s] = length - rest
         turned = add_scaled(r0, -dot(e, r0), e)
         slant = add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
         spring = k * (length - rest)
@@ -206,6 +209,16 @@ def descend(attempt, before, w):
             return now, taken * sqrt(square)
         taken *= 0.5
     return before, -1.0
+
+
+@kernel
+def holds(chain, x, w):
+    """Whether all springs still have the mode with which the matrix was made, with the nodes at x [m]."""
+    for s in range(chain.n):
+        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
+        if (dot(r, r) - rest * rest) * w.held[s] < 0.0:
+            return False
+    return True
 
 
 @kernel
@@ -285,11 +298,11 @@ def step(conditions, time, h, in_any_case, x, v, w):
     guess(attempt, x, w)
     add_drag(attempt, w.x, w)
     phi, _ = potential(attempt, w.x, w)
-    goal = CLOSE * conditions.reeling[0] / conditions.n
+    goal = CLOSE * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
     iterations = 0
     farthest = inf
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
-    while iterations < most and farthest > goal:
+    while iterations < most and (farthest > goal or not holds(attempt.chain, w.x, w)):
         phi, farthest = descend(attempt, phi, w)
         iterations += 1
         if not farthest < inf:
@@ -335,7 +348,7 @@ def integrate(conditions, duration, state, x, v, w):
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
     """
     wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
-    budget = at.WORK_BUDGET // conditions.n
+    budget = at.ITERATION_BUDGET // conditions.n
     if not wanted <= budget:
         return FIXED_STEPS_TOO_MANY
     count = max(1, ceil(wanted))

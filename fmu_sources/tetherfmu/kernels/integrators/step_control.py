@@ -1,20 +1,22 @@
 """Error of a Rosenbrock step, and the steps that it allows within a communication step.
 
 The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
-transition may have got wrong (`transition_error`), and the error of the tension of the dampers (`damper_error`), each over
-what is allowed (`allowed_errors`). See docs/models/numerics.md, "Rosenbrock step".
+transition may have got wrong (`transition_error`), the error of the tension of the dampers (`damper_error`), and in a stiff
+tether that of its tension (`tension_error`), each over what is allowed (`allowed_errors`). See docs/models/numerics.md,
+"Rosenbrock step".
 """
 
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.limits import STIFF
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_during
-from ..equations.properties import has_node_winds, node_wind, rest_length
+from ..equations.properties import has_node_winds, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import dot, get, sub
 from .rodas4p import GAMMA
 from .rosenbrock import step
@@ -31,6 +33,10 @@ CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no nu
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
+SMALL_STRAIN = 1e-6  # see `is_stiff`
+TENSION = 0.01  # part of the largest tension; see `tension_error`
+HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step; see there
+ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
 TINY = 1e-200  # what keeps a quotient from 0/0
 
 
@@ -82,6 +88,52 @@ def relative_damper_error(chain, w):
 
 
 @kernel
+def is_stiff(chain, h, w):
+    """Whether a segment has more than STIFF, and after the last step of h [s] none of these is certainly stretched much.
+
+    Certainly by more than SMALL_STRAIN: also if its vector r [m] were shorter by its error estimate. Below, the errors of
+    positions that the tolerance allows may be a multiple of the stretch that the tension comes from. `chain` is that at the
+    end of the step.
+    """
+    stiff = False
+    for s in range(chain.n):
+        if property_of(chain, s, at.STIFFNESS) > STIFF:
+            stiff = True
+            r = sub(get(w.x, s + 1), get(w.x, s))
+            doubt = 2.0 * GAMMA * h * abs(dot(r, sub(get(w.q, s + 1), get(w.q, s))))
+            rest = rest_length(chain, s)
+            if dot(r, r) - doubt > rest * rest * (1.0 + 2.0 * SMALL_STRAIN):
+                return False
+    return stiff
+
+
+@kernel
+def tension_error(conditions, chain, h, speed, w):
+    """Error estimate of a tension of a stiff tether in the last step, of h [s], over what is allowed [-].
+
+    k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities. Allowed is
+    TENSION times the largest tension, and as much more as rounding of the positions makes in the spring, or as changes the
+    velocity of the lighter free node by HARMLESS times the allowed `speed` [m/s] within the step. `chain` is that at the end
+    of the step.
+    """
+    worst = 0.0
+    largest = TINY
+    for s in range(chain.n):
+        x_p, x_q = get(w.x, s), get(w.x, s + 1)
+        stretched, e = segment.geometry(sub(x_q, x_p))
+        rest = rest_length(chain, s)
+        k, c = segment.stiffness(chain, s, w.modes[s], rest)
+        rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
+        largest = max(largest, abs(segment.tension(chain, stretched, rate, rest, k, c)))
+        by_position = k * GAMMA * h * dot(e, sub(get(w.q, s + 1), get(w.q, s)))
+        by_velocity = c * dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
+        rounding = ROUNDING * k * sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
+        harmless = max(rounding, HARMLESS * lighter_free_node(s, conditions, w) * speed / h)
+        worst = max(worst, abs(by_position + by_velocity) - harmless)
+    return worst / (TENSION * largest)
+
+
+@kernel
 def square_of_wind(conditions):
     """Square of the wind at the reference height [m2/s2], or of the largest one that is given at a node."""
     if not has_node_winds(conditions):
@@ -121,6 +173,9 @@ def error_of_step(conditions, time, h, v, w):
     if damper > 1.0:
         damper = min(damper, relative_damper_error(chain, w) / DAMPER)
     error = max(error, damper)
+    if is_stiff(chain, h, w):
+        tension = tension_error(conditions, chain, h, velocity_scale, w)
+        error = max(error, tension ** (2 / 3))  # it falls with h^6, the estimates of positions and velocities with h^4
     transition = transition_error(conditions, chain, h, w) / velocity_scale
     if transition > 0.0:
         keep_energy(conditions, chain, w)

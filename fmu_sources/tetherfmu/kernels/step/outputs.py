@@ -53,7 +53,8 @@ def write_segments(chain, x, v, outputs):
     slack = 0
     crossing = 0.0
     compliance = 0.0  # 1/k of all segments in series, taut [m/N]
-    mobility = 0.0  # 1/c of the same [m/(N s)]
+    mobility = 0.0  # 1/c of the same [m/(N s)], where all have a damper
+    undamped = False
     sag = 0.0
     ground = get(x, 0)
     chord = sub(get(x, chain.n), ground)
@@ -68,12 +69,14 @@ def write_segments(chain, x, v, outputs):
         stiffness = property_of(chain, s, at.STIFFNESS)
         crossing += wave_time(property_of(chain, s, at.LINE_DENSITY), rest, length, tension, stiffness)
         compliance += rest / stiffness
-        mobility += rest / property_of(chain, s, at.DAMPING)
+        damping = property_of(chain, s, at.DAMPING)
+        undamped = undamped or damping == 0.0
+        mobility += rest / (damping if damping != 0.0 else 1.0)
         sag = max(sag, norm(away_from_chord(get(x, s), ground, chord)))
     outputs[at.MAX_TENSION] = largest
     outputs[at.SLACK_SEGMENTS] = slack
     outputs[at.KITE_STIFFNESS] = 1.0 / compliance
-    outputs[at.KITE_DAMPING] = 1.0 / mobility
+    outputs[at.KITE_DAMPING] = 0.0 if undamped else 1.0 / mobility
     outputs[at.WAVE_TIME] = crossing
     outputs[at.SAG] = sag
 

@@ -1,8 +1,10 @@
 """What no tether and no kite does is noted in the state, once since the start; nothing else changes.
 
     stretch        max l/l0 of the segments
-    acceleration   2 |x1 - x0 - v0 h|/h^2   mean of the end in a step, from where it was (x0, v0) to where it arrives (x1)
+    acceleration   2 |x1 - x0 - v0 h|/(h H)   of the end in a step, from where it was (x0, v0) to where it arrives (x1): the
+                   mean where H = h; in a short step after a long one the end still corrects the error of H, the long one
     speed          |v1| of the end
+    slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
@@ -22,7 +24,7 @@ from tetherfmu.runtime import plausibility as limits
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations.boundary import are_derived
-from ..equations.properties import chain_of, rest_length
+from ..equations.properties import chain_of, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
@@ -56,9 +58,21 @@ def note_shape(n, parameters, state):
 
 
 @kernel
+def note_stiff_and_slack(chain, x, state):
+    """Note the axial stiffness [N] of a segment above `limits.STIFF` that is slack at x [m] in the state (modified)."""
+    for s in range(chain.n):
+        stiffness = property_of(chain, s, at.STIFFNESS)
+        if stiffness > limits.STIFF:
+            r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
+            if dot(r, r) < rest * rest:
+                note(state, limits.STIFF_AND_SLACK, stiffness * stiffness, limits.STIFF)
+
+
+@kernel
 def note_acceleration(position, velocity, reached, step, kind, state):
     """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m]."""
-    acceleration = scale(2.0 / (step * step), add_scaled(sub(reached, position), -step, velocity))
+    time = step + state[at.CORRECTION_LEFT]
+    acceleration = scale(2.0 / (step * time), add_scaled(sub(reached, position), -step, velocity))
     note(state, kind, dot(acceleration, acceleration), limits.LARGEST_ACCELERATION)
 
 

@@ -3,26 +3,34 @@
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
-from ..arrays import positions_and_velocities, shared_arrays
-from ..compilation import kernel
+from ..arrays import copy, positions_and_velocities, shared_arrays
+from ..compilation import kernel, part
 from ..equations import node_loads, segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.properties import chain_at, point_mass, rest_length
 from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
 
-# the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N]
+# the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N], then the velocities
+# of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
 ENERGIES = 10
 
 
 @kernel
-def balance(n, parameters, state, inputs, energies, work):
-    """Energies [J], powers [W] and tensions [N] of a state into `energies` (modified), see `ENERGIES`; returns a status.
+def size(n):
+    """Length of the array that `balance` writes."""
+    return ENERGIES + n + 3 * (n + 1)
 
-    inputs : its reel-out speed, wind and load of a free kite end count.  work (modified) : for node masses.
+
+@kernel
+def balance(n, parameters, state, v, inputs, energies, work):
+    """Energies [J], powers [W], tensions [N] and velocities of a state into `energies` (modified), see `ENERGIES`; a status.
+
+    v : velocities of its nodes [m/s].  inputs : its reel-out speed, wind and load of a free kite end count.
+    work (modified) : for node masses.
     """
     chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], vector_at(inputs, at.WIND_VELOCITY))
-    x, v = positions_and_velocities(n, state)
+    x, _ = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
     node_masses(chain, mass)
     kinetic = potential = new_material = 0.0
@@ -67,4 +75,5 @@ def balance(n, parameters, state, inputs, energies, work):
     energies[WIND] = wind
     energies[DAMPING_LOSS] = damping
     energies[DRAG_LOSS] = friction
+    copy(v, part(energies, ENERGIES + n, 3 * (n + 1)))
     return OK

@@ -99,6 +99,14 @@ def remember(inputs, given, state):
     put_at(state, at.LAST_KITE_LOAD, given.load)
     state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
+    state[at.LONGEST_SO_FAR] = max(state[at.LONGEST_SO_FAR], step)
+    state[at.CORRECTION_LEFT] = given.correction - step
+    ground_acceleration, kite_acceleration, reel_rate, winch_acceleration, load_rate = given.recent
+    put_at(state, at.RECENT_GROUND_ACCELERATION, ground_acceleration)
+    put_at(state, at.RECENT_KITE_ACCELERATION, kite_acceleration)
+    state[at.RECENT_REEL_ACCELERATION] = reel_rate
+    state[at.RECENT_WINCH_ACCELERATION] = winch_acceleration
+    put_at(state, at.RECENT_LOAD_RATE, load_rate)
     put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))
     put_at(state, at.LAST_KITE_VELOCITY, given.kite_velocity)
     put_at(state, at.LAST_GROUND_VELOCITY, given.ground_velocity)

@@ -14,10 +14,11 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import segment
-from ..equations.properties import chain_of, property_of
+from ..equations.properties import chain_of, has_node_winds, property_of
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put_at, sub
+from .sheared_air import sheared_load
 
-# Gauss-Legendre points and weights on 0 .. 1: exact to degree 9, so for the turning tether without wind
+# Gauss-Legendre points and weights on 0 .. 1, for uniform air: exact to degree 9, so for the turning tether without wind
 POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332))
 WEIGHTS = np.array((0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095))
 
@@ -39,11 +40,20 @@ def no_work_size(n):
 
 
 @kernel
+def is_same_along(line):
+    """Whether wind and density are the same all along the chord: uniform air, or a wind that is given at the ends."""
+    uniform_wind = line.parameters[at.WIND_PROFILE] == at.UNIFORM or has_node_winds(line)
+    return uniform_wind and line.parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
+
+
+@kernel
 def chord_load(parameters, state):
     """Mean of f [N/m] along the chord, and its first moment, the mean of xi f [N/m]."""
     line, ground, chord, _ = chord_of(parameters, state)
     _, v = positions_and_velocities(1, state)
     _, e = segment.geometry(chord)
+    if not is_same_along(line):
+        return sheared_load(line, ground[2], chord[2], e, (get(v, 0), sub(get(v, 1), get(v, 0))))
     mean = moment = ZERO_VECTOR
     for i in range(len(POINTS)):
         xi = POINTS[i]

@@ -7,7 +7,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities, shared_arrays
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions, newton, solve
@@ -15,6 +15,7 @@ from ..equilibrium.rigid_body import Body, rigid_motion, straighten
 from ..integrators import backward_euler, rosenbrock, step_control
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
+from ..step.plausibility import note_stiff_and_slack
 
 
 @kernel
@@ -64,12 +65,20 @@ def advance(n, parameters, given, before, state, work):
             status = backward_euler.integrate(conditions, given.step, state, x, v, backward_euler.workspace(n, work))
         else:
             status = step_control.integrate(conditions, given.step, state, x, v, rosenbrock.workspace(n, work))
+            note_stiff_and_slack(chain_of(n, parameters, state), x, state)
     if status != OK:
         return status
     place_ends(conditions, given.step, x, v)
     end_tensions.forget(state)
     compressed_chain.leave(chain_of(n, parameters, state), x, v)
     return OK
+
+
+@view
+def velocities_of(n, parameters, state, work):
+    """Node velocities [m/s] that belong to a state: those that it has."""
+    _, v = positions_and_velocities(n, state)
+    return v
 
 
 @kernel

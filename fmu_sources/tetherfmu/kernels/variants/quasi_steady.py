@@ -59,7 +59,8 @@ def advance(n, parameters, given, before, state, work):
     """Move the shape of a state (modified) over a communication step with `StepInputs`, from the state `before`.
 
     The next shape is sought where the nodes come to if they move on as in the last step; this motion is what the state
-    keeps as velocities of the inner nodes. Returns a status: OK or NO_EQUILIBRIUM.
+    keeps in the place of the velocities of the inner nodes (`velocities_of` has those). Returns a status: OK or
+    NO_EQUILIBRIUM.
     """
     x, v = positions_and_velocities(n, state)
     w = newton.workspace(n, work)
@@ -74,13 +75,21 @@ def advance(n, parameters, given, before, state, work):
     return status
 
 
-@kernel
-def outputs_of(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state; its nodes move as the body does."""
+@view
+def velocities_of(n, parameters, state, work):
+    """Node velocities [m/s] that belong to a state, in the work array (modified): its nodes move as the body does."""
     x, v = positions_and_velocities(n, state)
     w = newton.workspace(n, work)
     put(w.move, 0, get(v, 0))
     put(w.move, n, get(v, n))
-    body = body_of(n, parameters, state, x, w.move)
-    rigid_velocity(body)
-    outputs_of_chain(body.chain, state, x, w.move, shape_points, outputs, w.mass)
+    rigid_velocity(body_of(n, parameters, state, x, w.move))
+    return w.move
+
+
+@kernel
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    x, _ = positions_and_velocities(n, state)
+    v = velocities_of(n, parameters, state, work)
+    mass = newton.workspace(n, work).mass
+    outputs_of_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)

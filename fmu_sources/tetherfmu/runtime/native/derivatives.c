@@ -41,19 +41,26 @@ Status set_input_derivatives(
 
 /* --- derivatives of outputs by inputs: differences of the last step, done again with other inputs
 
-Changes of the inputs in parts of their scales. Internal steps must stay as they were, and no segment may change
-between taut and slack, so a tether with internal steps takes small ones; the others are in an equilibrium whose iteration
-ends at 1e-9. If the first part of a pair fails, the second is tried. */
-static const double PARTS_WITH_STEPS[] = {1e-7, 1e-8}, PARTS_WITHOUT_STEPS[] = {1e-5, 1e-6};
+Changes of the inputs in parts of their scales. Internal steps must stay as they were, so a tether with internal steps
+takes small ones; the others are in an equilibrium whose iteration ends at 1e-9. A smaller part is tried where the forces
+at the ends are not smooth over the first one. */
+enum { PARTS = 3 };
+static const double PARTS_WITH_STEPS[PARTS] = {1e-7, 1e-8, 1e-9}, PARTS_WITHOUT_STEPS[PARTS] = {1e-5, 1e-6, 1e-7};
 static const double SAME_STEP = 1e-3; /* relative difference of the next internal step: larger after other ones */
+static const double SMOOTH = 1e-3;    /* difference of both sides over the larger: twice the error of a bend on one side */
+static const double ONE_SIDED = 1.0;  /* what a difference to one side counts as */
+static const double SLOW = 1e-3;      /* [m/s] by which a position may change a velocity that is derived from it */
 
-/* Scale of an input, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. */
-static double scale_of(const Arrays *arrays, unsigned place, double step)
+/* Scale of an input, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. part : the
+largest one by which it is multiplied: a position from which a velocity is derived changes it by `SLOW` at most. */
+static double scale_of(const Arrays *arrays, unsigned place, double step, double part)
 {
     double length = step > 0.0 ? arrays->state[AT_LENGTH] : arrays->parameters[AT_INITIAL_LENGTH];
     double segment = length / (double)arrays->segments;
+    double way = step > 0.0 ? SLOW / part * arrays->before[AT_LAST_STEP] : 0.0; /* 0 where no velocity is derived */
+    bool sets_velocity = arrays->parameters[AT_END_VELOCITIES] == AT_DERIVED && way > 0.0;
     switch (INPUT_SCALE[place]) {
-    case SCALE_SEGMENT_LENGTH: return segment;
+    case SCALE_SEGMENT_LENGTH: return sets_velocity && way < segment ? way : segment;
     case SCALE_STIFFNESS: return arrays->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * arrays->segments];
     case SCALE_FAST_WIND: return FAST_WIND_SPEED;
     default: return segment < FAST_END_SPEED * step ? segment / step : FAST_END_SPEED; /* SCALE_SEGMENT_PER_STEP */
@@ -69,6 +76,12 @@ static int32_t repeat(const Arrays *arrays, double step, double *values)
     if (!(step > 0.0)) return first_shape(&trial, values);
     memcpy(trial.state, arrays->before, STATE_SIZE(arrays->segments) * sizeof(double));
     return do_step(&trial, step, arrays->before, values); /* `before` keeps what it has */
+}
+
+/* Whether outputs have no other slack segments than others, so that no kink of the forces lies between. */
+static bool is_on_same_side(const double *values, const double *others)
+{
+    return !HAS_KINK || values[OUTPUTS_AT + AT_SLACK_SEGMENTS] == others[OUTPUTS_AT + AT_SLACK_SEGMENTS];
 }
 
 /* Whether a step that was done again took the same internal steps as before. */
@@ -87,38 +100,61 @@ static bool repeat_with(
     memcpy(changed, values, VALUES * sizeof(double));
     memcpy(changed, arrays->inputs, sizeof arrays->inputs);
     for (int i = 0; i < AT_INPUTS; i++) changed[i] += by * direction[i];
-    return !repeat(arrays, step, changed) && (!(step > 0.0) || took_same_steps(arrays));
+    bool is_done = !repeat(arrays, step, changed) && (!(step > 0.0) || took_same_steps(arrays));
+    return is_done && is_on_same_side(changed, values);
+}
+
+/* Difference of the changes of the forces at the ends to both sides, relative to the larger change. */
+static double asymmetry(const double *before, const double *values, const double *after)
+{
+    static const int FORCES[] = {AT_GROUND_FORCE, AT_KITE_FORCE};
+    double difference = 0.0, larger = 0.0;
+    for (int k = 0; k < 6; k++) {
+        int i = OUTPUTS_AT + FORCES[k / 3] + k % 3;
+        double backwards = values[i] - before[i], forwards = after[i] - values[i];
+        difference = fmax(difference, fabs(forwards - backwards));
+        larger = fmax(larger, fmax(fabs(forwards), fabs(backwards)));
+    }
+    return larger > 0.0 ? difference / larger : 0.0;
 }
 
 /* Difference quotient of all values into `quotient`: between both sides, or with one of them if the other side cannot be
-compared; false if neither can. room : of VALUES. */
-static bool find_quotient(
+compared. Returns how doubtful it is: `asymmetry`, `ONE_SIDED`, or infinity if neither side can. room : of VALUES. */
+static double find_quotient(
     const Arrays *arrays, double step, const double *values, const double *direction, double by, double *quotient,
     double *room)
 {
     bool forwards = repeat_with(arrays, step, values, direction, by, quotient);
     bool backwards = repeat_with(arrays, step, values, direction, -by, room);
-    if (!forwards && !backwards) return false;
+    if (!forwards && !backwards) return INFINITY;
+    double doubt = forwards && backwards ? asymmetry(room, values, quotient) : ONE_SIDED;
     const double *last = forwards ? quotient : values, *first = backwards ? room : values;
     double distance = forwards && backwards ? 2.0 * by : by;
     for (int i = 0; i < VALUES; i++) quotient[i] = (last[i] - first[i]) / distance;
-    return true;
+    return doubt;
 }
 
-/* Derivative of all values along a direction of the inputs into `derivative`; false where there is none to be found. */
+/* Derivative of all values along a direction of the inputs into `derivative`, the least doubtful one; false where there is
+none to be found. room : of 2 VALUES. */
 static bool differentiate(
     const Arrays *arrays, double step, const double *values, const double *direction, double *derivative, double *room)
 {
+    const double *parts = arrays->state[AT_STEPS] > 0.0 ? PARTS_WITH_STEPS : PARTS_WITHOUT_STEPS;
     double largest = 0.0;
     for (unsigned i = 0; i < AT_INPUTS; i++) {
-        double size = fabs(direction[i]) / scale_of(arrays, i, step);
+        double size = fabs(direction[i]) / scale_of(arrays, i, step, parts[0]);
         if (size > largest) largest = size;
     }
     memset(derivative, 0, VALUES * sizeof(double));
     if (!(largest > 0.0)) return true;
-    const double *parts = arrays->state[AT_STEPS] > 0.0 ? PARTS_WITH_STEPS : PARTS_WITHOUT_STEPS;
-    return find_quotient(arrays, step, values, direction, parts[0] / largest, derivative, room) ||
-           find_quotient(arrays, step, values, direction, parts[1] / largest, derivative, room);
+    double least = INFINITY, *quotient = room;
+    for (int k = 0; k < PARTS && !(least <= SMOOTH); k++) {
+        double doubt = find_quotient(arrays, step, values, direction, parts[k] / largest, quotient, room + VALUES);
+        if (!(doubt < least)) continue;
+        least = doubt;
+        memcpy(derivative, quotient, VALUES * sizeof(double));
+    }
+    return least < INFINITY;
 }
 
 /* Check the variables and their numbers, and put the seed into a direction of the inputs. */
@@ -169,7 +205,7 @@ Status directional_derivative(
     if (read_direction(instance, unknowns, count, knowns, known_count, seed, seeds, room, direction) != OK) return ERROR;
     Arrays *arrays = differentiable(instance);
     if (!arrays) return DISCARD;
-    double *derivative = calloc(2 * VALUES, sizeof(double));
+    double *derivative = calloc(3 * VALUES, sizeof(double));
     if (!derivative) return say(instance, ERROR, NO_MEMORY, NULL);
     double step = instance->phase == INITIALIZING ? 0.0 : arrays->state[AT_LAST_STEP];
     bool found = differentiate(arrays, step, instance->values, direction, derivative, derivative + VALUES);

@@ -8,16 +8,23 @@
 #include "finite.h"
 #include "kernels.h"
 
-const char THIS_FMU = 0;
+const char AN_INSTANCE = 0, A_SAVED_STATE = 0;
 const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 
 /* --- making and resetting */
+
+/* Take the mark off what is freed next, so that a call with it is refused as far as its memory can tell. The compiler would
+leave out a write that nobody reads. */
+void unmark(const void **identity)
+{
+    *(const void *volatile *)identity = NULL;
+}
 
 /* The instance that a call is for; NULL if the pointer that the importer passes is none of this FMU. */
 Instance *entered(void *handle, const char *call)
 {
     Instance *instance = handle;
-    if (!instance || instance->identity != &THIS_FMU) return NULL;
+    if (!instance || instance->identity != &AN_INSTANCE) return NULL;
     instance->call = call;
     return instance;
 }
@@ -40,7 +47,7 @@ Instance *make_instance(const char *name, Log log, void *environment, void (*imp
         return NULL;
     }
     memcpy(instance->name, name, length);
-    instance->identity = &THIS_FMU;
+    instance->identity = &AN_INSTANCE;
     instance->log = log;
     instance->environment = environment;
     instance->importer_log = importer_log;
@@ -52,7 +59,7 @@ void free_instance(Instance *instance)
 {
     free_arrays(instance->arrays);
     free(instance->name);
-    instance->identity = NULL;
+    unmark(&instance->identity);
     free(instance);
 }
 
@@ -100,16 +107,16 @@ static Status refuse_phase(const Instance *instance, const char *sentence)
 
 Status set_up_experiment(Instance *instance, bool has_tolerance, double tolerance, double start, bool has_stop, double stop)
 {
-    Fact given = real("tolerance", tolerance), largest = real("largest", LOOSEST_TOLERANCE);
     if (instance->phase != BEFORE) return refuse_phase(instance, CANNOT_BE_SET_UP);
-    if (!is_finite(start)) return say(instance, ERROR, TIME_NOT_FINITE, FACTS(real("time", start)));
+    if (!is_finite(start)) return say(instance, ERROR, START_NOT_FINITE, FACTS(real("start", start)));
+    if (has_stop && !(stop >= start))
+        return say(instance, ERROR, STOP_BEFORE_START, FACTS(real("stop", stop), real("start", start)));
     instance->start_time = instance->values[TIME] = start;
     instance->stop_is_defined = has_stop;
     instance->stop_time = stop;
     if (!has_tolerance) return OK;
-    if (!(0.0 < tolerance && tolerance <= LOOSEST_TOLERANCE))
-        return say(instance, WARNING, TOLERANCE_NOT_USED, FACTS(given, largest));
-    instance->tolerance = tolerance;
+    if (!(tolerance > 0.0)) return say(instance, WARNING, TOLERANCE_NOT_USED, FACTS(real("tolerance", tolerance)));
+    if (tolerance < DEFAULT_TOLERANCE) instance->tolerance = tolerance; /* a looser one is poor */
     return OK;
 }
 
@@ -171,7 +178,7 @@ static void sentence_of(
         real("distance", sqrt(square)),
         real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),
         real("fixed_step", arrays->parameters[AT_FIXED_STEP]),
-        whole("budget", (double)(AT_WORK_BUDGET / arrays->segments))));
+        whole("budget", (double)(AT_ITERATION_BUDGET / arrays->segments))));
 }
 
 /* Go on with other arrays and their values. */

@@ -14,7 +14,7 @@ typedef enum { FLOAT64, INT32, INT64 } Type; /* of the numbers that the importer
 typedef void (*Log)(const Instance *instance, Status status, const char *text);
 
 struct Instance {
-    const void *identity; /* `&THIS_FMU`, so that a pointer to anything else is recognized */
+    const void *identity; /* `&AN_INSTANCE`, so that a pointer to anything else is recognized */
     char *name;
     Log log; /* of fmi2.c or fmi3.c, which know the type of the importer's function */
     void *environment;
@@ -31,11 +31,12 @@ struct Instance {
     double derivatives[1 + AT_INPUTS]; /* of inputs, given before the first step, see derivatives.c */
 };
 
-extern const char THIS_FMU;
+extern const char AN_INSTANCE, A_SAVED_STATE; /* their addresses are the marks of what this FMU has made */
 extern const char *const CATEGORY[]; /* names of log categories, by status */
 
 /* --- its life */
 
+void unmark(const void **identity);
 Instance *entered(void *handle, const char *call);
 Status refuse_call(void *handle, const char *call);
 Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void));

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "finite.h"
 #include "instance.h"
 
 typedef struct { /* header and facts of saved_state.py; all platforms are little-endian */
@@ -31,6 +32,12 @@ static uint32_t crc32(const unsigned char *bytes, size_t size)
     return ~rest;
 }
 
+static void discard(Saved *saved)
+{
+    if (saved) unmark(&saved->identity);
+    free(saved);
+}
+
 /* Room for a record, in `*saved` if there is one that has it; NULL without memory. */
 static Saved *make_room(Saved *old, size_t size)
 {
@@ -38,8 +45,8 @@ static Saved *make_room(Saved *old, size_t size)
     if (!old || old->room < size) {
         saved = calloc(1, sizeof *saved + size);
         if (!saved) return NULL;
-        free(old);
-        saved->identity = &THIS_FMU;
+        discard(old);
+        saved->identity = &A_SAVED_STATE;
         saved->room = size;
     }
     saved->size = size;
@@ -50,7 +57,7 @@ static Saved *make_room(Saved *old, size_t size)
 static Status check_saved(const Instance *instance, const Saved *saved)
 {
     if (!saved) return refuse_null(instance, "FMUstate");
-    return saved->identity == &THIS_FMU ? OK : say(instance, ERROR, NO_FMU_STATE, NULL);
+    return saved->identity == &A_SAVED_STATE ? OK : say(instance, ERROR, NO_FMU_STATE, NULL);
 }
 
 /* Free a state, and forget it in `*saved`. As the standard has it, nothing is done where there is none. */
@@ -58,8 +65,7 @@ Status free_saved(const Instance *instance, Saved **saved)
 {
     if (!saved || !*saved) return OK;
     if (check_saved(instance, *saved) != OK) return ERROR;
-    (*saved)->identity = NULL;
-    free(*saved);
+    discard(*saved);
     *saved = NULL;
     return OK;
 }
@@ -108,23 +114,32 @@ static Status refuse_state(const Instance *instance, const char *problem)
     return say(instance, ERROR, STATE_REFUSED, FACTS(word("problem", problem)));
 }
 
-/* Why bytes are no record of this FMU, or NULL. */
-static const char *problem_of(const unsigned char *bytes, size_t size)
+/* Why bytes are no record of this FMU, or NULL; `head` (modified) gets the first of them, where there are enough. */
+static const char *problem_of(const unsigned char *bytes, size_t size, Head *head)
 {
-    Head head;
-    if (size < sizeof head || memcmp(bytes, MAGIC, sizeof head.magic)) return NO_STATE;
-    memcpy(&head, bytes, sizeof head);
-    if (head.length != size - HEADER || crc32(bytes + HEADER, size - HEADER) != head.checksum) return STATE_DAMAGED;
-    size_t state = head.phase >= STEPPING ? STATE_SIZE((size_t)head.segments) : 0;
-    bool same = !strncmp(head.variant, VARIANT, sizeof head.variant) && head.phase <= TERMINATED;
-    return same && size == sizeof head + (VALUES + state) * sizeof(double) ? NULL : STATE_OF_ANOTHER;
+    static const char OWN[sizeof head->variant] = VARIANT;
+    if (size < sizeof *head || memcmp(bytes, MAGIC, sizeof head->magic)) return NO_STATE;
+    memcpy(head, bytes, sizeof *head);
+    if (head->length != size - HEADER || crc32(bytes + HEADER, size - HEADER) != head->checksum) return STATE_DAMAGED;
+    size_t state = head->phase >= STEPPING ? STATE_SIZE((size_t)head->segments) : 0;
+    bool same = !memcmp(head->variant, OWN, sizeof OWN) && head->phase <= TERMINATED;
+    if (!same || size != sizeof *head + (VALUES + state) * sizeof(double)) return STATE_OF_ANOTHER;
+    if (!(0.0 <= head->tolerance && head->tolerance <= DEFAULT_TOLERANCE)) return STATE_WRONG_TOLERANCE;
+    bool no_step_done = head->time != head->time;
+    return no_step_done || is_finite(head->time) ? NULL : STATE_WRONG_TIME;
 }
 
 Status deserialize(const Instance *instance, const void *bytes, size_t size, Saved **saved)
 {
     if (*saved && check_saved(instance, *saved) != OK) return ERROR;
-    const char *problem = problem_of(bytes, size);
-    if (problem) return refuse_state(instance, problem);
+    Head head = {.tolerance = 0.0};
+    const char *problem = problem_of(bytes, size, &head);
+    if (problem) {
+        char text[LONGEST_TEXT];
+        Fact largest = real("largest", DEFAULT_TOLERANCE);
+        fill_in(text, sizeof text, problem, FACTS(real("tolerance", head.tolerance), largest, real("time", head.time)));
+        return refuse_state(instance, text);
+    }
     Saved *made = make_room(*saved, size);
     if (!made) return say(instance, ERROR, NO_MEMORY, NULL);
     *saved = made;
@@ -153,13 +168,25 @@ static bool is_set(double number, int count)
     return 0.0 <= number && number < (1 << count) && number == floor(number);
 }
 
+/* Whether a state array has what every tether can have, as `saved_state.check_state` has it. */
+static bool is_possible(const double *state, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        if (!is_finite(state[i])) return false;
+    for (size_t i = 0; i < sizeof STATE_RANGE / sizeof *STATE_RANGE; i++) {
+        double number = state[STATE_RANGE[i].place];
+        if (number < STATE_RANGE[i].lowest || number > STATE_RANGE[i].highest) return false;
+    }
+    return is_set(state[AT_WARNINGS], AT_WARNING_KINDS) && is_set(state[AT_GIVEN_DERIVATIVES], AT_INPUTS);
+}
+
 /* Why the numbers of a state array cannot be used, or NULL if they have been taken. */
 static const char *problem_of_state(Arrays *arrays, const Head *head, const double *state)
 {
     if (arrays->segments != (int64_t)head->segments) return STATE_DAMAGED;
-    memcpy(arrays->state, state, STATE_SIZE(arrays->segments) * sizeof(double));
-    if (!is_set(arrays->state[AT_WARNINGS], AT_WARNING_KINDS)) return STATE_IMPOSSIBLE;
-    if (!is_set(arrays->state[AT_GIVEN_DERIVATIVES], AT_INPUTS)) return STATE_IMPOSSIBLE;
+    size_t size = STATE_SIZE(arrays->segments);
+    memcpy(arrays->state, state, size * sizeof(double));
+    if (!is_possible(arrays->state, size)) return STATE_IMPOSSIBLE;
     if (take_outputs(arrays, arrays->values)) return STATE_IMPOSSIBLE;
     return NULL;
 }

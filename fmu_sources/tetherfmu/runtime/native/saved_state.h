@@ -5,7 +5,7 @@
 #include "messages.h"
 
 typedef struct {
-    const void *identity; /* `&THIS_FMU`, as of an instance */
+    const void *identity; /* `&A_SAVED_STATE` */
     size_t size, room;
     unsigned char bytes[]; /* the record of saved_state.py; its checksum is made when it is serialized */
 } Saved;

@@ -8,9 +8,9 @@ from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 from tetherfmu.console.progress import now
-from tetherfmu.runtime.variants import TABLE, class_name
+from tetherfmu.runtime.variants import TABLE
 from tetherfmu.study.measuring.errors import converged, worst
-from tetherfmu.study.measuring.runs import Config, least_cost
+from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
 
@@ -138,10 +138,11 @@ def advise(scene, budget=BUDGET):
 
 def explain(scene, advice):
     """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
-    config, found = advice.point.config, numbers(scene)
-    why_not = [(*each, advice.search.best_of(each[0])) for each in reasons(config, found, scene.wanted.allowed_error)]
+    config, found = advice.point.config, numbers(scene, advice.search.finer.run.flown if scene.kite_is_free else None)
+    simpler = () if scene.kite_is_free else reasons(config, found, scene.wanted.allowed_error)
+    why_not = [(*each, advice.search.best_of(each[0])) for each in simpler]
     facts = {"numbers": found, "reasons": why_not, "worst": worst}
-    facts |= {"fmu": class_name(config.variant), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
+    facts |= {"fmu": fmu_of(scene, config), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
     facts["most_shaking"] = MOST_SHAKING
     return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")
 

@@ -23,7 +23,7 @@ LABELS = {
 LINES = {0: "-", 4: ":", 11: "--", 32: "-"}  # by the segments of the curves that are shown
 STRETCHES = (0.001, 0.0)  # of the curves that are shown: a middle one
 CHART_LEVEL = 0.01  # error for which the decision chart is drawn
-COLUMNS = 4  # of small figures
+COLUMNS, LETTERS = 2, 12  # of small figures, and their font size [pt]: wide letters, because pages show figures smaller
 PALE = ("straight", "dynamic_free")  # white letters are hard to read on their colours
 
 
@@ -57,19 +57,19 @@ def draw(points, own_error, scene, path):
 def draw_scenes(results, names, path):
     """Small Pareto figures, one for each scene; `results` as `page.page` has them."""
     rows, axis = ceil(len(results) / COLUMNS), None
-    figure = Figure(figsize=(12, 2.9 * rows), layout="constrained")
+    figure = Figure(figsize=(8.6, 3.0 * rows + 1.0), layout="constrained")
     for place, (scene, (reference, points, _)) in enumerate(results.items()):
         axis = figure.add_subplot(rows, COLUMNS, place + 1, sharex=axis, sharey=axis)
-        draw_points(axis, points, 3)
+        draw_points(axis, points, 4)
         axis.axvspan(1e-4, 100.0 * reference.own_error(names), color="0.85", linewidth=0.0, label="error of the reference")
-        axis.set_title(scene.name.replace("_", " "), fontsize=10)
+        axis.set_title(scene.name.replace("_", " "), fontsize=LETTERS + 1)
         axis.set_xlim(200.0, 0.005)
-        axis.tick_params(labelleft=place % COLUMNS == 0)
-    figure.supxlabel("error of the force on the kite [%]", fontsize=10)
-    figure.supylabel("kernel time per simulated second [µs]", fontsize=10)
-    legend = {"loc": "outside upper center", "ncols": 5, "frameon": False, "fontsize": 9, "markerscale": 3.0}
+        axis.tick_params(labelleft=place % COLUMNS == 0, labelsize=LETTERS)
+    figure.supxlabel("error of the force on the kite [%]", fontsize=LETTERS + 1)
+    figure.supylabel("kernel time per simulated second [µs]", fontsize=LETTERS + 1)
+    legend = {"loc": "outside upper center", "ncols": 3, "frameon": False, "fontsize": LETTERS, "markerscale": 3.0}
     figure.legend(*axis.get_legend_handles_labels(), **legend)
-    figure.savefig(path, dpi=90, metadata={"Software": None})
+    figure.savefig(path, dpi=100, metadata={"Software": None})
 
 
 def draw_sweeps(path):

@@ -6,7 +6,8 @@
     slack     L / c - 1, unstretched length over distance of the ends; 0 if taut
     wave      wave_time rms|dF/dt| / rms|F|:  travel time of a wave times the rate at which the force on the kite changes
 
-T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight.
+T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight,
+with a free end from that of the finer model; its load there includes the inertia of the tether.
 
 The numbers at which a tether ceases to be adequate are in thresholds.csv, which `thresholds.py` measures. Between the
 measured levels the error grows as a power of the number of a group, below the lowest as its square.
@@ -37,16 +38,21 @@ STEEPEST = 3.0  # exponent with which the error goes on beyond the last threshol
 CURVES = pd.read_csv(TABLE).set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
 
 
-def numbers(scene):
-    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether cannot fly it."""
-    flown = runs.run(scene, runs.Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
+def numbers(scene, flown=None):
+    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether cannot fly it.
+
+    flown : `Flown` to take them from, which a free end needs: no quasi-steady tether moves it.
+    """
+    if flown is None:
+        flown = runs.run(scene, runs.Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
     motion = scene.flight.motion(scene.times[1:])
     tether, force = scene.tether, flown.kite_force
     tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
     weight = tether.mass_per_meter * scene.environment.gravity * length
     load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
     rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
-    slack = length / size(motion.kite - motion.ground) - 1.0
+    kite = flown.outputs[:, at.OUTPUT_KITE_POSITION : at.OUTPUT_KITE_POSITION + 3] if scene.kite_is_free else motion.kite
+    slack = length / size(kite - motion.ground) - 1.0
     return SimpleNamespace(
         weight=float(np.mean(weight)) / tension,
         drag=float(np.mean(size(load))) / tension,

@@ -7,6 +7,7 @@ import pandas as pd
 from markdown import markdown
 
 from tetherfmu.console.progress import now
+from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
@@ -55,7 +56,7 @@ def fmpy_times(scene, points, folder):
     """Measured time per simulated second through FMPy of the configurations of points; missing FMUs are built."""
     now("measuring through FMPy")
     with tempfile.TemporaryDirectory() as temporary:
-        fmus_in(folder or temporary)
+        fmus_in(folder or temporary, (DYNAMIC_FREE.name,) if scene.kite_is_free else VARIANTS)
         return {each.config: flown(folder or temporary, scene, each.config)[0] for each in points if each is not None}
 
 

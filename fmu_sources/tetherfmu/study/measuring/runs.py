@@ -19,6 +19,7 @@ import pandas as pd
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name
 from tetherfmu.study.scenes.standard import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
@@ -74,7 +75,17 @@ def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
     chosen |= {"end_velocities": end_velocities(scene), "winch_control": winch_control(scene)}
-    return {**asdict(scene.tether), **asdict(scene.environment), **chosen}
+    found = {**asdict(scene.tether), **asdict(scene.environment), **chosen}
+    if scene.kite_is_free:
+        start = scene.flight.at_rest(scene.tether, scene.environment.gravity).tolist()
+        found |= {f"initial_kite_position[{i}]": place for i, place in enumerate(start, 1)}
+        found |= {"kite_mass": scene.flight.kite_mass, "initial_shape": at.STATIC_EQUILIBRIUM}
+    return found
+
+
+def fmu_of(scene, config):
+    """Name of the FMU of a configuration in a scene."""
+    return class_name(DYNAMIC_FREE.name if scene.kite_is_free else config.variant)
 
 
 def end_velocities(scene):

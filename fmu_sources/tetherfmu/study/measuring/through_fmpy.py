@@ -11,16 +11,16 @@ import pandas as pd
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.export.archive import build
 from tetherfmu.runtime.variables import INPUT, variables
-from tetherfmu.runtime.variants import VARIANTS, class_name
+from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
 from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .executors import executor_of
-from .runs import Config, parameters_of
+from .runs import Config, fmu_of, parameters_of
 
 
-def fmus_in(folder):
-    """Paths of the FMUs with driven ends by name; those that are missing are built for this platform."""
-    paths = {name: Path(folder) / f"{name}.fmu" for name in map(class_name, VARIANTS)}
+def fmus_in(folder, variants=VARIANTS):
+    """Paths of the FMUs of variants by name; those that are missing are built for this platform."""
+    paths = {name: Path(folder) / f"{name}.fmu" for name in map(class_name, variants)}
     for name, path in paths.items():
         if not path.exists():
             build(name, folder)
@@ -29,9 +29,10 @@ def fmus_in(folder):
     return paths
 
 
-def by_name(inputs):
-    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU with driven ends."""
-    places = {variable.name: variable.place for variable in variables(VARIANTS[0], 0) if variable.causality == INPUT}
+def by_name(inputs, kite_is_free=False):
+    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU."""
+    table = variables(DYNAMIC_FREE.name if kite_is_free else VARIANTS[0], 0)
+    places = {variable.name: variable.place for variable in table if variable.causality == INPUT}
     return pd.DataFrame(inputs[:, list(places.values())], columns=list(places))
 
 
@@ -76,7 +77,12 @@ def fly(path, parameters, inputs, step):
 
 def hosted(path, scene, config, steps=None, repeats=1):
     """What `fly` returns of flights of a configuration through a scene, or its first steps; each in a new process."""
-    flight = str(path), parameters_of(scene, config), by_name(scene.inputs(config.step)[:steps]), config.step
+    flight = (
+        str(path),
+        parameters_of(scene, config),
+        by_name(scene.inputs(config.step)[:steps], scene.kite_is_free),
+        config.step,
+    )
     with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
         tasks = [executor.submit(fly, *flight) for _ in range(repeats)]
         return [task.result() for task in tasks]
@@ -90,6 +96,6 @@ def measured(path, steps, repeats):
 
 def flown(folder, scene, config):
     """Time per simulated second [-] and last force on the kite [N] of a configuration, through FMPy; FMUs in a folder."""
-    path = Path(folder) / f"{class_name(config.variant)}.fmu"
+    path = Path(folder) / f"{fmu_of(scene, config)}.fmu"
     ((_, costs, kite_force),) = hosted(path, scene, config)
     return float(costs.sum()) / (scene.count * scene.every), kite_force

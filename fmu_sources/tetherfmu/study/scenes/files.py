@@ -78,8 +78,8 @@ class Scene:
     wanted: Wanted = Wanted()
     digest: str = ""
     every: float = EVERY  # time between two compared outputs [s]: a whole number of communication steps
-    kite_is_free: bool = False  # after the start; in races only, as the constant speed of the winch [m/s]
-    reel_out_speed: float = 0.0
+    kite_is_free: bool = False  # after the start
+    reel_out_speed: float = 0.0  # constant, of the winch, in races only [m/s]
     __post_init__ = check
 
     @property
@@ -96,6 +96,8 @@ class Scene:
         """Sentences on what was hardly meant: a diameter in millimetres, a tether far too short for its ends."""
         if doubt := diameter_in_doubt(self.tether.diameter):
             yield f"tether.{doubt}"
+        if self.flight.kite_is_free:
+            return
         motion = self.flight.motion(self.times)
         distance = np.linalg.norm(motion.kite - motion.ground, axis=-1)
         length = self.tether.initial_length + motion.reeled
@@ -125,6 +127,9 @@ class Scene:
         }
         if self.flight.has_length:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
+        if self.flight.kite_is_free:
+            given["kite_position"] = self.flight.at_rest(self.tether, self.environment.gravity)
+            given["kite_load"] = self.flight.load()
         rows = np.zeros((len(time), COUNT))
         columns = by_name(rows)
         for name, numbers in given.items():
@@ -180,7 +185,9 @@ def read(table, folder, name):
         raise ValueError(f"duration is {duration!r}; it must be at most {flight.duration:g} s, the length of the series")
     step, digest = records["wanted"].communication_step, hashlib.sha256(repr((name, table, flight.contents)).encode())
     every = step * max(1, round(EVERY / step)) if step else EVERY
-    return Scene(name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every)
+    return Scene(
+        name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every, kite_is_free=flight.kite_is_free
+    )
 
 
 def require(table, section, known):

@@ -65,8 +65,9 @@ class Flight:
 
     wind = initial_length = None  # a series may bring its own, ...
     duration, contents = np.inf, b""  # ... has an end [s] and a file, ...
-    has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, and have noise, ...
-    has_length = False  # ... may give the unstretched length instead of its rate
+    has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, have noise, ...
+    has_length = False  # ... and give the unstretched length instead of its rate
+    kite_is_free = False  # whether the kite end is a mass that the tether moves
     __post_init__ = check
 
     def ground(self, time):
@@ -222,4 +223,53 @@ class Reel(Flight):
         return polar(self.distance + self.reeled(time), self.elevation, swing(self.weave, self.weave_period, time))
 
 
+@dataclass(frozen=True)
+class FreeEnd(Flight):
+    """A mass at the free kite end, on a crane or pulled by a force, begins at rest; the ground end moves."""
+
+    kite_is_free = True
+    kite_mass: float = quantity(10.0, "kg", "point mass at the free end", minimum=1e-6, maximum=1e9)
+    pull: float = quantity(0.0, "N", "constant force on the mass besides its weight", minimum=0.0, maximum=1e9)
+    elevation: float = radians(np.pi / 2, "of the pull, along x")
+    height: float = quantity(100.0, "m", "of the ground end at the start", minimum=-1e5, maximum=1e5)
+    radius: float = quantity(0.0, "m", "of the circle on which the ground end slews", minimum=0.0, maximum=1e4)
+    rate: float = quantity(0.0, "rad/s", "at which it slews in the end", minimum=-10.0, maximum=10.0)
+    speed: float = metres_per_second(0.0, "of the winch in the end; negative hoists")
+    ramp_time: float = seconds(10.0, "in which slewing and winch come to speed")
+    heave: float = quantity(0.0, "m", "amplitude of the ground end up and down", minimum=0.0, maximum=1e3)
+    heave_period: float = seconds(8.0, "of the heave")
+
+    def ground(self, time):
+        """Around, up and down, both from rest."""
+        angle = self.rate * self.ramp_time * ramp_integral(time / self.ramp_time)
+        up = self.height + self.heave * (1.0 - np.cos(2.0 * np.pi / self.heave_period * time))
+        return self.radius * np.cos(angle), self.radius * np.sin(angle), up
+
+    def reeled(self, time):
+        """The winch comes to speed along a ramp."""
+        return self.speed * self.ramp_time * ramp_integral(time / self.ramp_time)
+
+    def kite(self, time):
+        """Where the ground end is at the start: where the free end is follows from the tether, see `at_rest`."""
+        return tuple(each + 0.0 * time for each in self.ground(0.0 * time))
+
+    def load(self):
+        """Constant force on the mass besides its weight [N], array (3,)."""
+        return self.pull * np.array((np.cos(self.elevation), 0.0, np.sin(self.elevation)))
+
+    def at_rest(self, tether, gravity):
+        """Where the free end rests [m], array (3,): along the sum of the forces, with half of the weight of the tether.
+
+        The stretch is that of the mean tension, T L/EA; what the other half of the weight bends is left to the wave times
+        that do not count.
+        """
+        mass = self.kite_mass + 0.5 * tether.mass_per_meter * tether.initial_length
+        force = self.load() - (0.0, 0.0, mass * gravity)
+        tension = float(np.linalg.norm(force))
+        along = force / tension if tension else np.array((0.0, 0.0, -1.0))
+        length = tether.initial_length * (1.0 + tension / tether.axial_stiffness)
+        return np.array(self.ground(0.0), float) + length * along
+
+
 KINDS = {re.sub(r"\B([A-Z])", r"_\1", kind.__name__).lower(): kind for kind in Flight.__subclasses__()}
+PRESCRIBED = {name: kind for name, kind in KINDS.items() if not kind.kite_is_free}

@@ -95,6 +95,8 @@ class Series:
     kite. `contents` are the bytes of the file.
     """
 
+    kite_is_free = False
+
     def __init__(self, path):
         try:
             self.contents = contents_of(path)

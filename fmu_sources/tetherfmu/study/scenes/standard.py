@@ -18,7 +18,7 @@ from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .files import Scene, Wind, read
-from .flights import KINDS, Circle, FigureOfEight, Flight
+from .flights import PRESCRIBED, Circle, FigureOfEight, Flight
 
 STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
@@ -70,8 +70,10 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **optio
     """
     options |= {"relative_tolerance": tolerance, "initial_shape": at.QUASI_STEADY}
     if scene.kite_is_free:
-        options |= {"initial_shape": at.STATIC_EQUILIBRIUM, "free_ends": (False, True)}
-    model = MODELS[variant](scene.tether, scene.environment, **options)
+        options |= {"initial_shape": at.STATIC_EQUILIBRIUM}
+        options |= {"kite_mass": scene.flight.kite_mass} if scene.flight.kite_is_free else {"free_ends": (False, True)}
+    kind = models.TetherDynamicFree if scene.flight.kite_is_free else MODELS[variant]
+    model = kind(scene.tether, scene.environment, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
     given = by_name(first)
     known = inputs_of(kite_is_free=False)
@@ -99,5 +101,5 @@ def random_table(random, kind):
 def random_scenes(count, seed=SEED):
     """So many scenes, each kind of flight in turn."""
     random = np.random.default_rng(seed)
-    kinds = islice(cycle(KINDS), count)
+    kinds = islice(cycle(PRESCRIBED), count)
     return [read(random_table(random, kind), Path(), f"{number} {kind}") for number, kind in enumerate(kinds, 1)]

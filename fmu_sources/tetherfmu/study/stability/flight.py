@@ -19,8 +19,6 @@ for reflections and for the whip of a bend. Q is the load across the line: weigh
 root is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
 """
 
-import multiprocessing
-import os
 from concurrent.futures import as_completed
 from functools import partial
 from math import sqrt
@@ -31,13 +29,13 @@ from warnings import catch_warnings
 import numpy as np
 import pandas as pd
 from numpy.linalg import norm
-from pebble import ProcessExpired, ProcessPool
+from pebble import ProcessExpired
 
 from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.study.measuring.executors import progress_bar
+from tetherfmu.study.measuring.executors import isolated, progress_bar
 from tetherfmu.study.measuring.runs import UNWARNED
 from tetherfmu.study.measuring.store import Store, key
 from tetherfmu.study.scenes.standard import MODELS
@@ -202,22 +200,18 @@ def read(path):
     return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
 
 
-def judge_all(points, path, processes=None, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
+def judge_all(points, path, processes=None, dask=None, *, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
     """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
 
-    processes : how many work at a time; None: one per core.  judgement : function of a point, which gets `most_seconds` [s].
+    processes, dask : who works, as of `executor_of`.  judgement : function of a point, which gets `most_seconds` [s].
     progress : as `progress_bar`.
     """
     store, names = Store(path), [key(*point) for point in points]
     missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
-    pool = ProcessPool(processes or os.cpu_count(), context=multiprocessing.get_context("spawn"))
-    try:
-        futures = {pool.schedule(judgement, (point,), timeout=most_seconds): name for name, point in missing.items()}
+    with isolated(dask, processes) as begun:
+        futures = {begun(judgement, point, most_seconds): name for name, point in missing.items()}
         for future in progress(as_completed(futures), len(futures), "points"):
             name, ended = futures[future], ENDED.get(type(future.exception()))
             verdict = Verdict(ended) if ended else future.result()
             store.add(name, {**missing[name]._asdict(), **verdict._asdict()})
-    finally:
-        pool.stop()  # also those that are still at work, if something stops this loop
-        pool.join()
     return table(store.points[name] for name in names)

@@ -143,7 +143,8 @@ def run(options):
     points = [point(options.seed, number) for number in range(QUICK if options.quick else options.points)]
     for model in MODELS.values():
         model()  # compiles, so that not each process has to
-    results = judge_all(points, options.results or options.out / f"stability_{options.seed}.jsonl", options.processes)
+    file = options.results or options.out / f"stability_{options.seed}.jsonl"
+    results = judge_all(points, file, options.processes, options.dask)
     before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
     print(write(results, before, also, options.out, with_figures=not options.quick))
     bad = results[results.verdict.isin(FORBIDDEN)]

@@ -1,0 +1,100 @@
+"""The C header of a native FMU for its hosts: value references, sizes, choices and the guid or instantiation token.
+
+Hosts in C and C++ include it instead of reading the model description.
+"""
+
+import re
+
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, references
+
+from .documents import meaning
+from .native_arrays import arrays
+from .native_tables import c_text, count_of_values
+
+PREFIX = "TETHER_"
+HEADS = {INPUT: "inputs", OUTPUT: "outputs", PARAMETER: "parameters"}
+TYPES = {  # of FMI, for the kinds of variables
+    2: {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer"},
+    3: {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"},
+}
+TEXT = """/* {file}.fmu for FMI {fmi}.0, written by TetherFMU {version} when it built that FMU; do not edit.
+
+Value references by the names of the variables, how many values those have that are vectors, and choices of parameters. */
+#ifndef {guard}
+#define {guard}
+
+#define {prefix}MODEL_IDENTIFIER {identifier}
+#define {prefix}{token_name} {token}
+#define {prefix}FMI_VERSION {fmi}
+
+{body}
+
+#endif
+"""
+
+
+def c_name(name):
+    """A name in C for a variable or an element: TETHER_KITE_POSITION_1 for kite_position[1]."""
+    return PREFIX + re.sub(r"\W+", "_", name.rstrip("]")).upper()
+
+
+def text(file, identifier, table, shape_points, fmi, token):
+    """Text of the header of a native FMU.
+
+    file : name of the FMU without ending.  identifier : model identifier.  table : of `variables.Variable`.  fmi : 2 or 3.
+    token : guid of FMI 2, instantiation token of FMI 3.
+    """
+    listed = arrays(table, shape_points)
+    parts = [_enumeration(HEADS[causality], _references(table, listed, shape_points, fmi, causality)) for causality in HEADS]
+    if fmi == 3:
+        time = (c_name("time"), count_of_values(table, shape_points), "Float64 [s]: simulation time")
+        parts.append(_enumeration("independent", [time]))
+    parts.append(_enumeration("numbers of values", _sizes(listed)))
+    parts.append(_enumeration("choices", _choices(table)))
+    return TEXT.format(
+        file=file,
+        fmi=fmi,
+        version=__version__,
+        guard=re.sub(r"\W", "_", f"{file}_h", flags=re.ASCII).upper(),
+        prefix=PREFIX,
+        identifier=c_text(identifier),
+        token_name="GUID" if fmi == 2 else "INSTANTIATION_TOKEN",
+        token=c_text(token),
+        body="\n\n".join(filter(None, parts)),
+    )
+
+
+def _references(table, listed, shape_points, fmi, causality):
+    """Names, value references and comments of the variables of a causality: in FMI 3 of arrays, in FMI 2 of all elements."""
+    if fmi == 3:
+        found = [(each.name, each.reference, each.variables) for each in listed]
+    else:
+        places = references(table, shape_points)
+        found = [(each.name, place, (each,)) for each, place in zip(table, places, strict=True)]
+    for name, reference, variables in found:
+        first = variables[0]
+        if first.causality == causality:
+            unit = f" [{first.quantity.unit}]" if first.quantity.unit else ""
+            yield c_name(name), reference, f"{TYPES[fmi][first.kind]}{unit}: {meaning(variables)}"
+
+
+def _sizes(listed):
+    """Names and numbers of values of the arrays."""
+    for each in listed:
+        if each.dimensions:
+            yield f"{c_name(each.name)}_SIZE", len(each.variables), ""
+
+
+def _choices(table):
+    """Names and numbers of the choices of enumerations."""
+    for each in table:
+        for number, choice in enumerate(each.quantity.choices, start=1):
+            yield f"{c_name(each.name)}_{choice.upper()}", number, ""
+
+
+def _enumeration(head, rows):
+    """A C enumeration of triples (name, number, comment), or an empty text where there are none."""
+    lines = [f"    {name} = {number},{f' /* {comment} */' if comment else ''}" for name, number, comment in rows]
+    lines[-1:] = [line.replace(",", "", 1) for line in lines[-1:]]
+    return "\n".join([f"enum {{ /* {head} */", *lines, "};"]) if lines else ""

@@ -1,0 +1,125 @@
+"""A Dask cluster gives the same verdicts; a study that loses it, or is stopped, says so in one line and keeps its points."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from functools import partial
+
+import pytest
+from pebble import ProcessExpired
+
+from study.scenes_of_tests import written
+from tetherfmu.console.ending import WorkersLost
+from tetherfmu.study.measuring.executors import executor_of, isolated
+from tetherfmu.study.stability.flight import judge_all
+from tetherfmu.study.stability.points import point
+
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
+KEPT = "the finished points are kept, and the same command continues from them"
+TIMEOUT = 300.0  # seconds, for what hangs
+IMPATIENT = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # also in the background
+from tetherfmu.study.measuring import cluster
+cluster.PATIENCE = 2.0
+from tetherfmu.__main__ import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def environment():
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+
+
+@contextmanager
+def started(folder, *options):
+    """Address of a scheduler, its process and that of its only worker."""
+    file = folder / "scheduler.json"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": environment(), "cwd": folder}
+    run = [sys.executable, "-m"]
+    where = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
+    scheduler = subprocess.Popen([*run, "distributed.cli.dask_scheduler", *where], **quiet)
+    wait_for(file.exists, scheduler)
+    wait_for(lambda: file.read_text(encoding="utf-8").endswith("}"), scheduler)
+    address = json.loads(file.read_text(encoding="utf-8"))["address"]
+    how = ["--nworkers", "1", "--nthreads", "1", "--no-dashboard", *options]
+    worker = subprocess.Popen([*run, "distributed.cli.dask_worker", address, *how], **quiet)
+    try:
+        yield address, scheduler, worker
+    finally:
+        for process in (worker, scheduler):
+            process.terminate()
+            process.wait(TIMEOUT)
+
+
+def wait_for(condition, process):
+    """Wait until it is so, as long as a process runs."""
+    deadline = time.monotonic() + TIMEOUT
+    while not condition():
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("command", ["tradeoff", "stability"])
+@pytest.mark.parametrize(
+    ("event", "status", "words"),
+    [
+        ("Ctrl-C", 130, "stopped"),
+        ("scheduler", 1, "the Dask scheduler at {} is lost"),
+        ("worker", 1, "the Dask scheduler at {} has had no worker for 2 s"),
+    ],
+)
+def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, command, event, status, words):
+    file = tmp_path / "points.jsonl"
+    given = {
+        "tradeoff": ["tradeoff", str(written(tmp_path)), "--out", str(tmp_path)],
+        "stability": ["stability", "--points", "3000", "--out", str(tmp_path), "--results", str(file)],
+    }[command]
+    with started(tmp_path, "--no-nanny") as (address, scheduler, worker):
+        call = [sys.executable, "-c", IMPATIENT, *given, "--dask", address]
+        process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
+        wait_for(lambda: file.exists() and file.read_bytes().count(b"\n") >= 3, process)
+        ends = {"Ctrl-C": partial(process.send_signal, signal.SIGINT), "scheduler": scheduler.kill, "worker": worker.kill}
+        ends[event]()
+        said = process.communicate(timeout=TIMEOUT)[1]
+    assert process.returncode == status, said
+    assert said.splitlines() == [f"{words.format(address)}; {KEPT}"]
+
+
+def end(status):
+    os._exit(status)
+
+
+def test_a_crash_and_a_hang_on_a_worker_cost_one_point(tmp_path):
+    """Also on a worker with a nanny, as `dask worker` starts it, which may have no children otherwise."""
+    with started(tmp_path) as (address, *_), isolated(address) as begun:
+        calls = [(abs, -1, 60.0), (end, 3, 60.0), (time.sleep, 3600.0, 1.0), (abs, -2, 60.0)]
+        futures = [begun(*call) for call in calls]
+        found = [future.exception(TIMEOUT) for future in futures]
+        assert [type(each) for each in found] == [type(None), ProcessExpired, TimeoutError, type(None)]
+        assert (futures[0].result(), futures[3].result()) == (1, 2)
+
+
+def test_a_cluster_gives_the_same_map(tmp_path):
+    points = [point(1, number) for number in range(12)]
+    here = judge_all(points, tmp_path / "here.jsonl", 1)
+    with started(tmp_path) as (address, *_):
+        there = judge_all(points, tmp_path / "there.jsonl", dask=address)
+    assert here.drop(columns="longest").equals(there.drop(columns="longest"))
+
+
+def test_no_scheduler_is_said_in_words(monkeypatch):
+    from tetherfmu.study.measuring import cluster
+
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with (
+        pytest.raises(WorkersLost, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:1 "),
+        executor_of("tcp://127.0.0.1:1"),
+    ):
+        pass
