@@ -94,7 +94,7 @@ LAST_WINCH_SPEED = LAST_WINCH_LENGTH + 1  # its rate over the step before [m/s]
 LONGEST_SO_FAR = LAST_WINCH_SPEED + 1  # longest communication step since the start [s]
 CORRECTION_LEFT = (
     LONGEST_SO_FAR + 1
-)  # time in which ends and length still come to their given motion [s], see `end_motion.py`
+)  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
 # rates over about a quarter of the longest step, which stand in for the last one after a much shorter step
 RECENT_KITE_ACCELERATION = CORRECTION_LEFT + 1  # [m/s2]
 RECENT_GROUND_ACCELERATION = RECENT_KITE_ACCELERATION + 3

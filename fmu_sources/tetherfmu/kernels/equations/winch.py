@@ -117,7 +117,7 @@ def on_axis(number):
 
 @kernel
 def following(inputs, correction, step, state):
-    """Coefficients of the length that follows `winch_length` in a step [s], to which it comes in the time `correction` [s]."""
+    """Coefficients of the length in a step [s] that follows `winch_length` and comes to it in the time `correction` [s]."""
     acceleration = winch_acceleration(inputs, step, state)
     speed = winch_speed(inputs, state) + 0.5 * state[at.LAST_STEP] * acceleration
     told = on_axis(inputs[at.WINCH_LENGTH]), on_axis(given_derivative(state, at.WINCH_LENGTH, speed)), on_axis(acceleration)
