@@ -49,7 +49,8 @@ NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and 
 LARGEST_PSEUDO_DAMPING = 100.0  # over that of the first iteration
 
 Workspace = namedtuple(
-    "Workspace", "load force move offset share tension aim change kept kept_tension parameters matrix response transfer records mass"
+    "Workspace",
+    "load force move offset share tension aim change kept kept_tension parameters matrix response transfer records mass",
 )
 Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
 
