@@ -34,6 +34,9 @@ def pytest_configure(config):
 SHARING = {  # tests that use what one process makes once: folder or file, and the name of the group
     "tests/kernels/": "compiled just in time",
     "tests/libraries/test_same_bits.py": "compiled just in time",
+    "tests/physics/test_energy_balance.py": "compiled just in time",
+    "tests/physics/test_node_winds.py": "compiled just in time",
+    "tests/study/benchmark/test_benchmark_runs.py": "compiled just in time",
     "tests/runtime/test_c_host.py": "flown by FMPy",
     "tests/runtime/test_clients.py": "flown by FMPy",
 }
