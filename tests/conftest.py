@@ -1,5 +1,6 @@
 """Shared fixtures, and what is compiled once for all workers of a run."""
 
+import gc
 import os
 import sys
 import time
@@ -49,6 +50,11 @@ def pytest_collection_modifyitems(items):
         file = item.nodeid.partition("::")[0]
         group = next((name for place, name in SHARING.items() if file.startswith(place)), file)
         item.add_marker(pytest.mark.xdist_group(group))
+
+
+def pytest_collection_finish():
+    """What was imported and collected stays: it need not be looked through each time when memory is freed."""
+    gc.freeze()
 
 
 FLAVOURS = {"pythonfmu": (), "native": ("--native",), "native_fmi3": ("--native", "--fmi", "3")}

@@ -87,11 +87,11 @@ def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):
 def test_an_unknown_numba_is_told(monkeypatch):
     monkeypatch.setattr(ready, "version", lambda package: "99.1.0rc1")
     with pytest.warns(UserWarning, match=r"numba 99\.1\.0rc1 is not one of those .* tested with"):
-        assert ready._fitting_way() == "plain"
+        assert ready.fitting_way() == "plain"
     monkeypatch.undo()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert ready._fitting_way() == "fast"  # with the one that the extra `build` installs
+        assert ready.fitting_way() == "fast"  # with the one that the extra `build` installs
 
 
 def test_flying_compiles_nothing_and_needs_no_compiler():

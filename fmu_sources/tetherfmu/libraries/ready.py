@@ -59,7 +59,7 @@ def compiled_in(root, variants, platforms, way=None):
     if missing:
         slowest_first = sorted(missing, key=SECONDS.get, reverse=True)
         wanted = [each for each in platforms if not all(has_all(found[variant], variant, [each]) for variant in missing)]
-        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or _fitting_way())
+        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way())
     return found
 
 
@@ -86,7 +86,7 @@ def _cache_folder():
     return PACKAGE / "__pycache__" / f"libraries_{sha256(name.encode()).hexdigest()[:12]}"
 
 
-def _fitting_way():
+def fitting_way():
     """The fast way, if the installed numba is one that it was tested with."""
     numba = version("numba")
     if TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
