@@ -1,5 +1,6 @@
 """Shared fixtures, and what is compiled once for all workers of a run."""
 
+import gc
 import os
 import sys
 import time
@@ -34,6 +35,9 @@ def pytest_configure(config):
 SHARING = {  # tests that use what one process makes once: folder or file, and the name of the group
     "tests/kernels/": "compiled just in time",
     "tests/libraries/test_same_bits.py": "compiled just in time",
+    "tests/physics/test_energy_balance.py": "compiled just in time",
+    "tests/physics/test_node_winds.py": "compiled just in time",
+    "tests/study/benchmark/test_benchmark_runs.py": "compiled just in time",
     "tests/runtime/test_c_host.py": "flown by FMPy",
     "tests/runtime/test_clients.py": "flown by FMPy",
 }
@@ -46,6 +50,11 @@ def pytest_collection_modifyitems(items):
         file = item.nodeid.partition("::")[0]
         group = next((name for place, name in SHARING.items() if file.startswith(place)), file)
         item.add_marker(pytest.mark.xdist_group(group))
+
+
+def pytest_collection_finish():
+    """What was imported and collected stays: it need not be looked through each time when memory is freed."""
+    gc.freeze()
 
 
 FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "native_fmi3": ("--native", "--header", "--fmi", "3")}

@@ -13,18 +13,14 @@ from tetherfmu.libraries import ready
 from tetherfmu.runtime.kernel_library import file_name, load, this_platform
 
 HERE = (this_platform(),)
+OTHER = next(platform for platform in ("aarch64-linux", "x86_64-linux") if platform not in HERE)
 
 
 @pytest.fixture(scope="session")
 def compiled(built_once):
-    """Folders of the catenary, compiled in both ways; the fast way with another variant after it."""
-
-    def compile_both(folder):
-        ready.compiled_in(folder / "fast", ["straight", "catenary"], HERE, "fast")
-        ready.compiled_in(folder / "plain", ["catenary"], HERE, "plain")
-
-    folder = built_once("both_ways", compile_both)
-    return {way: ready.compiled_in(folder / way, ["catenary"], HERE, way)["catenary"] for way in ("fast", "plain")}
+    """Folders of the catenary, compiled in both ways; the fast way is that of the installation, with all variants."""
+    root = built_once("plain_way", lambda folder: ready.compiled_in(folder, ["catenary"], HERE, "plain"))
+    return {"fast": ready.folders(["catenary"], HERE)["catenary"], "plain": ready.place(root, "catenary")}
 
 
 def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
@@ -42,15 +38,18 @@ def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
             assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
-def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(compiled, tmp_path, capfd):
-    """And that something is compiled is told, with an estimate."""
+def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path, capfd, monkeypatch):
+    """And that something is compiled is told, with an estimate; other platforms follow without numba, as it is forbidden."""
     alone = ready.compiled_in(tmp_path, ["straight"], HERE)["straight"]
     first, second = capfd.readouterr().err.splitlines()
     assert first.startswith(f"compiling kernels for {this_platform()}, once, about ")
     assert second.startswith("  straight after ")
-    after_another = ready.compiled_in(compiled["fast"].parent, ["straight"], HERE)["straight"]
-    name = file_name("straight", this_platform())
-    assert (alone / name).read_bytes() == (after_another / name).read_bytes()
+    monkeypatch.setitem(ready.PLAIN_CPU, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
+    ready.compiled_in(tmp_path, ["straight"], [*HERE, OTHER])
+    assert capfd.readouterr().err.startswith(f"compiling kernels for {OTHER}, once, about ")
+    together = ready.folders(["straight"], [*HERE, OTHER])["straight"]
+    for name in (file_name("straight", platform) for platform in (*HERE, OTHER)):
+        assert (alone / name).read_bytes() == (together / name).read_bytes()
 
 
 def test_what_is_there_is_not_compiled_again(compiled, capfd):
@@ -88,11 +87,11 @@ def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):
 def test_an_unknown_numba_is_told(monkeypatch):
     monkeypatch.setattr(ready, "version", lambda package: "99.1.0rc1")
     with pytest.warns(UserWarning, match=r"numba 99\.1\.0rc1 is not one of those .* tested with"):
-        assert ready._fitting_way() == "plain"
+        assert ready.fitting_way() == "plain"
     monkeypatch.undo()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert ready._fitting_way() == "fast"  # with the one that the extra `build` installs
+        assert ready.fitting_way() == "fast"  # with the one that the extra `build` installs
 
 
 def test_flying_compiles_nothing_and_needs_no_compiler():

@@ -138,11 +138,12 @@ def test_a_revolution_kernel_by_kernel(solver):
     one = models.TetherDynamic(CIRCLE_TETHER, solver=solver)
     one.initialize(*circle(0.0), wind_velocity=inputs[0, at.WIND_VELOCITY : at.WIND_VELOCITY + 3])
     two = KernelByKernel(CIRCLE_TETHER, solver, inputs[0])
-    assert one.get_state().tobytes() == two.state.tobytes()
+    size = len(two.state)
+    assert one.get_state()[:size].tobytes() == two.state.tobytes()
     for k, row in enumerate(inputs):
         flown = one.fly(row[None], LONG_STEP)
         two.step(LONG_STEP, row)
-        assert one.get_state().tobytes() == two.state.tobytes(), f"states differ after step {k + 1}"
+        assert one.get_state()[:size].tobytes() == two.state.tobytes(), f"states differ after step {k + 1}"
         assert flown.outputs.tobytes() == two.outputs().tobytes(), f"outputs differ after step {k + 1}"
     assert one.counters["steps"] >= len(inputs)
     reeling, wind = inputs[-1, at.REEL_OUT_SPEED], inputs[-1, at.WIND_VELOCITY : at.WIND_VELOCITY + 3]

@@ -1,7 +1,7 @@
 """Velocities and energy of the quasi-steady tether are those of its model, not the way of its nodes over the step.
 
-The nodes rotate about the ground end with the kite and move away from it as it does: with p, u the vector to the kite and its
-rate, omega = p x u/|p|^2 and s = p . u/|p|^2,
+The nodes rotate about the ground end with the kite and move away from it as it does: with the vector p to the kite and its
+rate u, omega = p x u/|p|^2 and s = p . u/|p|^2,
 
     v_i = v_0 + omega x r_i + s r_i,   r_i = x_i - x_0
 

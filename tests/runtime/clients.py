@@ -24,7 +24,7 @@ from fmpy.fmi2 import FMU2Slave
 from isolation import own_process
 from scenes import circle, kite_at_start, kite_inputs
 
-STEP, STEPS = 0.02, 2000  # 40 s, a third of the turn
+STEP, STEPS = 0.02, 500  # 10 s, a twelfth of the turn
 # sizes of the steps: as they are meant; as rounded by clients that take differences of times, or of whole nanoseconds
 EXACT = np.full(STEPS, STEP)
 DIFFERENCES = np.diff(STEP * np.arange(STEPS + 1))

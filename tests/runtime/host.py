@@ -38,6 +38,30 @@ def names_of(host, causality):
     return [variable.name for variable in host.description.modelVariables if variable.causality == causality]
 
 
+class _Loaded:
+    """Slaves of FMPy that look once at the types of all functions, which takes longer than a hundred steps."""
+
+    types = ()  # of each function of FMI: name, names of its arguments, their types, the type that it returns
+
+    def _loadFunctions(self):
+        if not self.types:
+            super()._loadFunctions()
+            found = self._functions.items()
+            type(self).types = [(name, each.argnames, each.argtypes, each.restype) for name, each in found]
+        for name, argnames, argtypes, restype in self.types:
+            function = getattr(self.dll, name)
+            function.argnames, function.argtypes, function.restype = argnames, argtypes, restype
+            self._functions[name] = function
+
+
+class FMU2(_Loaded, FMU2Slave):
+    """Of FMI 2; FMPy reads the version in the name of the class."""
+
+
+class FMU3(_Loaded, FMU3Slave):
+    """Of FMI 3."""
+
+
 class Host:
     """One instance of an FMU, with the same calls, names and numbers for FMI 2 and FMI 3.
 
@@ -136,7 +160,7 @@ class Host:
 class Fmi2(Host):
     """Its arrays are scalars with the names of elements."""
 
-    version, SLAVE, REAL = 2, FMU2Slave, "Real"
+    version, SLAVE, REAL = 2, FMU2, "Real"
     SERIALIZE, DESERIALIZE = "serializeFMUstate", "deSerializeFMUstate"
 
     @staticmethod
@@ -176,7 +200,7 @@ class Fmi2(Host):
 class Fmi3(Host):
     """Its arrays are read and set as a whole."""
 
-    version, SLAVE, REAL = 3, FMU3Slave, "Float64"
+    version, SLAVE, REAL = 3, FMU3, "Float64"
     SERIALIZE, DESERIALIZE = "serializeFMUState", "deserializeFMUState"
 
     @staticmethod

@@ -10,12 +10,14 @@ linked (`linking.py`) whatever machine this runs on.
 writes the libraries of each variant into its folder, and the name of each variant to the standard output when it is done.
 """
 
+import gzip
 import os
 import re
 import signal
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
@@ -41,38 +43,62 @@ TARGETS = {
 }
 
 
+CODE = "code.ll.gz"  # file beside the libraries: what numba has written, linked, for any target
+
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
 # in would need a function of the C library on Windows. And one whose loop is faster alone, by 1 to 2 % of a step
 APART = ("rosenbrock7prepare", "assembly11node_forces")
 
 
-def object_files(code, platforms):
-    """Object files of an `intermediate_code.Code`: pairs (platform, bytes); RuntimeError if they need more than mathematics.
+def object_files(folder, variant, platforms, code=None):
+    """Object files of a variant: pairs (platform, bytes); RuntimeError if they need more than mathematics.
 
-    Platforms with the same processor share what is optimized. Equal code gives equal bytes.
+    code : `intermediate_code.Code`, which a folder needs once. What is found on the way is kept there: kernels for other
+    platforms need no numba, and platforms with the same processor share what is optimized. Equal code gives equal bytes.
     """
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    # a first, cheap round takes out what cannot happen; without it the second leaves some of Python in
-    linked = _linked(code)
-    first = TARGETS[platforms[0]]
-    _optimize(linked, _machine(first), level=1)
-    plain, optimized = str(linked), {}
+    plain = _kept(folder, CODE, lambda: _first_round(code))
     for platform in platforms:
-        target = TARGETS[platform]
-        machine = _machine(target)
-        architecture = platform.partition("-")[0]
-        processor = architecture, target.cpu
-        if processor not in optimized:
-            module = _for_target(plain, target, machine)
-            _optimize(module, machine, level=3, vectors=True)
-            _check_names(module, code.names.values())
-            if architecture == processors.ARCHITECTURE:
-                module = processors.for_both_kinds(module, list(code.names.values()))
-            optimized[processor] = str(module)
-        yield platform, machine.emit_object(_for_target(optimized[processor], target, machine))
+        architecture, cpu = platform.partition("-")[0], TARGETS[platform].cpu
+        optimized = partial(_second_round, plain, architecture, cpu, names_of(variant))
+        text = _kept(folder, f"{architecture}_{cpu}.ll.gz", optimized)
+        machine = _machine(TARGETS[platform])
+        yield platform, machine.emit_object(_for_target(text, TARGETS[platform], machine))
+
+
+def _first_round(code):
+    """A module of all functions without what cannot happen; a second round alone would leave some of Python in."""
+    linked = _linked(code)
+    optimize(linked, _machine(TARGETS["x86_64-linux"]), level=1)
+    return linked
+
+
+def _second_round(plain, architecture, cpu, exported):
+    """A module optimized for a processor, be it made for whichever of its platforms first."""
+    target = next(each for platform, each in TARGETS.items() if platform.startswith(architecture) and each.cpu == cpu)
+    machine = _machine(target)
+    module = _for_target(plain, target, machine)
+    optimize(module, machine, level=3, vectors=True)
+    _check_names(module, exported)
+    return processors.for_both_kinds(module, exported) if architecture == processors.ARCHITECTURE else module
+
+
+def _kept(folder, name, make):
+    """Text of a module that a folder keeps in a file, or that is made now."""
+    path = folder / name
+    if path.exists():
+        return gzip.decompress(path.read_bytes()).decode()
+    text = str(make())
+    _write(path, gzip.compress(text.encode(), compresslevel=5, mtime=0))
+    return text
+
+
+def names_of(variant):
+    """Names of the entry points of a variant in its library."""
+    return [f"{variant}_{verb}" for verb in verbs(variant)]
 
 
 def _linked(code):
@@ -116,7 +142,7 @@ def _for_target(text, target, machine):
     return llvm.parse_assembly(text)
 
 
-def _optimize(module, machine, level, vectors=False):
+def optimize(module, machine, level, vectors=False):
     """Run LLVM's passes of a level; vectors : two statements in one instruction, which numba leaves out."""
     import llvmlite.binding as llvm
 
@@ -136,13 +162,12 @@ def _check_names(module, exported):
 
 
 def write_libraries(folder, variant, platforms, code):
-    """Write the libraries of a variant for some platforms into a folder, each after its object file; returns the variant."""
-    folder.mkdir(parents=True, exist_ok=True)
-    exported = [f"{variant}_{verb}" for verb in verbs(variant)]
-    for platform, content in object_files(code, platforms):
+    """Write the libraries of a variant that a folder has not, each after its object file; returns the variant."""
+    missing = [platform for platform in platforms if not (folder / file_name(variant, platform)).exists()]
+    for platform, content in object_files(folder, variant, missing, code):
         path = folder / file_name(variant, platform)
         _write(folder / object_name(platform), content)
-        _write(path, link([content, *processors.what_asks(platform)], path.name, platform, exported))
+        _write(path, link([content, *processors.what_asks(platform)], path.name, platform, names_of(variant)))
     return variant
 
 
@@ -153,28 +178,35 @@ def object_name(platform):
 
 def _write(path, content):
     """Write a file that is there as a whole or not at all."""
-    partial = Path(tempfile.gettempdir()) / f"{os.getpid()}-{path.name}"  # where `ready` tidies up
-    partial.write_bytes(content)
-    partial.replace(path)
+    unfinished = Path(tempfile.gettempdir()) / f"{os.getpid()}-{path.name}"  # where `ready` tidies up
+    unfinished.write_bytes(content)
+    unfinished.replace(path)
 
 
 def main(arguments):
     """Write the libraries of all variants; each is optimized by another process while numba goes on with the next one."""
-    from tetherfmu.libraries import intermediate_code
-
     way, platforms, *variants = arguments
-    if way == "fast":
-        intermediate_code.write_only()
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
         waiting = []
         for each in variants:
-            variant, _, folder = each.partition("=")
-            code = intermediate_code.code_of(variant, way == "fast")
-            waiting.append(pool.submit(write_libraries, Path(folder), variant, platforms.split(","), code))
+            variant, _, place = each.partition("=")
+            folder = Path(place)
+            folder.mkdir(parents=True, exist_ok=True)
+            code = None if (folder / CODE).exists() else _code_of(variant, way)
+            waiting.append(pool.submit(write_libraries, folder, variant, platforms.split(","), code))
         for done in as_completed(waiting):
             print(done.result(), flush=True)
+
+
+def _code_of(variant, way):
+    """`intermediate_code.Code` of a variant; numba is imported where it is needed, by no other process."""
+    from tetherfmu.libraries import intermediate_code
+
+    if way == "fast":
+        intermediate_code.write_only()
+    return intermediate_code.code_of(variant, way == "fast")
 
 
 if __name__ == "__main__":

@@ -2,13 +2,14 @@
 
 numba's own way optimizes each function with all that it calls, makes machine code of it, and does that again for its caller:
 two thirds of the time. The fast way keeps the text of each function, written once; all texts are linked and optimized once
-at the end (`ahead_of_time.py`). It is for a process of its own: nothing compiled after `write_only` can be called.
+at the end (`ahead_of_time.py`). Both are for a process of their own: nothing that is compiled there can be called.
 
 Source of the internals: numba.core.codegen, numba.core.runtime.context and numba.core.types.functions, of the versions in
 `ready.TESTED`.
 """
 
 import gc
+from functools import cache
 from importlib import import_module
 from typing import NamedTuple
 
@@ -20,12 +21,23 @@ class Code(NamedTuple):
     names: dict  # name of each entry point there: name under which the library has it
 
 
+@cache
 def write_only():
     """Change numba in this process: it writes intermediate code and no machine code. Call it before kernels are imported."""
+    from numba.core import codegen
+
+    keep_texts()
+    library = codegen.JITCodeLibrary
+    library.enable_object_caching = lambda self: None
+    library.get_pointer_to_function = lambda self, name: 0
+    codegen.JITCPUCodegen.set_env = lambda self, name, environment: None
+    gc.disable()  # nearly all lives until the end
+
+
+def keep_texts():
+    """Let the libraries of numba in this process keep the text of their functions, and nothing else, until it is linked."""
     from numba.core import cgutils, codegen
     from numba.core.runtime.context import NRTContext
-
-    from tetherfmu.kernels import compilation
 
     def start(self, owner, name):
         codegen.CodeLibrary.__init__(self, owner, name)
@@ -42,15 +54,10 @@ def write_only():
     library.__init__ = start
     library.add_ir_module = add_ir_module
     library.finalize = finalize
-    library.enable_object_caching = lambda self: None
-    library.get_pointer_to_function = lambda self, name: 0
-    codegen.JITCPUCodegen.set_env = lambda self, name, environment: None
     # no array of a kernel has an owner (`carray`, and views of it): there is nothing to count
     NRTContext.incref = lambda self, builder, kind, value: None
     NRTContext.decref = lambda self, builder, kind, value: None
     _remember_operators()
-    compilation.OPTIONS |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # nobody calls these kernels from Python
-    gc.disable()  # nearly all lives until the end
 
 
 def _remember_operators():
@@ -76,15 +83,18 @@ def _remember_operators():
 
 def code_of(variant, fast):
     """`Code` of the entry points of a variant; fast : whether `write_only` was called in this process."""
+    from tetherfmu.kernels import compilation
+
+    compilation.OPTIONS["no_cpython_wrapper"] = True  # nobody calls these kernels from Python
     functions = import_module("tetherfmu.libraries.just_in_time").compiled(variant)
     texts = {}  # without repetition, callees first
     for function in functions.values():
         library = function._library
-        texts |= dict.fromkeys(_texts_below(library) if fast else [library.get_llvm_str()])
+        texts |= dict.fromkeys(texts_below(library) if fast else [library.get_llvm_str()])
     return Code(list(texts), {function._wrapper_name: f"{variant}_{verb}" for verb, function in functions.items()})
 
 
-def _texts_below(library):
+def texts_below(library):
     """Texts of a library of numba and of all that it calls, callees first; without those of numba's own runtime."""
     from numba.core.runtime.nrt import rtsys
 

@@ -14,7 +14,7 @@ from tetherfmu.runtime import kernel_library
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 
-from .ahead_of_time import TARGETS
+from .ahead_of_time import CODE, TARGETS
 from .children import child
 from .sources import PACKAGE, digest
 
@@ -58,7 +58,8 @@ def compiled_in(root, variants, platforms, way=None):
     missing = [variant for variant in found if not has_all(found[variant], variant, platforms)]
     if missing:
         slowest_first = sorted(missing, key=SECONDS.get, reverse=True)
-        _compile({variant: found[variant] for variant in slowest_first}, platforms, way or _fitting_way())
+        wanted = [each for each in platforms if not all(has_all(found[variant], variant, [each]) for variant in missing)]
+        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way())
     return found
 
 
@@ -85,7 +86,7 @@ def _cache_folder():
     return PACKAGE / "__pycache__" / f"libraries_{sha256(name.encode()).hexdigest()[:12]}"
 
 
-def _fitting_way():
+def fitting_way():
     """The fast way, if the installed numba is one that it was tested with."""
     numba = version("numba")
     if TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
@@ -101,8 +102,11 @@ def _fitting_way():
 
 def _compile(folders, platforms, way):
     """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
-    expected = SECONDS_TO_START + sum(SECONDS[variant] for variant in folders)
-    expected *= SLOW_WAY if way == "plain" else 1
+    written = [variant for variant, folder in folders.items() if (folder / CODE).exists()]
+    slow = SLOW_WAY if way == "plain" else 1
+    expected = SECONDS_TO_START + sum(
+        SECONDS[variant] // 2 if variant in written else slow * SECONDS[variant] for variant in folders
+    )
     print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
     began = monotonic()
     command = [sys.executable, "-m", "tetherfmu.libraries.ahead_of_time", way, ",".join(platforms)]

@@ -18,7 +18,7 @@ from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.variants import VARIANTS
 
 BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "CHANGELOG.md", "CITATION.cff")
-NOT_COPIED = shutil.ignore_patterns("__pycache__", "*.jsonl")
+NOT_COPIED = shutil.ignore_patterns("__pycache__", "*.jsonl", "*.ll.gz")
 
 
 def get_requires_for_build_wheel(config_settings=None):

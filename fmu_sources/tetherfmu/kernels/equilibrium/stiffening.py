@@ -27,7 +27,7 @@ MOST_RISES = 24  # that are tried; it needs 3 to 20
 
 @kernel
 def softness(body, load, strain):
-    """Factor on all EA at which a mean load per unstretched length [N/m] stretches the chain by about `strain`; at most 1."""
+    """Factor on all EA at which a mean load per unstretched length [N/m] stretches the chain by `strain`; at most 1."""
     return min(1.0, load * body.chain.length * axial_compliance(body.chain) / strain)
 
 

@@ -1,0 +1,72 @@
+"""A tether that hangs below z = 0, where the wind begins, follows its kite: no step is refused, each is in balance.
+
+A dropped kite comes down and in with 42 to 80 m of slack, some 180 to 150 m from its station; wind by a power law that has
+three quarters of its reference value at 1 mm already. Now and then a segment is just where the wind begins. By `balance.py`,
+from the node positions x alone, the forces of each inner node must vanish, but for a segment whose mean height is in the
+thinnest layer: its two nodes may lack what that segment feels with all of the wind there.
+"""
+
+import numpy as np
+import pytest
+
+from balance import residual, turning
+from mechanics import drags
+from tetherfmu import Environment, TetherQuasiSteady
+from tetherfmu.kernels.equilibrium import calm_layer, chord_rotation, load_continuation, newton
+from tetherfmu.materials import tether_of
+from tetherfmu.runtime.parameters import Tether
+
+STEP, START, STEPS = 0.1, 0.3, 60
+AIR = Environment(wind_profile="power_law", wind_reference_height=100.0, wind_exponent=0.023)
+WIND, VELOCITY = np.array([7.7, -1.2, 0.0]), np.array([-2.9, 0.0, -4.8])
+
+PAIR = 2 * newton.MOST_ITERATIONS  # of Newton's method, with stiffnesses and with compliances
+SEARCH = PAIR + 2 * newton.MOST_PSEUDO_STEPS
+# warm; steps 1 to 5; 6; 7; 8
+MOST_WORK = newton.MOST_ITERATIONS + 2 * SEARCH
+MOST_WORK += 3 * 2 * SEARCH + load_continuation.MOST_LEVELS * PAIR
+MOST_WORK += chord_rotation.MOST_ROTATIONS * (PAIR + newton.MOST_PSEUDO_STEPS)
+MOST_WORK += 2 * SEARCH + calm_layer.MOST_LAYERS * PAIR
+
+
+def fall(segments):
+    """The model after the start and after each step of the fall."""
+    model = None
+    for k in range(STEPS):
+        time = START + STEP * k
+        kite, length = (97.0, -5.4, 161.0) + VELOCITY * time, 231.3 - 0.9 * time
+        if model is None:
+            tether = tether_of("dyneema_sk75", 0.0135, drag_coefficient=1.1, segments=segments)
+            model = TetherQuasiSteady(tether, AIR)
+            slack = length / np.linalg.norm(kite) - 1.0
+            model.initialize(kite, VELOCITY, wind_velocity=WIND, slack=slack)
+        before = model.counters["iterations"]
+        outputs = model.step(STEP, kite, VELOCITY, wind_velocity=WIND, tether_length=length)
+        yield model, outputs, model.counters["iterations"] - before
+
+
+def as_flown(model, outputs):
+    """The tether with its present length, for `balance`."""
+    tether: Tether = model._records[0][0]
+    return tether_of(
+        "dyneema_sk75", tether.diameter, drag_coefficient=1.1, segments=model.segments, initial_length=outputs.tether_length
+    )
+
+
+@pytest.mark.parametrize("segments", [10, 20, 30])  # without `calm_layer` two steps of each are refused
+def test_falls_into_air_without_wind(segments):
+    steps, in_layer = 0, 0
+    for model, outputs, work in fall(segments):
+        x, tether = model.positions, as_flown(model, outputs)
+        missing, tensions = residual(x, VELOCITY, WIND, tether, AIR)
+        height = 0.5 * (x[1:, 2] + x[:-1, 2])
+        inside = (height > 0.0) & (height < calm_layer.THINNEST)
+        felt = 0.5 * np.linalg.norm(drags(x, turning(x, VELOCITY)[0], WIND, tether, AIR), axis=1) * inside
+        # rounding of the stretch of stiff segments, as in `test_robustness.py`
+        stiffness = tether.axial_stiffness * segments / tether.initial_length
+        rounding = 1e-9 * tensions.max() + 1e-14 * stiffness * np.abs(x).max()
+        assert np.all(np.linalg.norm(missing, axis=1) <= felt[1:] + felt[:-1] + rounding)
+        assert work <= MOST_WORK
+        steps, in_layer = steps + 1, in_layer + inside.any()
+    assert steps == STEPS
+    assert in_layer <= 3

@@ -1,0 +1,97 @@
+"""numba for tests that call kernels: machine code is made of what Python calls and of nothing else, in half the time.
+
+numba optimizes each function with all that it calls, makes machine code of it and of two wrappers, and does that again for
+its caller. Here its libraries keep the text of their functions, as in `libraries.intermediate_code`. When Python calls a
+kernel, or asks for the address of an entry point, it is linked with all that it needs, optimized and compiled once, for
+this very processor. References to arrays are not counted: an array that a test gives to a kernel lives until the end.
+"""
+
+import gc
+from contextlib import contextmanager
+
+import llvmlite.binding as llvm
+from numba.core import codegen, cpu, dispatcher, registry
+from numba.core.runtime.nrt import rtsys
+
+from tetherfmu.libraries.ahead_of_time import optimize
+from tetherfmu.libraries.intermediate_code import keep_texts, texts_below
+
+
+class _Caller:
+    """Who calls what numba compiles now."""
+
+    is_python = False
+
+
+@contextmanager
+def _for_python():
+    _Caller.is_python = True
+    try:
+        yield
+    finally:
+        _Caller.is_python = False
+
+
+def make_code_late():
+    """Change numba in this process, before it compiles any kernel."""
+    rtsys.initialize(registry.cpu_target.target_context)
+    rtsys.library._ensure_finalized()  # numba's own functions are compiled as ever
+    keep_texts()
+    codegen.JITCodeLibrary.get_pointer_to_function = _get_pointer_to_function
+    codegen.JITCPUCodegen.set_env = _where_code_is(codegen.JITCPUCodegen.set_env)
+    cpu.CPUContext.create_cpython_wrapper = _where_python_calls(cpu.CPUContext.create_cpython_wrapper)
+    dispatcher.Dispatcher.add_overload = _add_overload
+    dispatcher.Dispatcher._compile_for_args = _compile_for_args
+
+
+def _where_python_calls(create_cpython_wrapper):
+    def create(self, *arguments, **options):
+        if _Caller.is_python:
+            create_cpython_wrapper(self, *arguments, **options)
+
+    return create
+
+
+def _where_code_is(set_env):
+    def set_or_leave(self, name, environment):
+        if self._engine.is_symbol_defined(name):
+            set_env(self, name, environment)
+
+    return set_or_leave
+
+
+def _add_overload(self, compiled):
+    """Keep what other kernels call; Python cannot call it."""
+    self.overloads[tuple(compiled.signature.args)] = compiled
+
+
+def _compile_for_args(self, *arguments):
+    """Compile a kernel for arguments that Python gives: with all that it calls, then once more with a wrapper."""
+    kinds = tuple(map(self.typeof_pyval, arguments))
+    gc.disable()  # nearly all that numba makes lives on
+    try:
+        self.compile(kinds)
+        with _for_python():
+            compiled = self._compiler.compile(kinds, None)
+    finally:
+        self._types_active_call.clear()
+        gc.enable()
+    self._insert([kind._code for kind in kinds], compiled.entry_point, compiled.objectmode)
+    return compiled.entry_point
+
+
+def _get_pointer_to_function(self, name):
+    """Address of a function of a library, which is compiled now; 0 for one that nobody outside calls."""
+    if not (_Caller.is_python or name.startswith("cfunc.")):
+        return 0
+    module, *others = map(llvm.parse_assembly, texts_below(self))
+    for other in others:
+        module.link_in(other)
+    for function in module.functions:
+        if not function.is_declaration and function.name != name:
+            function.linkage = "internal"
+    module.link_in(rtsys.library._get_module_for_linking(), preserve=True)
+    optimize(module, self._codegen._tm, level=1)
+    self._codegen._add_module(module)
+    self._codegen._engine.finalize_object()
+    return self._codegen._engine.get_function_address(name)
