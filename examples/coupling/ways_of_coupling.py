@@ -85,9 +85,13 @@ def inputs_towards(position, velocity, last_velocity, last_step, h):
     """Kite position and velocity to give to a tether so that its end is led to this position [m] and velocity [m/s].
 
     A tether leads its end to p + v h + a h^2/2 and v + a h, a = (v - v_last)/h_last (docs/models/theory.md, "Driven ends"):
-    solved for p and v.  last_velocity, last_step : v_last [m/s] and h_last [s], 0 before the first step.
+    solved for p and v.  last_velocity, last_step : v_last [m/s] and h_last [s], 0 before the first step.  ValueError for a
+    step that is shorter than the last one, in which the tether makes a difference good in part, or more than four times as
+    long.
     """
-    ratio = h / max(last_step, 0.25 * h) if last_step else 0.0
+    if last_step and not 0.999999 * last_step <= h <= 4.0 * last_step:
+        raise ValueError(f"h is {h} s; it must be at least the last step ({last_step} s), and at most four times it")
+    ratio = h / last_step if last_step else 0.0
     v = (velocity + ratio * last_velocity) / (1.0 + ratio)
     return position - h * v - 0.5 * h * ratio * (v - last_velocity), v
 

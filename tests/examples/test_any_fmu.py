@@ -100,7 +100,7 @@ def dist(fmu_folder, example_folder, tmp_path):
         ("first_flight.circular_flight", "TetherDynamic", ("--duration", "2", "--wind", "8", "0", "0", "--out", "plots")),
         ("at_rest.catenary", "TetherCatenary", ("--out", "plots")),
         ("at_rest.forces_over_wind_and_slack", "TetherStraight", ("--out", "plots")),
-        ("coupling.bridle", "TetherQuasiSteady", ("--quick",)),
+        ("coupling.mooring", "TetherQuasiSteady", ("--quick",)),
         ("coupling.iterated_master", "TetherStraight", ("--duration", "0.4")),
         ("power_system.pumping_cycle", "TetherDynamicFree", ("--cycles", "1", "--step", "0.03", "--out", "plots")),
     ],

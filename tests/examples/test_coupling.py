@@ -88,16 +88,19 @@ def test_a_constant_load_on_a_free_end_has_the_solvers_error_only(solved):
 
 
 def test_inputs_lead_the_end_where_they_should():
-    """After steps of different lengths the end is at the wanted position and velocity, to rounding."""
+    """After steps that become longer the end is at the wanted position and velocity, to rounding."""
     tether, last, before = TetherDynamic(segments=2), np.zeros(3), 0.0
     tether.initialize((300.0, 0.0, 400.0))
-    for k, step in enumerate((0.02, 0.02, 0.01, 0.05)):
+    for k, step in enumerate((0.02, 0.02, 0.05, 0.2)):
         wanted = np.array([300.0 + 0.1 * k, 0.02, 400.0]), np.array([0.3, -0.2, 0.1 * k])
         position, velocity = inputs_towards(*wanted, last, before, step)
         tether.step(step, position, velocity)
         last, before = velocity, step
         if k:  # the first step knows that an end which moves turns
             np.testing.assert_allclose((tether.positions[-1], tether.velocities[-1]), wanted, atol=1e-10)
+    for unfit in (0.1, 0.9):  # shorter than the last one, and more than four times as long
+        with pytest.raises(ValueError, match=r"it must be at least the last step \(0\.2 s\), and at most four times it"):
+            inputs_towards(*wanted, last, before, unfit)
 
 
 @pytest.mark.parametrize("way", DRIVEN)

@@ -92,9 +92,7 @@ LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
 LAST_WINCH_LENGTH = LAST_KITE_LOAD + 3  # the same of the length of the winch [m]
 LAST_WINCH_SPEED = LAST_WINCH_LENGTH + 1  # its rate over the step before [m/s]
 LONGEST_SO_FAR = LAST_WINCH_SPEED + 1  # longest communication step since the start [s]
-CORRECTION_LEFT = (
-    LONGEST_SO_FAR + 1
-)  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
+CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
 # rates over about a quarter of the longest step, which stand in for the last one after a much shorter step
 RECENT_KITE_ACCELERATION = CORRECTION_LEFT + 1  # [m/s2]
 RECENT_GROUND_ACCELERATION = RECENT_KITE_ACCELERATION + 3
