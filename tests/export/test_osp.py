@@ -44,7 +44,7 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 # what the schema of OSP-IS 1.0.1 says of the elements that are used here: children in this order
 CHILDREN = {
     "OspModelDescription": ["VariableGroups"],
-    "VariableGroups": ["Generic", "Generic", "LinearVelocity", "LinearVelocity"],
+    "VariableGroups": ["Generic", "Generic", "LinearVelocity", "LinearVelocity", "LinearDisplacement"],
     "Generic": ["Force", "LinearVelocity", "LinearDisplacement"],
 }
 

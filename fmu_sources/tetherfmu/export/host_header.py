@@ -89,7 +89,7 @@ def _sizes(listed):
 def _choices(table):
     """Names and numbers of the choices of enumerations."""
     for each in table:
-        for number, choice in enumerate(each.quantity.choices, start=1):
+        for choice, number in each.quantity.numbers.items():
             yield f"{c_name(each.name)}_{choice.upper()}", number, ""
 
 

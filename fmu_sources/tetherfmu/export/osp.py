@@ -35,9 +35,12 @@ def model_description(table):
         if len(port):
             groups.append(port)
     _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
-    if "reel_out_speed" in units:
-        reel_out = SubElement(groups, "LinearVelocity", name="reel_out")
-        SubElement(reel_out, "Variable", ref="reel_out_speed", unit=units["reel_out_speed"])
+    for kind, group, name in (
+        ("LinearVelocity", "reel_out", "reel_out_speed"),
+        ("LinearDisplacement", "winch", "winch_length"),
+    ):
+        if name in units:
+            SubElement(SubElement(groups, kind, name=group), "Variable", ref=name, unit=units[name])
     return xml_text(root)
 
 

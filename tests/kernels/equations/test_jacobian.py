@@ -16,7 +16,7 @@ TOLERANCE = 1e-6
 
 
 def chain_of_length(problem, length):
-    return chain_at(problem.n, problem.parameters, length, problem.conditions.reeling, problem.wind)
+    return chain_at(problem.n, problem.parameters, length, problem.conditions.reeling[1], problem.wind)
 
 
 def forces(problem, x, v, length):
@@ -71,7 +71,7 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     for found, expected in (
         (dense(problem, (0.0, 0.0, -1.0)), by_position),
         (dense(problem, (0.0, -1.0, 0.0)), by_velocity),
-        (force_rate / problem.conditions.reeling, by_length),
+        (force_rate / problem.conditions.reeling[1], by_length),
     ):
         np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())
 
