@@ -8,8 +8,9 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME, PLACES
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, Winch, diameter_in_doubt
+from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
 from tetherfmu.runtime.quantities import quantities
+from tetherfmu.runtime.variables import RECORDS
 
 
 def tethers_of(model, given):
@@ -34,7 +35,7 @@ def record_of(model, given, kind):
 
 def with_quantities(model, given, tethers, *records):
     """Tethers and records with the quantities (a dict) in the place of theirs; TypeError if one does not exist."""
-    owners = {name: kind for kind in (Tether, Environment, Solver, Winch) for name, _ in quantities(kind)}
+    owners = {name: kind for kind in RECORDS for name, _ in quantities(kind)}
     for name in given:
         if name not in owners:
             raise TypeError(f"{model} has no quantity {name}; there are {', '.join(owners)}")

@@ -114,8 +114,12 @@ def inputs_along(
     rows = np.zeros((steps, COUNT))
     ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
     ends = [(name, end_of(name, end)) for name, end in ends]
-    signals = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity, "kite_load": kite_load}
-    signals |= {"winch_length": winch_length}
+    signals = {
+        "reel_out_speed": reel_out_speed,
+        "wind_velocity": wind_velocity,
+        "kite_load": kite_load,
+        "winch_length": winch_length,
+    }
     columns = by_name(rows)
     for k in range(steps):
         time = start + k * step

@@ -25,6 +25,7 @@ from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, scale, vector_at
 from .continuation import given_derivatives, is_continued
 from .end_motion import (
+    between_middles,
     correction_time,
     curve,
     difference,
@@ -116,10 +117,9 @@ def end_velocities(parameters, inputs, state):
 @kernel
 def between_velocities(parameters, state):
     """Time [s] between the velocity of an end and the last one, 0 without: derived ones belong to the middles of steps."""
-    last_step, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
     if are_derived(parameters):
-        return 0.5 * (last_step + before) if before > 0.0 else 0.0
-    return last_step
+        return between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
+    return state[at.LAST_STEP]
 
 
 @kernel

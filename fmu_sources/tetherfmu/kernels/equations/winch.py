@@ -18,7 +18,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from .continuation import given_derivative, is_continued
-from .end_motion import curve, estimated_rate
+from .end_motion import between_middles, curve, estimated_rate
 
 NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
 
@@ -103,8 +103,7 @@ def winch_speed(inputs, state):
 @kernel
 def winch_acceleration(inputs, step, state):
     """Rate [m/s2] of `winch_speed`, estimated for a step [s]: speeds belong to the middles of steps."""
-    last_step, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
-    between = 0.5 * (last_step + before) if before > 0.0 else 0.0
+    between = between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
     change = winch_speed(inputs, state) - state[at.LAST_WINCH_SPEED]
     return estimated_rate(change, state[at.RECENT_WINCH_ACCELERATION], between, state[at.LONGEST_SO_FAR], step)
 
