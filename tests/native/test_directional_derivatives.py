@@ -37,6 +37,28 @@ def jacobian(host, outputs, inputs):
     return np.stack([derivative(host, outputs, [name], [1.0]) for name in inputs], axis=1)
 
 
+def extrapolated(host, before, step, position, change):
+    """Derivative of the forces by the position [m] with which the last step was done, array (6, 3).
+
+    The step [s] is done again from the state `before` it, with two central differences over `change` [m] and half of it.
+    """
+    start = host.time - step
+
+    def forces(x):
+        restore(host, before)
+        host.time = start
+        host.step(step, kite_position=x)
+        return np.array(host.fmu.getReal([host.reference[each] for each in FORCES]))
+
+    columns = []
+    for e in np.eye(3):
+        wide, narrow = (
+            (forces(position + c * change * e) - forces(position - c * change * e)) / (2.0 * c * change) for c in (1.0, 0.5)
+        )
+        columns.append((4.0 * narrow - wide) / 3.0)
+    return np.stack(columns, axis=1)
+
+
 def flown(path, steps=30):
     """An instance on the circle that has done some steps; the state before the last one."""
     host = started(path)
@@ -111,23 +133,11 @@ def test_by_positions_from_which_velocities_are_derived(native_folder, name, ste
     for k in range(40):
         before, used = blob_of(host), start + 10.0 * math.sin(0.3 * k * step) * np.array([0.0, 1.0, 0.0])
         host.step(step, kite_position=used)
-    found, time = jacobian(host, FORCES, MOTION[:3]), host.time
-
-    def forces(position):
-        restore(host, before)
-        host.time = time - step
-        host.step(step, kite_position=position)
-        return np.array(host.fmu.getReal([host.reference[each] for each in FORCES]))
+    found = jacobian(host, FORCES, MOTION[:3])
 
     # the spring of a segment bends sooner than the drag: there is a kink, 2 mm of stretch away
     change = min(1e-5, 1e-3 * step) if name == "TetherDynamic" else min(1e-3, 0.02 * step)
-    expected = []
-    for e in np.eye(3):
-        wide, narrow = (
-            (forces(used + c * change * e) - forces(used - c * change * e)) / (2.0 * c * change) for c in (1.0, 0.5)
-        )
-        expected.append((4.0 * narrow - wide) / 3.0)
-    expected = np.stack(expected, axis=1)
+    expected = extrapolated(host, before, step, used, change)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-5 * np.abs(expected).max())
 
 
@@ -164,22 +174,10 @@ def test_a_stiff_catenary_that_becomes_taut(native_folder, length):
     host.step(STEP, kite_position=kite)
     before = blob_of(host)
     host.step(STEP, kite_position=kite)
-    found, time = jacobian(host, FORCES, MOTION[:3]), host.time
-
-    def forces(position):
-        restore(host, before)
-        host.time = time - STEP
-        host.step(STEP, kite_position=position)
-        return np.array(host.fmu.getReal([host.reference[each] for each in FORCES]))
+    found = jacobian(host, FORCES, MOTION[:3])
 
     change = 1e-4
-    expected = []
-    for e in np.eye(3):
-        wide, narrow = (
-            (forces(kite + c * change * e) - forces(kite - c * change * e)) / (2.0 * c * change) for c in (1.0, 0.5)
-        )
-        expected.append((4.0 * narrow - wide) / 3.0)
-    expected = np.stack(expected, axis=1)
+    expected = extrapolated(host, before, STEP, kite, change)
     # where all of the bend is on one side, the central difference has half of the 0.1 % by which both sides may differ
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=5e-4 * np.abs(expected).max())
 
