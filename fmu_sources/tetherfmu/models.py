@@ -76,6 +76,7 @@ class TetherDynamicFree(TetherModel):
         ground_velocity: ArrayLike | None = None,
         reel_out_speed: float | None = None,
         wind_velocity: ArrayLike | None = None,
+        winch_force: float | None = None,
         winch_length: float | None = None,
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
@@ -96,6 +97,7 @@ class TetherDynamicFree(TetherModel):
             ground_velocity=ground_velocity,
             reel_out_speed=reel_out_speed,
             wind_velocity=wind_velocity,
+            winch_force=winch_force,
             winch_length=winch_length,
         )
 

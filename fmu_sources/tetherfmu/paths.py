@@ -100,16 +100,18 @@ def inputs_along(
     start: float = 0.0,
     kite_load: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
     winch_length: Callable[[float], float] | float = 0.0,
+    winch_force: Callable[[float], float] | float = 0.0,
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
     kite, ground : ends that move, or positions [m] of ends that stay; None: at the start values of `kite_position` and
     `ground_position`, wherever `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite
-    end) [N], winch_length (with `winch_control` = length) [m] : constant, or functions of time [s].  start : time of the
+    end) [N], winch_length (with `winch_control` = length) [m], winch_force (with force) [N] : constant, or functions of time
+    [s].  start : time of the
     first step [s].  ValueError if an end is something else.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
-    (3, 20)
+    (3, 21)
     """
     rows = np.zeros((steps, COUNT))
     ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
@@ -118,6 +120,7 @@ def inputs_along(
         "reel_out_speed": reel_out_speed,
         "wind_velocity": wind_velocity,
         "kite_load": kite_load,
+        "winch_force": winch_force,
         "winch_length": winch_length,
     }
     columns = by_name(rows)

@@ -148,6 +148,7 @@ class TetherModel:
         ground_velocity: ArrayLike = ZERO,
         reel_out_speed: float = 0.0,
         wind_velocity: ArrayLike = ZERO,
+        winch_force: float = 0.0,
         winch_length: float = 0.0,
         *,
         slack: float | None = None,
@@ -166,6 +167,8 @@ class TetherModel:
             Rate of change of the unstretched length [m/s]; positive pays out.
         wind_velocity : (3,) or (segments + 1, 3) array
             Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
+        winch_force : float
+            Force [N] with which the winch pulls at the tether, with `winch_control` = force: from the first step on.
         winch_length : float
             Unstretched length [m] that the winch has paid out, with `winch_control` = length; 0: `initial_length`.
         slack : float or None
@@ -197,7 +200,7 @@ class TetherModel:
             kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": ZERO}
             ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
             self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
-            self._set(winch_length=winch_length)
+            self._set(winch_force=winch_force, winch_length=winch_length)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -228,6 +231,7 @@ class TetherModel:
         reel_out_speed: float | None = None,
         wind_velocity: ArrayLike | None = None,
         kite_load: ArrayLike | None = None,
+        winch_force: float | None = None,
         winch_length: float | None = None,
         *,
         tether_length: float | None = None,
@@ -242,6 +246,8 @@ class TetherModel:
             As for `initialize`.
         kite_load : (3,) array
             External force [N] on a free kite end.
+        winch_force : float
+            Force [N] with which the winch pulls at the tether, with `winch_control` = force; positive reels in.
         winch_length : float
             Unstretched length [m] that the winch should have paid out, with `winch_control` = length.
         tether_length : float
@@ -262,7 +268,7 @@ class TetherModel:
         """
         kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
         ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
-        winch = {"reel_out_speed": reel_out_speed, "winch_length": winch_length}
+        winch = {"reel_out_speed": reel_out_speed, "winch_force": winch_force, "winch_length": winch_length}
         return self._step(step, tether_length, **kite, **ground, **winch, wind_velocity=wind_velocity)
 
     def _step(self, step, tether_length=None, **given):
@@ -286,8 +292,8 @@ class TetherModel:
                 raise ValueError(
                     "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
                 )
-            if self._parameters[at.WINCH_CONTROL] == at.WINCH_BY_LENGTH:
-                raise ValueError("tether_length is given beside winch_control = length; give winch_length")
+            if self._parameters[at.WINCH_CONTROL] != at.WINCH_BY_SPEED:
+                raise ValueError("tether_length is given beside winch_control = force or length; it needs speed")
             length = arguments.number("tether_length", tether_length, "m")
             self._state[at.LENGTH] = length - self._inputs[at.REEL_OUT_SPEED] * step
             self._parameters[at.INPUT_CONTINUATION] = at.HELD

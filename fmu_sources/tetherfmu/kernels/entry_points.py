@@ -20,7 +20,6 @@ from . import packing
 from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size
 from .compilation import kernel, part, view
 from .equations.boundary import inputs_of_step
-from .equations.winch import shortest_length
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance, transaction
 from .step.outputs import complete
@@ -65,11 +64,11 @@ def entry_points(variant):
         if status != OK:
             return status
         given = inputs_of_step(p, inputs, step, s)
-        status = transaction.check_length(n, p, shortest_length(given.reeling, step))
+        status = transaction.check_reeling(n, p, given)
         if status != OK:
             return status
         copy(s, before)
-        transaction.remember(inputs, given, s)
+        transaction.remember(p, inputs, given, s)
         status = variant.advance(n, p, given, before, s, w)
         return transaction.commit(n, p, status, before, s)
 

@@ -19,6 +19,7 @@ from tetherfmu.runtime.status import (
     ROUGHNESS_TOO_LARGE,
     SEGMENTS_TOO_MANY,
     SEGMENTS_TOO_SHORT,
+    STOPS_CROSSED,
 )
 from tetherfmu.runtime.variables import PARAMETERS, PARAMETERS_WITHOUT_KITE
 
@@ -41,6 +42,7 @@ SEGMENTS, LENGTH, DIAMETER, DENSITY = map(_NAMES.index, ("segments", "initial_le
 STIFFNESS, DAMPING, DRAG = map(_NAMES.index, ("axial_stiffness", "axial_damping", "drag_coefficient"))
 PROFILE, HEIGHT = map(_NAMES.index, ("wind_profile", "wind_reference_height"))
 ROUGHNESS = _NAMES.index("surface_roughness")
+SHORTEST, LONGEST = map(_NAMES.index, ("shortest_length", "longest_length"))
 KITE_MASS = _NAMES.index("kite_mass")
 
 
@@ -107,6 +109,8 @@ def check(tethers, kites, quantities, has_nodes):
     is_logarithmic = profile == at.LOGARITHMIC or profile == at.EXPLOG
     if is_logarithmic and quantities[shift + ROUGHNESS] >= quantities[shift + HEIGHT]:
         return refused(ROUGHNESS_TOO_LARGE, shift + ROUGHNESS)
+    if 0.0 < quantities[shift + LONGEST] <= quantities[shift + SHORTEST]:
+        return refused(STOPS_CROSSED, shift + SHORTEST)
     return check_series(tethers, quantities, has_nodes)
 
 
@@ -157,6 +161,8 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
     parameters[at.INITIAL_LENGTH] = length
     if parameters[at.RELATIVE_TOLERANCE] == 0.0:
         parameters[at.RELATIVE_TOLERANCE] = tolerance if tolerance != 0.0 else DEFAULT_TOLERANCE
+    if parameters[at.LONGEST_LENGTH] == 0.0:
+        parameters[at.LONGEST_LENGTH] = at.NO_STOP
     s = 0
     for t in range(tethers):
         first = t * QUANTITIES_OF_TETHER
@@ -166,6 +172,7 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
         density, drag_width = line_density(quantities, first), quantities[first + DRAG] * quantities[first + DIAMETER]
         for _ in range(count):
             put_property(n, at.SHARE, s, share, parameters)
+            parameters[at.SHORTEST_LENGTH] = max(parameters[at.SHORTEST_LENGTH], at.MIN_SEGMENT_LENGTH / share)
             put_property(n, at.STIFFNESS, s, quantities[first + STIFFNESS], parameters)
             put_property(n, at.DAMPING, s, damping, parameters)
             put_property(n, at.LINE_DENSITY, s, density, parameters)

@@ -72,6 +72,13 @@ INPUT_TABLE = (
         FREE_KITE,
     ),
     Input(
+        "winch_force",
+        "N",
+        "force with which the winch pulls at the tether (winch_control = force); positive reels in",
+        (0.0,),
+        STIFFNESS,
+    ),
+    Input(
         "winch_length",
         "m",
         "unstretched length that the winch should have paid out (winch_control = length); at the start 0: initial_length",

@@ -136,6 +136,7 @@ class Instance:
             value=self.values[place],
             step=step,
             reel_out_speed=self.values[at.REEL_OUT_SPEED],
+            winch_force=self.values[at.WINCH_FORCE],
             winch_length=self.values[at.WINCH_LENGTH],
             length=self.state[at.LENGTH],
             distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),

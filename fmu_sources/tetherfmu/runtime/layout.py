@@ -21,6 +21,7 @@ from .limits import (  # noqa: F401 - for those who look for them here, as the k
     LONGEST_STEP,
     MAX_SEGMENTS,
     MIN_SEGMENT_LENGTH,
+    NO_STOP,
     WORK_BUDGET,
 )
 
@@ -45,8 +46,13 @@ END_VELOCITIES = 16
 INPUT_CONTINUATION = 17
 CALM_LAYER = 18  # thickness [m] of a layer above z = 0, see `kernels/equations/air.py`; 0 but in `equilibrium/calm_layer.py`
 WINCH_CONTROL = 19
+WINCH_MASS = 20
+WINCH_DAMPING = 21
+WINCH_FRICTION = 22
+SHORTEST_LENGTH = 23  # unstretched [m], where the drum stops
+LONGEST_LENGTH = 24  # the same [m]; NO_STOP for none
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 20
+PARAMETER_SCALARS = 25
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -89,7 +95,8 @@ WARNINGS = 41  # sum of 2**k, k of all that was implausible since the start, see
 WARNED_VALUES = 42  # for each k the value that was, 0 without
 LAST_REEL_OUT_SPEED = 42 + WARNING_KINDS  # input at the start of the last communication step [m/s]
 LAST_KITE_LOAD = LAST_REEL_OUT_SPEED + 1  # the same of the load [N]
-LAST_WINCH_LENGTH = LAST_KITE_LOAD + 3  # the same of the length of the winch [m]
+LAST_WINCH_FORCE = LAST_KITE_LOAD + 3  # the same of the force of the winch [N]
+LAST_WINCH_LENGTH = LAST_WINCH_FORCE + 1  # the same of the length of the winch [m]
 LAST_WINCH_SPEED = LAST_WINCH_LENGTH + 1  # its rate over the step before [m/s]
 LONGEST_SO_FAR = LAST_WINCH_SPEED + 1  # longest communication step since the start [s]
 CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
@@ -99,7 +106,8 @@ RECENT_GROUND_ACCELERATION = RECENT_KITE_ACCELERATION + 3
 RECENT_REEL_ACCELERATION = RECENT_GROUND_ACCELERATION + 3
 RECENT_WINCH_ACCELERATION = RECENT_REEL_ACCELERATION + 1  # of the length that the winch is told
 RECENT_LOAD_RATE = RECENT_WINCH_ACCELERATION + 1  # [N/s]
-GIVEN_DERIVATIVES = RECENT_LOAD_RATE + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+RECENT_WINCH_FORCE_RATE = RECENT_LOAD_RATE + 3  # [N/s]
+GIVEN_DERIVATIVES = RECENT_WINCH_FORCE_RATE + 1  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 
@@ -110,7 +118,7 @@ AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
-WINCH_BY_SPEED, WINCH_BY_LENGTH = 1, 3  # 2 is kept for a winch that is told a force
+WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 

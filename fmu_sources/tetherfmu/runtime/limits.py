@@ -8,6 +8,7 @@ WORK_BUDGET = 200_000  # segments times internal steps in one communication step
 ITERATION_BUDGET = 1_000_000  # segments times iterations of backward Euler in it: six fixed steps of 300 at worst
 STIFF = 1e8  # axial stiffness [N] above which the errors of positions that solvers allow show in the tension
 MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
+NO_STOP = 1e300  # unstretched length [m] at a stop of the winch that is not there
 
 # part of the present communication step that the last one counts as at least where the rate of an input is estimated: after
 # a much shorter step a jump is extrapolated to no more than four times itself

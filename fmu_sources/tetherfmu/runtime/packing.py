@@ -11,6 +11,7 @@ from .variables import PARAMETERS
 _NAMES = [each.name for each in PARAMETERS]
 _SEGMENTS, _LENGTH = _NAMES.index("segments"), _NAMES.index("initial_length")
 _ROUGHNESS, _HEIGHT = _NAMES.index("surface_roughness"), _NAMES.index("wind_reference_height")
+_SHORTEST, _LONGEST = _NAMES.index("shortest_length"), _NAMES.index("longest_length")
 
 
 def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
@@ -57,6 +58,8 @@ def _sentence(result, numbers, tethers):
         range=declared.quantity.range(),
         roughness=numbers[shift + _ROUGHNESS],
         height=numbers[shift + _HEIGHT],
+        shortest_stop=numbers[shift + _SHORTEST],
+        longest_stop=numbers[shift + _LONGEST],
         length=numbers[first + _LENGTH],
         segments=counts[first // QUANTITIES_OF_TETHER],
         in_all=sum(counts),

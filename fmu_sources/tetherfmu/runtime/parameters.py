@@ -17,6 +17,7 @@ OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_l
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
 )
+STOPS_CROSSED = "shortest_length is {shortest_stop!r} m; it must be less than longest_length ({longest_stop!r} m)"
 
 
 @documented
@@ -142,7 +143,7 @@ class Solver:
     input_continuation: int = quantity(
         1,
         "",
-        "reel_out_speed and kite_load within a step: extrapolated linearly from their last two values; held",
+        "reel_out_speed, winch_force and kite_load within a step: extrapolated linearly from their last two values; held",
         choices=("linear", "held"),
     )
 
@@ -153,7 +154,7 @@ class Solver:
 @documented
 @dataclass(frozen=True)
 class Winch:
-    """What the winch at the ground end is told. ValueError if a number is out of range.
+    """The winch at the ground end: what it is told, and its drum. ValueError if a number is out of range.
 
     >>> Winch(winch_control="length").winch_control
     3
@@ -162,12 +163,29 @@ class Winch:
     winch_control: int = quantity(
         1,
         "",
-        "what the winch is told: a speed (reel_out_speed), or a length (winch_length)",
-        choices=("speed", "", "length"),
+        "what the winch is told: a speed (reel_out_speed), a force (winch_force), or a length (winch_length)",
+        choices=("speed", "force", "length"),
     )
+    winch_mass: float = quantity(
+        0.0,
+        "kg",
+        "force control: inertia of drum and motor as seen at the rope, J/r2; 0: the tension at the winch is winch_force at "
+        "every instant",
+        0.0,
+        1e9,
+    )
+    winch_damping: float = quantity(0.0, "N.s/m", "force control: viscous friction of the drum", 0.0, 1e9)
+    winch_friction: float = quantity(0.0, "N", "force control: dry friction of the drum", 0.0, 1e9)
+    shortest_length: float = quantity(
+        0.0, "m", "force control: unstretched length at which the drum stops; 0: where segments become too short", 0.0, 1e6
+    )
+    longest_length: float = quantity(0.0, "m", "force control: unstretched length at which the drum stops; 0: none", 0.0, 1e6)
 
     def __post_init__(self):
         check(self)
+        if 0.0 < self.longest_length <= self.shortest_length:
+            shortest, longest = self.shortest_length, self.longest_length
+            raise ValueError(STOPS_CROSSED.format(shortest_stop=shortest, longest_stop=longest))
 
 
 @documented

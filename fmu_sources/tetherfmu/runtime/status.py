@@ -24,6 +24,10 @@ SEGMENTS_TOO_MANY = 14
 SEGMENTS_TOO_SHORT = 15
 # of the winch
 WINCH_TOO_SHORT = 16
+STOPS_CROSSED = 17
+START_BEYOND_STOP = 18
+WINCH_PUSHES = 19
+NO_LENGTH = 20
 
 SENTENCES = {
     OK: "done",
@@ -69,6 +73,19 @@ SENTENCES = {
     WINCH_TOO_SHORT: (
         "the winch_length {winch_length} m over a step of {step} s would leave segments shorter than {shortest} m "
         "(tether_length {length} m); give the length that the winch should have paid out, or use fewer segments"
+    ),
+    STOPS_CROSSED: parameters.STOPS_CROSSED,
+    START_BEYOND_STOP: (
+        "tether_length is {length} m at the start, beyond a stop of the winch; it must be at least shortest_length and at "
+        "most longest_length, unless that is 0"
+    ),
+    WINCH_PUSHES: (
+        "winch_force is {winch_force} N; at the start and at the end of the step of {step} s, to which it continues linearly, "
+        "it must not be less than -winch_friction: a winch without winch_mass cannot push a tether; give a winch_mass"
+    ),
+    NO_LENGTH: (
+        "no unstretched length was found with which the tether pulls as winch_force ({winch_force} N) says in a step of "
+        "{step} s (tether_length {length} m); give the winch a winch_mass, winch_damping or a longest_length"
     ),
 }
 

@@ -5,7 +5,7 @@ The inputs are interpreted once per step, for all variants (`inputs_of_step`):
     ends      position p, velocity v and acceleration a that are prescribed, see `end_motion.py`. With `end_velocities =
               given` v is an input; with `derived` it is a difference of positions, and the input is not read
     reeling   a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time within the step, see `winch.py`
-    load      on a free kite end: continues like the reel-out speed
+    load      on a free kite end: continues like the reel-out speed; so does the force of the winch
     wind      held
 
 A derivative that the importer gives for the step replaces what the tether would estimate: of a velocity the acceleration, of
@@ -36,11 +36,21 @@ from .end_motion import (
     velocity_at,
 )
 from .properties import chain_at
-from .winch import length_at, rate_at, reel_rate, reeling_of_step, winch_acceleration, winch_speed
+from .winch import (
+    force_rate,
+    length_at,
+    rate_at,
+    rate_of_force,
+    reel_rate,
+    reeling_of_step,
+    winch_acceleration,
+    winch_speed,
+)
 
 StepInputs = namedtuple(
     "StepInputs",
-    "step correction ground kite ground_velocity kite_velocity reeling winch_speed wind wind_rate load load_rate recent",
+    "step correction ground kite ground_velocity kite_velocity reeling winch_speed force force_rate "
+    "wind wind_rate load load_rate recent",
 )
 StepInputs.__doc__ = """What the inputs of a communication step mean.
 
@@ -49,19 +59,23 @@ ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed f
 ground_velocity, kite_velocity : given or derived, without given derivatives [m/s]: the next step compares its own with them.
 reeling : of the unstretched length, see `winch.py`.
 winch_speed : rate of `winch_length` over the last step, without given derivatives [m/s].
+force, force_rate : of the winch at the start [N], its constant rate [N/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 recent : rates as the next steps take them after a much shorter one: accelerations of ground and kite [m/s2], of the reel-out
-speed and of the length that the winch is told [m/s2], rate of the load [N/s].
+speed and of the length that the winch is told [m/s2], rates of the load and of the force of the winch [N/s].
 """
 
-BoundaryConditions = namedtuple("BoundaryConditions", "n parameters ground kite first last reeling wind load load_rate")
+BoundaryConditions = namedtuple(
+    "BoundaryConditions", "n parameters ground kite first last reeling force force_rate wind load load_rate"
+)
 BoundaryConditions.__doc__ = """A chain and what acts on it during one communication step.
 
 n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `end_motion.curve`.
 first, last : first and last node that moves freely.
 reeling : of the unstretched length, see `winch.py`.
+force, force_rate : of a winch that is told a force, at the start [N], its constant rate [N/s].
 wind : mean over the step, at the reference height [m/s].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """
@@ -189,6 +203,8 @@ def inputs_of_step(parameters, inputs, step, state):
         kite,
         reeling_of_step(parameters, inputs, correction, step, state),
         winch_speed(inputs, state),
+        inputs[at.WINCH_FORCE],
+        force_rate(parameters, inputs, step, state),
         vector_at(inputs, at.WIND_VELOCITY),
         given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
         vector_at(inputs, at.KITE_LOAD),
@@ -199,6 +215,7 @@ def inputs_of_step(parameters, inputs, step, state):
             reel_rate(inputs, longest, state),
             winch_acceleration(inputs, longest, state),
             rate_of_load(inputs, longest, state),
+            rate_of_force(inputs, longest, state),
         ),
     )
 
@@ -220,6 +237,8 @@ def conditions_of_chain(n, parameters, given, state, x, v):
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         given.reeling,
+        given.force,
+        given.force_rate,
         add_scaled(given.wind, 0.5 * step, given.wind_rate),
         scale(1.0 if kite_is_free else 0.0, given.load),
         scale(1.0 if kite_is_free else 0.0, given.load_rate),

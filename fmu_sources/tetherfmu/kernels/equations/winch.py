@@ -4,10 +4,12 @@
 
     speed     the reel-out speed u continues at the rate a = (u - u_last)/h_last, estimated as the acceleration of an end is,
               in the first step and with `input_continuation = held` at the rate 0: the length grows by u t + a t^2/2
+    force     the drum turns as its equation of motion says (`drum.py`); it is not known before how the length changes
     length    the length follows its input as a driven end follows its position (`end_motion.py`), from the length and the
               speed that it has reached; the winch starts with the reel-out speed
 
-A derivative that the importer gives replaces the estimate: of the reel-out speed its rate, of the length its speed.
+A derivative that the importer gives replaces the estimate: of the reel-out speed and of the force its rate, of the length
+its speed.
 
 Theory: docs/models/theory.md, "Winch".
 """
@@ -71,6 +73,12 @@ def follows_length(parameters):
 
 
 @kernel
+def follows_force(parameters):
+    """Whether the winch is told a force."""
+    return parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE
+
+
+@kernel
 def first_length(parameters, inputs):
     """Unstretched length [m] at the start."""
     if follows_length(parameters) and inputs[at.WINCH_LENGTH] != 0.0:
@@ -109,6 +117,20 @@ def winch_acceleration(inputs, step, state):
 
 
 @kernel
+def rate_of_force(inputs, step, state):
+    """Rate [N/s] of the force of the winch, estimated for a step [s]."""
+    change = inputs[at.WINCH_FORCE] - state[at.LAST_WINCH_FORCE]
+    return estimated_rate(change, state[at.RECENT_WINCH_FORCE_RATE], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
+
+
+@kernel
+def force_rate(parameters, inputs, step, state):
+    """Rate [N/s] at which the force of the winch continues in a step [s]."""
+    estimate = rate_of_force(inputs, step, state) if is_continued(parameters) else 0.0
+    return given_derivative(state, at.WINCH_FORCE, estimate)
+
+
+@kernel
 def on_axis(number):
     """A number as a vector, for the functions of driven ends."""
     return number, 0.0, 0.0
@@ -126,7 +148,12 @@ def following(inputs, correction, step, state):
 
 @kernel
 def reeling_of_step(parameters, inputs, correction, step, state):
-    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state; see `following`."""
+    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state; see `following`.
+
+    With a winch that is told a force, of a length that stays.
+    """
     if follows_length(parameters):
         return following(inputs, correction, step, state)
+    if follows_force(parameters):
+        return state[at.LENGTH], 0.0, 0.0, NEUTRAL
     return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * reel_acceleration(parameters, inputs, step, state), NEUTRAL

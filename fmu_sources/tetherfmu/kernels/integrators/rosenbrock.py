@@ -83,6 +83,19 @@ def workspace(n, work):
 
 
 @kernel
+def add_explicit_rates(conditions, time, w):
+    """Add to w.q (modified) the rates of the forces [N/s] from the load and from the motion of the driven ends."""
+    n = conditions.n
+    put(w.q, n, add(get(w.q, n), conditions.load_rate))
+    if conditions.first == 1:
+        end, rate = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
+        assembly.add_end_motion(n, False, end, rate, w.records, w.q)
+    if conditions.last == n - 1:
+        end, rate = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
+        assembly.add_end_motion(n, True, end, rate, w.records, w.q)
+
+
+@kernel
 def prepare(conditions, time, h, x, v, w):
     """Matrix of the step, factorized, and the explicit time derivative of forces [N/s] into w.q; False if it is singular.
 
@@ -95,13 +108,7 @@ def prepare(conditions, time, h, x, v, w):
     assembly.node_masses(chain, w.mass)
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
     assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
-    put(w.q, n, add(get(w.q, n), conditions.load_rate))
-    if conditions.first == 1:
-        end, rate = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
-        assembly.add_end_motion(n, False, end, rate, w.records, w.q)
-    if conditions.last == n - 1:
-        end, rate = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
-        assembly.add_end_motion(n, True, end, rate, w.records, w.q)
+    add_explicit_rates(conditions, time, w)
     d = GAMMA * h
     assembly.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     return factorize(conditions.first, conditions.last, w.matrix)
@@ -117,9 +124,9 @@ def stage_masses(conditions, stage, time, w):
 
 
 @kernel
-def stage_force(conditions, time, w):
-    """Forces at a stage [N] into w.force (modified)."""
-    assembly.node_forces(chain_during(conditions, time), w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
+def stage_force(conditions, chain, time, w):
+    """Forces at a stage [N] into w.force (modified), of the `Chain` at its time [s]."""
+    assembly.node_forces(chain, w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
     put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL, load_during(conditions, time))))
 
 
@@ -258,6 +265,12 @@ def solve_stage(conditions, stage, h, w):
     right_hand_side(n, stage, h, w)
     solve(conditions.first, conditions.last, w.matrix, w.q)
     hold_ends(conditions, w.q)
+    take_velocities(n, stage, w)
+
+
+@kernel
+def take_velocities(n, stage, w):
+    """V of a stage into its place in w.velocities (modified), from q in w.q."""
     for k in range(n // 2 + 1):
         put_interleaved(w.velocities, STAGES * k + stage, sub(get_two(w.q, k, n - k), get_interleaved(w.r, k)))
 
@@ -295,7 +308,7 @@ def step(conditions, time, h, x, v, w):
         now = time + ALPHA[stage] * h
         prescribe_ends(ends, driven, now, w)
         stage_masses(conditions, stage, now, w)
-        stage_force(conditions, now, w)
+        stage_force(conditions, chain_during(conditions, now), now, w)
         if stage == 0:
             take_force_rate(conditions, time, w)
         solve_stage(conditions, stage, h, w)

@@ -161,14 +161,14 @@ def allowed_errors(conditions, v):
 
 
 @kernel
-def error_of_step(conditions, time, h, v, w):
+def error_of_step(conditions, chain, h, v, w):
     """Error of the step of h [s] that `rosenbrock.step` has made from the velocities v [m/s] over what is allowed [-].
 
-    The result of the step, in w, is put right where segments went over the transition, see `taut_slack.keep_energy`.
+    chain : at the end of the step. The result of the step, in w, is put right where segments went over the transition, see
+    `taut_slack.keep_energy`.
     """
     position_scale, velocity_scale = allowed_errors(conditions, v)
     error = error_norm(conditions, h, position_scale, velocity_scale, w)
-    chain = chain_during(conditions, time + h)
     damper = damper_error(conditions, chain, w) / velocity_scale
     if damper > 1.0:
         damper = min(damper, relative_damper_error(chain, w) / DAMPER)
@@ -192,17 +192,28 @@ def step_factor(error, last_error):
 
 
 @kernel
+def cut(h, error):
+    """Step to try [s] after one of h [s] with this error [-], which is too large."""
+    part = CUT_WITHOUT_ESTIMATE if not error < inf else max(STRONGEST_CUT, SAFETY * error ** (-1 / 4))
+    return h * min(part, WEAKEST_CUT)
+
+
+@kernel
+def first_step(duration, state):
+    """Step [s] to try first in a communication step of `duration` [s], and the error of the last one, from a state."""
+    if state[at.SOLVER_STEP] <= 0.0:
+        return duration, 1.0
+    return state[at.SOLVER_STEP], state[at.SOLVER_ERROR]
+
+
+@kernel
 def integrate(conditions, duration, state, x, v, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
 
     Solver memory and counters in `state` are modified. Returns a status: OK, STEP_BUDGET_SPENT or STEP_TOO_SMALL.
     """
     time = 0.0
-    h = state[at.SOLVER_STEP]
-    last_error = state[at.SOLVER_ERROR]
-    if h <= 0.0:
-        h = duration
-        last_error = 1.0
+    h, last_error = first_step(duration, state)
     budget = at.WORK_BUDGET // conditions.n
     tried = 0
     rejected_before = False
@@ -217,7 +228,7 @@ def integrate(conditions, duration, state, x, v, w):
         h_now = rest / left if left > 1.0 else rest
         error = inf
         if step(conditions, time, h_now, x, v, w):
-            error = error_of_step(conditions, time, h_now, v, w)
+            error = error_of_step(conditions, chain_during(conditions, time + h_now), h_now, v, w)
         if error <= 1.0:
             time = time + h_now if left > 1.0 else duration
             copy(w.x, x)
@@ -231,8 +242,7 @@ def integrate(conditions, duration, state, x, v, w):
             state[at.STEPS] += 1.0
         else:
             rejected_before = True
-            cut = CUT_WITHOUT_ESTIMATE if not error < inf else max(STRONGEST_CUT, SAFETY * error ** (-1 / 4))
-            h = h_now * min(cut, WEAKEST_CUT)
+            h = cut(h_now, error)
             state[at.REJECTIONS] += 1.0
     state[at.SOLVER_STEP] = h
     state[at.SOLVER_ERROR] = last_error

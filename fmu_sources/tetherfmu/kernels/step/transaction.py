@@ -10,8 +10,10 @@ from tetherfmu.runtime.status import (
     INPUT_NOT_FINITE,
     OK,
     REELED_TOO_SHORT,
+    START_BEYOND_STOP,
     STATE_NOT_FINITE,
     STEP_NOT_POSITIVE,
+    WINCH_PUSHES,
     WINCH_TOO_SHORT,
 )
 
@@ -55,6 +57,8 @@ def start(n, parameters, inputs, state):
     state[at.LENGTH] = winch.first_length(parameters, inputs)
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
+    if winch.follows_force(parameters):
+        return check_stops(parameters, state[at.LENGTH])
     return check_length(n, parameters, state[at.LENGTH])
 
 
@@ -88,11 +92,33 @@ def check_length(n, parameters, length):
 
 
 @kernel
-def remember(inputs, given, state):
-    """Header of the state (modified) after a communication step with `StepInputs`."""
+def check_stops(parameters, length):
+    """OK, or START_BEYOND_STOP if an unstretched length [m] is out of reach of the drum."""
+    return OK if parameters[at.SHORTEST_LENGTH] <= length <= parameters[at.LONGEST_LENGTH] else START_BEYOND_STOP
+
+
+@kernel
+def check_reeling(n, parameters, given):
+    """OK, or why a winch cannot do what it is told in a step with `StepInputs`."""
+    if not winch.follows_force(parameters):
+        return check_length(n, parameters, winch.shortest_length(given.reeling, given.step))
+    least = min(given.force, given.force + given.step * given.force_rate)
+    if parameters[at.WINCH_MASS] == 0.0 and least < -parameters[at.WINCH_FRICTION]:
+        return WINCH_PUSHES
+    return OK
+
+
+@kernel
+def remember(parameters, inputs, given, state):
+    """Header of the state (modified) after a communication step with `StepInputs`.
+
+    A winch that is told a force has its length and speed from the variant.
+    """
     step = given.step
-    state[at.LENGTH] = winch.length_at(given.reeling, step)
-    state[at.REELING] = winch.rate_at(given.reeling, step)
+    if not winch.follows_force(parameters):
+        state[at.LENGTH] = winch.length_at(given.reeling, step)
+        state[at.REELING] = winch.rate_at(given.reeling, step)
+    state[at.LAST_WINCH_FORCE] = given.force
     state[at.LAST_REEL_OUT_SPEED] = inputs[at.REEL_OUT_SPEED]
     state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
     state[at.LAST_WINCH_SPEED] = given.winch_speed
@@ -101,12 +127,13 @@ def remember(inputs, given, state):
     state[at.LAST_STEP] = step
     state[at.LONGEST_SO_FAR] = max(state[at.LONGEST_SO_FAR], step)
     state[at.CORRECTION_LEFT] = given.correction - step
-    ground_acceleration, kite_acceleration, reel_rate, winch_acceleration, load_rate = given.recent
+    ground_acceleration, kite_acceleration, reel_rate, winch_acceleration, load_rate, force_rate = given.recent
     put_at(state, at.RECENT_GROUND_ACCELERATION, ground_acceleration)
     put_at(state, at.RECENT_KITE_ACCELERATION, kite_acceleration)
     state[at.RECENT_REEL_ACCELERATION] = reel_rate
     state[at.RECENT_WINCH_ACCELERATION] = winch_acceleration
     put_at(state, at.RECENT_LOAD_RATE, load_rate)
+    state[at.RECENT_WINCH_FORCE_RATE] = force_rate
     put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))
     put_at(state, at.LAST_KITE_VELOCITY, given.kite_velocity)
     put_at(state, at.LAST_GROUND_VELOCITY, given.ground_velocity)

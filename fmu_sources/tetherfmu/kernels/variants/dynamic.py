@@ -8,11 +8,12 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel, view
+from ..equations import winch
 from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, straighten
-from ..integrators import backward_euler, rosenbrock, step_control
+from ..integrators import backward_euler, moving_drum, step_control
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
 from ..step.plausibility import note_stiff_and_slack
@@ -21,7 +22,7 @@ from ..step.plausibility import note_stiff_and_slack
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(newton.workspace_size(n), rosenbrock.workspace_size(n), backward_euler.workspace_size(n))
+    return max(newton.workspace_size(n), moving_drum.workspace_size(n), backward_euler.workspace_size(n))
 
 
 @kernel
@@ -60,11 +61,16 @@ def advance(n, parameters, given, before, state, work):
     x, v = positions_and_velocities(n, state)
     conditions = conditions_of_chain(n, parameters, given, before, x, v)
     status = OK
-    if conditions.first <= conditions.last:
+    has_drum = winch.follows_force(parameters)
+    if conditions.first <= conditions.last or has_drum:
         if parameters[at.FIXED_STEP] > 0.0:
             status = backward_euler.integrate(conditions, given.step, state, x, v, backward_euler.workspace(n, work))
+        elif has_drum:
+            status = moving_drum.integrate(conditions, given.step, state, x, v, moving_drum.workspace(n, work))
         else:
-            status = step_control.integrate(conditions, given.step, state, x, v, rosenbrock.workspace(n, work))
+            w = moving_drum.workspace(n, work).chain
+            status = step_control.integrate(conditions, given.step, state, x, v, w)
+        if parameters[at.FIXED_STEP] == 0.0:
             note_stiff_and_slack(chain_of(n, parameters, state), x, state)
     if status != OK:
         return status

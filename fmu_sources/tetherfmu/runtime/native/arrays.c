@@ -49,6 +49,8 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
         fact_of("value", given, index_of(result)),
         fact_of("roughness", given, SURFACE_ROUGHNESS),
         fact_of("height", given, WIND_REFERENCE_HEIGHT),
+        fact_of("shortest_stop", given, SHORTEST_LENGTH),
+        fact_of("longest_stop", given, LONGEST_LENGTH),
         fact_of("length", given, INITIAL_LENGTH),
         fact_of("segments", given, SEGMENTS)));
     return false;

@@ -173,6 +173,7 @@ static void sentence_of(
         real("value", values[place]),
         real("step", step),
         real("reel_out_speed", values[AT_REEL_OUT_SPEED]),
+        real("winch_force", values[AT_WINCH_FORCE]),
         real("winch_length", values[AT_WINCH_LENGTH]),
         real("length", arrays->state[AT_LENGTH]),
         real("distance", sqrt(square)),
