@@ -125,8 +125,13 @@ def rate_of_force(inputs, step, state):
 
 @kernel
 def force_rate(parameters, inputs, step, state):
-    """Rate [N/s] at which the force of the winch continues in a step [s]."""
+    """Rate [N/s] at which the force of the winch continues in a step [s].
+
+    A winch without mass can pull only: its force is extrapolated to no less than minus its friction.
+    """
     estimate = rate_of_force(inputs, step, state) if is_continued(parameters) else 0.0
+    if parameters[at.WINCH_MASS] == 0.0:
+        estimate = max(estimate, -(inputs[at.WINCH_FORCE] + parameters[at.WINCH_FRICTION]) / step)
     return given_derivative(state, at.WINCH_FORCE, estimate)
 
 

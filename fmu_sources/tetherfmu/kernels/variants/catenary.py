@@ -7,10 +7,11 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
 from ..compilation import kernel
-from ..equations import node_loads, segment
+from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
 from ..equations.properties import property_of
 from ..equilibrium.elastic_catenary import LEAST, hang, point_in_space
+from ..integrators.drum_in_equilibrium import drum_at
 from ..linear_algebra.vectors import add, add_scaled, cross, dot, norm, put_at, scale, vector_at
 from ..step.outputs import away_from_chord, place_along_chord, wave_time, write_direction
 from .chord import chord_load, chord_of, no_work_size, write_common
@@ -30,8 +31,8 @@ def uniform_load(line, state):
 
 
 @kernel
-def settle(parameters, state):
-    """Store the tension vector of the ground end in the state (modified); returns OK or NO_EQUILIBRIUM."""
+def settle(n, parameters, state, work):
+    """Store the tension vector of the ground end in the state (modified); returns OK or NO_EQUILIBRIUM. n is 1."""
     line, _, chord, distance = chord_of(parameters, state)
     stiffness = property_of(line, 0, at.STIFFNESS)
     load = uniform_load(line, state)
@@ -51,14 +52,25 @@ def settle(parameters, state):
 @kernel
 def initialize(n, parameters, state, work):
     """Find the tension in a new state (modified); returns a status: OK or NO_EQUILIBRIUM. n is 1."""
-    return settle(parameters, state)
+    return settle(n, parameters, state, work)
+
+
+@kernel
+def ground_tension(n, parameters, state):
+    """Tension at the ground [N] of a state in equilibrium. n is 1."""
+    return norm(vector_at(state, at.GROUND_TENSION_VECTOR))
+
+
+advance_drum = drum_at(settle, ground_tension)
 
 
 @kernel
 def advance(n, parameters, given, before, state, work):
-    """Move a state (modified) over a communication step with `StepInputs`; returns OK or NO_EQUILIBRIUM. n is 1."""
+    """Move a state (modified) over a communication step with `StepInputs`; returns a status. n is 1."""
+    if winch.follows_force(parameters):
+        return advance_drum(n, parameters, given, state, work)
     move_ends(n, given, state)
-    return settle(parameters, state)
+    return settle(n, parameters, state, work)
 
 
 @kernel

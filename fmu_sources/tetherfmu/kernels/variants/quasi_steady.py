@@ -10,11 +10,13 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
+from ..equations import segment, winch
 from ..equations.boundary import move_ends
 from ..equations.properties import chain_of
 from ..equilibrium import end_tensions, newton, solve
-from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
-from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring, spring_tensions
+from ..integrators.drum_in_equilibrium import drum_at
+from ..linear_algebra.vectors import add_scaled, get, norm, put, scale, sub, vector_at
 from ..step.outputs import outputs_of_chain
 
 work_size = newton.workspace_size
@@ -28,7 +30,7 @@ def body_of(n, parameters, state, x, v):
 
 
 @kernel
-def settle(n, parameters, state, warm, w):
+def settle_from(n, parameters, state, warm, w):
     """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
 
     warm : whether the inner nodes and the tensions in w.tension are close to it.
@@ -51,7 +53,28 @@ def settle(n, parameters, state, warm, w):
 @kernel
 def initialize(n, parameters, state, work):
     """Give a new state (modified) its shape; returns a status: OK or NO_EQUILIBRIUM."""
-    return settle(n, parameters, state, False, newton.workspace(n, work))
+    return settle_from(n, parameters, state, False, newton.workspace(n, work))
+
+
+@kernel
+def settle(n, parameters, state, work):
+    """Bring a state (modified) into equilibrium between its ends from one that is close, with its tensions; a status."""
+    return settle_from(n, parameters, state, True, newton.workspace(n, work))
+
+
+@kernel
+def ground_tension(n, parameters, state):
+    """Tension of the first segment [N] of a state in equilibrium."""
+    held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
+    if held > 0.0:
+        return held
+    x, _ = positions_and_velocities(n, state)
+    length, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
+    elongation, k = spring(chain_of(n, parameters, state), 0, length, False)
+    return k * elongation
+
+
+advance_drum = drum_at(settle, ground_tension)
 
 
 @kernel
@@ -65,10 +88,13 @@ def advance(n, parameters, given, before, state, work):
     x, v = positions_and_velocities(n, state)
     w = newton.workspace(n, work)
     spring_tensions(chain_of(n, parameters, before), x, w.tension)
-    for i in range(1, n):
-        put(x, i, add_scaled(get(x, i), given.step, get(v, i)))
-    move_ends(n, given, state)
-    status = settle(n, parameters, state, True, w)
+    if winch.follows_force(parameters):
+        status = advance_drum(n, parameters, given, state, work)
+    else:
+        for i in range(1, n):
+            put(x, i, add_scaled(get(x, i), given.step, get(v, i)))
+        move_ends(n, given, state)
+        status = settle_from(n, parameters, state, True, w)
     last, _ = positions_and_velocities(n, before)
     for i in range(1, n):
         put(v, i, scale(1.0 / given.step, sub(get(x, i), get(last, i))))

@@ -8,9 +8,10 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..compilation import kernel
-from ..equations import node_loads, segment
+from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
 from ..equations.properties import property_of
+from ..integrators.drum_in_equilibrium import drum_at
 from ..linear_algebra.vectors import add, add_scaled, dot, put_at, scale, sub
 from ..step.outputs import wave_time, write_direction
 from .chord import chord_load, chord_of, no_work_size, write_common
@@ -25,8 +26,40 @@ def initialize(n, parameters, state, work):
 
 
 @kernel
+def settle(n, parameters, state, work):
+    """A state with its ends is in equilibrium; returns OK. n is 1."""
+    return OK
+
+
+@kernel
+def end_forces(parameters, state):
+    """Forces of the tether on what holds its ground end and its kite end [N]."""
+    line, _, chord, distance = chord_of(parameters, state)
+    _, e = segment.geometry(chord)
+    pull = property_of(line, 0, at.STIFFNESS) * max(distance / line.length - 1.0, 0.0)
+    mean, moment = chord_load(parameters, state)
+    half_weight = scale(0.5 * property_of(line, 0, at.LINE_DENSITY) * line.length, node_loads.free_acceleration(line))
+    ground_force = add(add(scale(pull, e), half_weight), scale(distance, sub(mean, moment)))
+    return ground_force, add(add(scale(-pull, e), half_weight), scale(distance, moment))
+
+
+@kernel
+def ground_tension(n, parameters, state):
+    """Tension at the ground [N] of a state: the force there along the chord. n is 1."""
+    _, _, chord, _ = chord_of(parameters, state)
+    _, e = segment.geometry(chord)
+    ground_force, _ = end_forces(parameters, state)
+    return dot(ground_force, e)
+
+
+advance_drum = drum_at(settle, ground_tension)
+
+
+@kernel
 def advance(n, parameters, given, before, state, work):
-    """Move a state (modified) over a communication step with `StepInputs`; returns OK. n is 1."""
+    """Move a state (modified) over a communication step with `StepInputs`; returns a status. n is 1."""
+    if winch.follows_force(parameters):
+        return advance_drum(n, parameters, given, state, work)
     move_ends(n, given, state)
     return OK
 
@@ -39,10 +72,7 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     stiffness = property_of(line, 0, at.STIFFNESS)
     line_density = property_of(line, 0, at.LINE_DENSITY)
     pull = stiffness * max(distance / line.length - 1.0, 0.0)
-    mean, moment = chord_load(parameters, state)
-    half_weight = scale(0.5 * line_density * line.length, node_loads.free_acceleration(line))
-    ground_force = add(add(scale(pull, e), half_weight), scale(distance, sub(mean, moment)))
-    kite_force = add(add(scale(-pull, e), half_weight), scale(distance, moment))
+    ground_force, kite_force = end_forces(parameters, state)
     write_common(line, distance, ground_force, kite_force, outputs)
     outputs[at.GROUND_TENSION] = dot(ground_force, e)
     outputs[at.KITE_TENSION] = -dot(kite_force, e)

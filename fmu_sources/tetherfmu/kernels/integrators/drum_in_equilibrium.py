@@ -1,0 +1,219 @@
+"""The drum of a winch at a tether that is in equilibrium at every instant: two numbers, length L and speed u.
+
+    m du/dt = T(L, t) - W - c u - F sign(u),   dL/dt = u      (`equations/drum.py`)
+
+T is the tension at the ground of the tether between its ends, found anew for each L. L-stable diagonally implicit
+Runge-Kutta method of order 2 with gamma = 1 - 1/sqrt(2), whose second stage is the result; each stage is one equation for
+one length, in which T falls and the rest grows:
+
+    m (u - u*)/(gamma h) = T(L) - W - c u - F sign(u),   u = (L - L*)/(gamma h)
+
+Without mass and damping nothing is left to integrate: T(L) = W + F sign(u) at the end of the step. Pieces end where the
+drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.md, "A drum in the same system".
+Source: R. Alexander, Diagonally implicit Runge-Kutta methods for stiff ODEs, SIAM J. Numer. Anal. 14 (1977) 1006.
+"""
+
+from math import inf, sqrt
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+
+from ..compilation import kernel
+from ..equations.boundary import put_ends
+from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop
+from ..equations.end_motion import target
+
+STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
+TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
+MOST_PIECES = 5000  # of a communication step
+SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
+MOST_EVALUATIONS = 80  # of the tension for one length
+FARTHEST = 0.5  # change of the length, relative, between two of them
+EXACT, ROUNDING = 1e-13, 3e-16  # of the forces; of the length
+NARROW = 1e-12  # interval of the length, relative, in which its tension jumps by rounding
+LONGEST = 1e7  # [m], beyond which no length is sought for
+OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
+SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
+LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
+SHORTEST_PART, LONGEST_PART = 0.01, 0.99  # of a piece in which an event happened, to try next
+
+
+def drum_at(settle, tension):
+    """The kernel advance(n, parameters, given, state, work) of a variant, which returns a status.
+
+    settle : kernel (n, parameters, state, work) that brings a state (modified) into equilibrium between its ends and returns
+    a status.  tension : kernel (n, parameters, state) of the tension at the ground [N] of such a state.
+    """
+
+    @kernel
+    def tension_with(n, parameters, length, state, work):
+        """A status, and the tension [N] with an unstretched length [m], which the state (modified) then has."""
+        state[at.LENGTH] = length
+        status = settle(n, parameters, state, work)
+        return status, tension(n, parameters, state)
+
+    @kernel
+    def place(n, given, time, state):
+        """Put the ends of a state (modified) where they are at a time [s] of the communication step."""
+        put_ends(n, state, target(*given.ground, time), target(*given.kite, time))
+
+    @kernel
+    def find(n, parameters, drum, direction, time, h, last_length, last_speed, guess, state, work):
+        """Length [m] of a stage and the tension with it [N]; and a status.
+
+        h : gamma times the length of the piece [s].  last_length, last_speed : L* [m], u* [m/s].  guess : a length [m].
+        The state (modified) has this length in the end. Secant method, in an interval with a change of sign once it is
+        known; a length beyond a stop is that of the stop.
+        """
+        shortest, longest = drum.shortest, min(drum.longest, LONGEST)
+        low, high = shortest, longest
+        below = above = 0.0  # residuals at the ends of the interval, 0 where they are not known
+        length = min(longest, max(shortest, guess))
+        last, last_residual = length, 0.0
+        inertia = drum.mass / (h * h) + drum.damping / h
+        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n]
+        slope = inertia + stiffness / length
+        forces = abs(force_at(drum, time)) + drum.friction
+        pull = 0.0
+        for k in range(MOST_EVALUATIONS):
+            status, pull = tension_with(n, parameters, length, state, work)
+            if status != OK:
+                if k == 0:
+                    return length, 0.0, status
+                length = 0.5 * (length + last)
+                continue
+            speed = (length - last_length) / h
+            pushing = drum.mass * (speed - last_speed) / h
+            residual = pushing - balance(drum, direction, pull, speed, time)
+            if abs(residual) <= EXACT * (forces + abs(pushing)) + ROUNDING * (stiffness + inertia * length):
+                return length, pull, OK
+            if (residual < 0.0 and length == longest) or (residual > 0.0 and length == shortest):
+                return length, pull, NO_LENGTH if length == LONGEST else OK
+            if length != last and (residual - last_residual) / (length - last) > 0.0:
+                slope = (residual - last_residual) / (length - last)
+            if residual < 0.0:
+                above *= 0.5 if last_residual < 0.0 else 1.0  # the same end twice: its other one counts less
+                low, below = length, residual
+            else:
+                below *= 0.5 if last_residual > 0.0 else 1.0
+                high, above = length, residual
+            last, last_residual = length, residual
+            change = max(-FARTHEST * length, min(FARTHEST * length, -residual / slope))
+            length = min(longest, max(shortest, length + change))
+            if below < 0.0 < above:
+                if not low < length < high or k % 4 == 3:
+                    length = high - above * (high - low) / (above - below)
+                if not low < length < high or k % 8 == 7:
+                    length = 0.5 * (low + high)
+                if not low < length < high:
+                    return last, pull, OK  # neighbouring numbers
+            elif length == last:
+                length = min(longest, max(shortest, length * (1.0 + (1e-15 if residual < 0.0 else -1e-15) * (k + 1))))
+        return last, pull, OK if below < 0.0 < above and high - low <= NARROW * high else NO_LENGTH
+
+    @kernel
+    def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
+        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, the tension [N], the error [-]."""
+        end = time + h
+        if direction == HELD:
+            place(n, given, end, state)
+            status, pull = tension_with(n, parameters, length, state, work)
+            return status, length, 0.0, pull, 0.0
+        if drum.mass == 0.0 and drum.damping == 0.0:
+            place(n, given, end, state)
+            found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, length + h * speed, state, work)
+            return status, found, (found - length) / h, pull, 0.0
+        part = STAGE * h
+        place(n, given, time + part, state)
+        guess = length + part * speed
+        now = time + part
+        first, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
+        if status != OK:
+            return status, length, speed, pull, inf
+        first_speed = (first - length) / part
+        rest = (1.0 - STAGE) * h
+        last_length, last_speed = length + rest * first_speed, speed + rest * (first_speed - speed) / part
+        place(n, given, end, state)
+        guess = last_length + part * first_speed
+        found, pull, status = find(n, parameters, drum, direction, end, part, last_length, last_speed, guess, state, work)
+        new_speed = (found - last_length) / part
+        error = part * abs(new_speed - first_speed) / (TOLERANCE * length)
+        return status, found, new_speed, pull, error
+
+    @kernel
+    def room_left(drum, direction, time, length, speed, pull):
+        """How far the drum is from the end of its piece, below 0 beyond it; by how much it may be beyond it."""
+        if direction == HELD:
+            forces = abs(pull) + abs(force_at(drum, time)) + drum.friction
+            return freedom(drum, length, pull, time), OVERLOAD * forces
+        if drum.friction > 0.0 and drum.mass > 0.0 and speed * direction < 0.0:
+            return speed * direction, SLOW * length
+        return min(drum.longest - length, length - drum.shortest), LOCATED * length
+
+    @kernel
+    def advance(n, parameters, given, state, work):
+        """Move a state (modified) over a communication step with `StepInputs`; returns a status."""
+        drum = drum_of(parameters, given.force, given.force_rate)
+        duration = given.step
+        length, speed, pull = state[at.LENGTH], state[at.REELING], tension(n, parameters, state)
+        time, h, piece, weight = 0.0, duration, inf, 1.0
+        direction = HELD
+        is_new, is_held = True, False
+        for _ in range(MOST_PIECES):
+            if is_new:
+                direction = HELD if is_held else direction_of(drum, length, speed, pull, time)
+                if direction == HELD or (drum.mass > 0.0 and speed * direction < 0.0):
+                    speed = 0.0
+                is_new, piece, weight = False, inf, 1.0
+            rest = duration - time
+            h_now = min(h, piece, rest)
+            end = duration if h_now == rest else time + h_now
+            status, new_length, new_speed, new_pull, error = piece_with(
+                n, parameters, given, drum, direction, time, h_now, length, speed, state, work
+            )
+            if status != OK:
+                if drum.mass == 0.0 or h_now < SMALLEST_PIECE * duration:
+                    return status
+                h = 0.25 * h_now
+                continue
+            if error > 1.0:
+                h = h_now * max(0.1, 0.9 / sqrt(error))
+                if h < SMALLEST_PIECE * duration:
+                    return STEP_TOO_SMALL
+                continue
+            if drum.mass == 0.0 and drum.friction > 0.0 and new_speed * direction < 0.0:
+                is_new, is_held = True, True  # it has turned round, and is held
+                continue
+            room, margin = room_left(drum, direction, end, new_length, new_speed, new_pull)
+            if room < -margin and h_now > SMALLEST_PIECE * duration:
+                before = length_to_event(drum, direction, room, new_speed, time, length, speed, pull)
+                before *= weight
+                piece = h_now * max(SHORTEST_PART, min(LONGEST_PART, before / (before - room)))
+                weight *= 0.5
+                continue
+            time, length, speed, pull = end, new_length, new_speed, new_pull
+            is_new, is_held = True, False
+            if direction != HELD:
+                way = OUTWARDS if speed > 0.0 else INWARDS
+                if is_at_stop(drum, length, way):
+                    length, speed = max(drum.shortest, min(drum.longest, length)), 0.0
+                elif drum.friction > 0.0 and drum.mass > 0.0 and speed * direction < 0.0:
+                    speed = 0.0
+            if time >= duration:
+                state[at.LENGTH], state[at.REELING] = length, speed
+                return OK
+            h = max(h, h_now * min(5.0, 0.9 / sqrt(max(error, 1e-4))))
+        return STEP_BUDGET_SPENT
+
+    @kernel
+    def length_to_event(drum, direction, room, new_speed, time, length, speed, pull):
+        """`room_left` at the start of a piece, of the event that ended it, at least 0."""
+        if direction == HELD:
+            found, _ = room_left(drum, HELD, time, length, speed, pull)
+        elif drum.friction > 0.0 and drum.mass > 0.0 and new_speed * direction < 0.0:
+            found = speed * direction
+        else:
+            found = drum.longest - length if new_speed > 0.0 else length - drum.shortest
+        return max(found, 0.0)
+
+    return advance
