@@ -85,7 +85,8 @@ SENTENCES = {
     ),
     NO_LENGTH: (
         "no unstretched length was found with which the tether pulls as winch_force ({winch_force} N) says in a step of "
-        "{step} s (tether_length {length} m); give the winch a winch_mass, winch_damping or a longest_length"
+        "{step} s (tether_length {length} m); give the winch a winch_mass, winch_damping or a longest_length, or set "
+        "input_continuation to 2 (held) where winch_force jumps"
     ),
 }
 
