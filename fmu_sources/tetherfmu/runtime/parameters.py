@@ -179,7 +179,9 @@ class Winch:
     shortest_length: float = quantity(
         0.0, "m", "force control: unstretched length at which the drum stops; 0: where segments become too short", 0.0, 1e6
     )
-    longest_length: float = quantity(0.0, "m", "force control: unstretched length at which the drum stops; 0: none", 0.0, 1e6)
+    longest_length: float = quantity(
+        0.0, "m", "force control: unstretched length at which the drum stops; 0: none", 0.0, 1e6
+    )
 
     def __post_init__(self):
         check(self)

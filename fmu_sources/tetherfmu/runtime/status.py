@@ -80,8 +80,8 @@ SENTENCES = {
         "most longest_length, unless that is 0"
     ),
     WINCH_PUSHES: (
-        "winch_force is {winch_force} N; at the start and at the end of the step of {step} s, to which it continues linearly, "
-        "it must not be less than -winch_friction: a winch without winch_mass cannot push a tether; give a winch_mass"
+        "winch_force is {winch_force} N; it must be at least -winch_friction, and so must what it comes to in the step of "
+        "{step} s with a given derivative: a winch without winch_mass cannot push a tether; give a winch_mass"
     ),
     NO_LENGTH: (
         "no unstretched length was found with which the tether pulls as winch_force ({winch_force} N) says in a step of "

@@ -113,7 +113,7 @@ def drum_at(settle, tension):
 
     @kernel
     def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
-        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, the tension [N], the error [-]."""
+        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, tension [N], error [-]."""
         end = time + h
         if direction == HELD:
             place(n, given, end, state)
