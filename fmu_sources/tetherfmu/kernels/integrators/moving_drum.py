@@ -453,7 +453,8 @@ def integrate(conditions, duration, state, x, v, b):
             error = drum_error(conditions, drum, motion, speed, v)
             if conditions.first <= conditions.last:
                 chain = chain_with(conditions, new_length, new_speed)
-                error = max(error, step_control.error_of_step(conditions, chain, h_now, v, w))
+                of_chain = step_control.error_of_step(conditions, chain, h_now, v, w)
+                error = error if of_chain <= error else of_chain  # also where it is no number
         if error <= 1.0 and direction != HELD and drum.mass == 0.0:
             d = GAMMA * h_now
             new_length, new_speed, found = project(conditions, drum, direction, end, d, new_length, new_speed, w.x, w.v)
