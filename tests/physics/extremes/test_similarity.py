@@ -128,14 +128,14 @@ def disturbed(scene):
         yield scene | moved | {"tolerance": scene["tolerance"] * 10.0 ** random.uniform(0.0, 1.0)}
 
 
-def assert_same(plain, other, scene):
+def assert_same(plain, other, scene, same_refusals=True):
     """Both ways to fly a scene give the same, up to rounding and `SPREAD` times what disturbances make of either.
 
     plain, other : functions of a scene; forces and positions in the same axes and units, or None if it is refused.
     """
     scene = {"tolerance": 1e-6} | scene
     expected, found = plain(scene), other(scene)
-    assume(expected or found)  # else the shape is hard to find
+    assume((expected or found) if same_refusals else (expected and found))  # else the shape is hard to find
     allowed = rounding(scene, expected or found)
     refused, changes = not (expected and found), np.zeros(2)
     for each in islice(disturbed(scene), MOST):
@@ -220,4 +220,5 @@ def test_units_that_change_no_digit(scene, factor):
 @RUNS
 @given(scenes(), st.sampled_from([2, 3, 5]))
 def test_split_steps(scene, split):
-    assert_same(fly, lambda each: fly(each, split=split), scene | {"tolerance": 1e-8})
+    """A step may be refused for its number of internal steps, of which its parts have so many each."""
+    assert_same(fly, lambda each: fly(each, split=split), scene | {"tolerance": 1e-8}, same_refusals=False)
