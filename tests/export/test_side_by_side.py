@@ -24,7 +24,7 @@ def forces(host):
 @of_every_flavour("fmu")
 @in_own_process
 def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
-    first, second = Host(fmu_folder / f"{fmu}.fmu").start(), Host(fmu_folder / f"{fmu}.fmu").start()
+    first, second = (Host(fmu_folder / f"{fmu}.fmu", own_folder=True).start() for _ in range(2))
     assert first.folder != second.folder
     assert forces(first) == forces(second)
 
@@ -34,7 +34,7 @@ def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
 def test_the_folder_may_vanish(fmu_folder, fmu):
     """Running instances go on, also after a reset. (A new one needs the folder: PythonFMU's library reads it.)"""
     twin = Host(fmu_folder / f"{fmu}.fmu").start()
-    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    host = Host(fmu_folder / f"{fmu}.fmu", own_folder=True).start()
     shutil.rmtree(host.folder)
     expected = forces(twin)
     assert forces(host) == expected
@@ -55,7 +55,8 @@ def test_all_variants_in_one_process(fmu_folder):
 
 @in_own_process
 def test_both_flavours_in_one_process(fmu_folder, native_folder):
-    hosts = [Host(folder / "TetherDynamic.fmu").start() for folder in (fmu_folder, native_folder, fmu_folder)]
+    folders = (fmu_folder, native_folder, fmu_folder)
+    hosts = [Host(folder / "TetherDynamic.fmu", own_folder=True).start() for folder in folders]
     assert forces(hosts[0]) == forces(hosts[1]) == forces(hosts[2])
 
 

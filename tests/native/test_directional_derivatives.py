@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from scipy.integrate import solve_ivp
 
 from isolation import in_own_process
 from mechanics import drags, line_density, node_masses
@@ -208,6 +207,8 @@ def exact_kite_force(state, inputs, before, wind):
 
     inputs : position and velocity of the kite, array (6,).  before : its velocity one step ago.
     """
+    from scipy.integrate import solve_ivp  # not in the process of each test of this file: it takes longer than most of them
+
     tether, air = Tether(initial_length=525.0), Environment()
     x0, v0 = state[at.STATE_HEADER :].reshape(2, -1, 3)
     mass, rest = node_masses(tether), tether.initial_length / tether.segments
