@@ -6,12 +6,18 @@
     speed          |v1| of the end
     slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
+    slack winch    W > F of a winch with mass that is told a force and reels in, where all segments have l < l0 before a
+                   step and after it; of two segments or more, since one line hangs with l < l0
+    too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
 between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
 sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must
 contradict: a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper
 sum.
+
+A length that is too short is a stretch. One that is too long is possible, and judged only where the winch was told it: there it
+is mostly a wrong unit or an offset.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
@@ -23,9 +29,10 @@ from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
+from ..equations import winch
 from ..equations.boundary import are_derived
 from ..equations.properties import chain_of, property_of, rest_length
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, scale, sub, vector_at
 
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
 
@@ -40,7 +47,7 @@ def note(state, kind, square, limit):
 
 @kernel
 def note_shape(n, parameters, state):
-    """Note the largest stretch l/l0 of the segments, if too large, and the speeds of the ends in the state (modified)."""
+    """Note the largest stretch l/l0, if too large, the speeds of the ends and the length in the state (modified)."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
     largest = limits.LARGEST_STRETCH**2
@@ -55,6 +62,38 @@ def note_shape(n, parameters, state):
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
     note(state, limits.GROUND_SPEED, dot(ground_velocity, ground_velocity), limits.FASTEST)
     note(state, limits.KITE_SPEED, dot(kite_velocity, kite_velocity), limits.FASTEST)
+    note_length(n, parameters, state)
+
+
+@kernel
+def note_length(n, parameters, state):
+    """Note by how much the length that a winch was told exceeds the distance of the ends [m] in the state (modified)."""
+    if winch.follows_length(parameters):
+        x, _ = positions_and_velocities(n, state)
+        distance = norm(sub(get(x, n), get(x, 0)))
+        excess = max(0.0, state[at.LENGTH] - distance)
+        note(state, limits.WINCH_TOO_LONG, excess * excess, max(limits.LARGEST_EXCESS * distance, limits.NEARBY))
+
+
+@kernel
+def is_all_slack(n, parameters, state):
+    """Whether all segments are shorter than unstretched."""
+    x, _ = positions_and_velocities(n, state)
+    chain = chain_of(n, parameters, state)
+    for s in range(n):
+        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
+        if dot(r, r) >= rest * rest:
+            return False
+    return True
+
+
+@kernel
+def note_slack_winch(n, parameters, before, state):
+    """Note the force [N] of a winch that reels in a slack tether throughout a step in the state (modified)."""
+    if n > 1 and winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
+        force, friction = state[at.LAST_WINCH_FORCE], parameters[at.WINCH_FRICTION]
+        if force > friction and is_all_slack(n, parameters, before) and is_all_slack(n, parameters, state):
+            note(state, limits.WINCH_REELS_IN_SLACK, force * force, friction)
 
 
 @kernel
@@ -116,6 +155,7 @@ def note_step(n, parameters, before, state):
     initialization was, wherever the ends are then.
     """
     note_shape(n, parameters, state)
+    note_slack_winch(n, parameters, before, state)
     derived = are_derived(parameters)
     last_step = before[at.LAST_STEP]
     if last_step <= 0.0 or (derived and before[at.STEP_BEFORE] <= 0.0):
