@@ -31,8 +31,7 @@ SENTENCES = {
     STRETCH: (
         "a segment is stretched by {strain:.3g} %; from {allowed:.3g} % on, ropes of most materials are broken; check "
         "kite_position (initial_kite_position of a free kite end), ground_position, initial_length, reel_out_speed, "
-        "winch_force, winch_length, "
-        "diameter and axial_stiffness, and their units"
+        "winch_force, winch_length, diameter and axial_stiffness, and their units"
     ),
     GROUND_ACCELERATION: _ACCELERATION,
     KITE_ACCELERATION: _ACCELERATION,
@@ -50,9 +49,9 @@ SENTENCES = {
         "positions of the ends, the sign of winch_force and winch_mass, or give the winch more winch_damping"
     ),
     WINCH_TOO_LONG: (
-        "the winch was told a length that is {value:.3g} m longer than the distance of the ends, more than {excess:.3g} % of it; "
-        "unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the positions "
-        "of the ends for wrong units and offsets"
+        "the winch was told a length that is {value:.3g} m longer than the distance of the ends, more than {excess:.3g} % of "
+        "it; unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the "
+        "positions of the ends for wrong units and offsets"
     ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}

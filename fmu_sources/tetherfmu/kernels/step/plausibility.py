@@ -16,8 +16,8 @@ sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and
 contradict: a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper
 sum.
 
-A length that is too short is a stretch. One that is too long is possible, and judged only where the winch was told it: there it
-is mostly a wrong unit or an offset.
+A length that is too short is a stretch. One that is too long is possible, and judged only where the winch was told it: there
+it is mostly a wrong unit or an offset.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
