@@ -63,7 +63,7 @@ read after the start.
 | `winch_control` | input | what the winch does |
 |---|---|---|
 | 1 (speed) | `reel_out_speed` | it pays out at this speed, whatever the tension |
-| 2 (force) | `winch_force` | it pulls at the tether with this force; the tension decides whether the tether is paid out or reeled in |
+| 2 (force) | `winch_force` | it pulls with this force; the tension decides whether the tether is paid out or reeled in |
 | 3 (length) | `winch_length` | it moves until so much unstretched tether is paid out, as an end moves to its position |
 
 Take the one that you know: the set point of a speed controller, the tension that a winch holds or the torque of its motor
