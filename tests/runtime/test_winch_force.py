@@ -16,7 +16,7 @@ WINCHES = {
     "no drum": {},
     "friction": {"winch_friction": 30.0},
     "drum": DRUM,
-    "drum that stops": {**DRUM, "shortest_length": 499.9, "longest_length": 500.1},
+    "drum that stops": {**DRUM, "shortest_length": 499.98, "longest_length": 500.02},
     "no drum, fixed steps": {"fixed_step": 0.005},
     "drum, fixed steps": {**DRUM, "fixed_step": 0.005},
 }
@@ -61,13 +61,12 @@ def flown_in_python(name, winch, steps):
 @pytest.mark.parametrize("name", list(SLAVES))
 @in_own_process
 def test_the_flight_of_the_python_api(fmu_folder, name):
-    """And the winch matters: its length differs from that of every other winch, and changes."""
+    """And each winch ends with another length."""
     lengths = set()
     for winch, values in WINCHES.items():
         expected = flown_in_python(name, values, 20)
         for found, row in zip(fly(started(fmu_folder / f"{name}.fmu", values), 0, 20), expected, strict=True):
             assert {each: np.ravel(value).tolist() for each, value in found.items()} == {k: row[k] for k in found}, winch
-        assert abs(expected[-1]["winch_speed"][0]) > 0.0 or "stops" in winch or "friction" in winch
         lengths.add(expected[-1]["tether_length"][0])
     ignored = 0 if name in ("TetherDynamic", "TetherDynamicFree") else 2  # without waves there are no fixed steps
     assert len(lengths) == len(WINCHES) - ignored

@@ -77,7 +77,7 @@ SENTENCES = {
     STOPS_CROSSED: parameters.STOPS_CROSSED,
     START_BEYOND_STOP: (
         "the unstretched length is {length} m at the start, beyond a stop of the winch; give an initial_length between "
-        "{shortest_stop} m and {longest_stop} m, or another shortest_length or longest_length"
+        "{shortest_stop:.6g} m and {longest_stop:.6g} m, or another shortest_length or longest_length"
     ),
     WINCH_PUSHES: (
         "winch_force is {winch_force} N; at the start and at the end of the step of {step} s it must be at least minus "

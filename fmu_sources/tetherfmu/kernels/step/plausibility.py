@@ -6,8 +6,7 @@
     speed          |v1| of the end
     slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
-    slack winch    W > F of a winch with mass that is told a force and reels in, where all segments have l < l0 before a
-                   step and after it; of two segments or more, since one line hangs with l < l0
+    slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
     too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
@@ -76,24 +75,27 @@ def note_length(n, parameters, state):
 
 
 @kernel
-def is_all_slack(n, parameters, state):
-    """Whether all segments are shorter than unstretched."""
+def ground_tension(n, parameters, state):
+    """Tension of the first segment [N] without its damping; of the catenary that at the ground."""
+    held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
+    if held > 0.0:
+        return held
     x, _ = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
-    for s in range(n):
-        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
-        if dot(r, r) >= rest * rest:
-            return False
-    return True
+    elongation = norm(sub(get(x, 1), get(x, 0))) / rest_length(chain, 0) - 1.0
+    return property_of(chain, 0, at.STIFFNESS) * max(0.0, elongation)
 
 
 @kernel
-def note_slack_winch(n, parameters, before, state):
-    """Note the force [N] of a winch that reels in a slack tether throughout a step in the state (modified)."""
-    if n > 1 and winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
-        force, friction = state[at.LAST_WINCH_FORCE], parameters[at.WINCH_FRICTION]
-        if force > friction and is_all_slack(n, parameters, before) and is_all_slack(n, parameters, state):
-            note(state, limits.WINCH_REELS_IN_SLACK, force * force, friction)
+def note_slack_winch(n, parameters, state):
+    """Note the force [N] of a winch with mass that reels in a slack tether, which hardly resists, in the state (modified)."""
+    if winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
+        x, _ = positions_and_velocities(n, state)
+        force = state[at.LAST_WINCH_FORCE]
+        drive = force - parameters[at.WINCH_FRICTION]
+        is_slack = norm(sub(get(x, n), get(x, 0))) < limits.SLACK * state[at.LENGTH]
+        if is_slack and ground_tension(n, parameters, state) < limits.LEAST_RESISTANCE * drive:
+            note(state, limits.WINCH_REELS_IN_SLACK, force * force, 0.0)
 
 
 @kernel
@@ -155,7 +157,7 @@ def note_step(n, parameters, before, state):
     initialization was, wherever the ends are then.
     """
     note_shape(n, parameters, state)
-    note_slack_winch(n, parameters, before, state)
+    note_slack_winch(n, parameters, state)
     derived = are_derived(parameters)
     last_step = before[at.LAST_STEP]
     if last_step <= 0.0 or (derived and before[at.STEP_BEFORE] <= 0.0):
