@@ -51,9 +51,9 @@ SENTENCES = {
         "positions of the ends, the sign of winch_force and winch_mass, or give the winch more winch_damping"
     ),
     WINCH_TOO_LONG: (
-        "the winch was told a length that is {value:.3g} m longer than the distance of the ends, by more than {excess:.3g} %; "
-        "unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the positions "
-        "of the ends for wrong units and offsets"
+        "the winch was told a length that is {value:.3g} m longer than the distance of the ends, by more than {excess:.3g} "
+        "%; unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the "
+        "positions of the ends for wrong units and offsets"
     ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}

@@ -1,9 +1,9 @@
 """What no tether and no kite does is noted in the state once, with its first value; what does happen is not.
 
 Stretch l/l0 > 1.05; acceleration 2 |x1 - x0 - v0 h|/(h H) > 9810 m/s2; speed > 340 m/s; twice in a row, on 0.5 m of an end,
-its velocities leave more than half of the way unexplained. A winch with mass that reels in a
-tether 1 % longer than the distance of its ends, whose tension is below a tenth of what drives the winch; a length that a winch was told, more than 5 % and 10 m above the distance of the ends. The limits are those of
-runtime/plausibility.py, written here once more.
+its velocities leave more than half of the way unexplained. A winch with mass that reels in a tether 1 % longer than the
+distance of its ends, whose tension is below a tenth of what drives the winch; a length that a winch was told, more than 5 %
+and 10 m above the distance of the ends. The limits are those of runtime/plausibility.py, written here once more.
 """
 
 import numpy as np

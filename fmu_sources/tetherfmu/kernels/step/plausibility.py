@@ -88,7 +88,7 @@ def ground_tension(n, parameters, state):
 
 @kernel
 def note_slack_winch(n, parameters, state):
-    """Note the force [N] of a winch with mass that reels in a slack tether, which hardly resists, in the state (modified)."""
+    """Note the force [N] of a winch with mass that reels in a slack tether against little, in the state (modified)."""
     if winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
         x, _ = positions_and_velocities(n, state)
         force = state[at.LAST_WINCH_FORCE]
