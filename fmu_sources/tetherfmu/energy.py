@@ -17,7 +17,8 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.instance import address
 
-WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load")  # inputs that powers depend on, beside the motion of the ends
+# inputs that powers depend on, beside the motion of the ends
+WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load", "winch_force")
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,15 @@ class Energy:
         Heat in the dampers; at least 0 with the strain-rate law.
     drag_loss : float
         Heat in the air, drag force . (wind - tether velocity); at least 0.
+    drum : float
+        Kinetic energy of a drum that is told a force. This and the following are no part of `total` and `power`, and 0 of
+        any other winch.
+    drum_power : float
+        What the tension of the first segment puts into the drum, tension . speed.
+    motor_power : float
+        What the motor puts into the drum, - winch_force . speed.
+    friction_loss : float
+        Heat of the friction of the drum; at least 0.
 
     Examples
     --------
@@ -66,6 +76,10 @@ class Energy:
     wind_power: float
     damping_loss: float
     drag_loss: float
+    drum: float
+    drum_power: float
+    motor_power: float
+    friction_loss: float
 
     @property
     def total(self) -> float:
@@ -79,13 +93,13 @@ class Energy:
         return gains - self.damping_loss - self.drag_loss
 
 
-POWERS = tuple(field.name for field in fields(Energy))[3:]
+POWERS = tuple(field.name for field in fields(Energy) if field.name.endswith(("_power", "_loss")))
 
 
-def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
+def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
     """Of a started `Instance` with nodes: `Energy`, tensions of the segments [N], velocities of the nodes [m/s], arrays.
 
-    reel_out_speed [m/s], wind_velocity [m/s], kite_load [N] : None for those of the last step.
+    reel_out_speed [m/s], wind_velocity [m/s], kite_load [N], winch_force [N] : None for those of the last step.
     """
     inputs, state = np.array(instance.values[: at.INPUTS]), np.frombuffer(instance.state)
     columns = by_name(inputs)
@@ -93,6 +107,8 @@ def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None):
     columns["wind_velocity"][:] = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
     if kite_load is not None:
         columns["kite_load"][:] = kite_load
+    if winch_force is not None:
+        columns["winch_force"][:] = winch_force
     places = np.cumsum((len(fields(Energy)), instance.segments))
     found = np.zeros(places[-1] + 3 * (instance.segments + 1))
     arrays = (address(each) for each in (instance.parameters, instance.state))
@@ -157,5 +173,11 @@ class EnergyAudit:
     @property
     def residual(self) -> float:
         """Energy from nowhere [J]: change of the total energy since the start minus the work of all powers."""
-        gains = sum(self.work[name] for name in POWERS[:-2])
-        return self.now.total - self.start.total - gains + self.work["damping_loss"] + self.work["drag_loss"]
+        work = Energy(**{field.name: self.work.get(field.name, 0.0) for field in fields(Energy)})
+        return self.now.total - self.start.total - work.power
+
+    @property
+    def drum_residual(self) -> float:
+        """The same of the drum of a winch that is told a force [J]: what its powers do not explain."""
+        gains = self.work["drum_power"] + self.work["motor_power"] - self.work["friction_loss"]
+        return self.now.drum - self.start.drum - gains

@@ -387,13 +387,15 @@ class TetherModel:
         reel_out_speed: float | None = None,
         wind_velocity: ArrayLike | None = None,
         kite_load: ArrayLike | None = None,
+        winch_force: float | None = None,
     ) -> energy.Energy:
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
 
-        `reel_out_speed` [m/s], `wind_velocity` [m/s] and `kite_load` [N] are those of the last step where they are None. The
-        powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
+        `reel_out_speed` [m/s], `wind_velocity` [m/s], `kite_load` [N] and `winch_force` [N] are those of the last step where
+        they are None. The powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up
+        along a run.
         """
-        found, _, _ = self._account(reel_out_speed, wind_velocity, kite_load)
+        found, _, _ = self._account(reel_out_speed, wind_velocity, kite_load, winch_force)
         return found
 
     @property
@@ -438,12 +440,12 @@ class TetherModel:
         if wind_velocity is not None:
             self._set_wind(wind_velocity)
 
-    def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None):
+    def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
         """`Energy`, tensions [N] and velocities [m/s] of the present state, see `energy.account`."""
         if not self._variant.has_nodes:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
         self._check_started()
-        return energy.account(self._instance, reel_out_speed, wind_velocity, kite_load)
+        return energy.account(self._instance, reel_out_speed, wind_velocity, kite_load, winch_force)
 
     def _set_wind(self, wind):
         """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""

@@ -35,7 +35,7 @@ LONGEST = 1e7  # [m], beyond which no length is sought for
 OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
 SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
 LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
-SHORTEST_PART, LONGEST_PART = 0.01, 0.99  # of a piece in which an event happened, to try next
+SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
 
 
 def drum_at(settle, tension):
@@ -113,7 +113,7 @@ def drum_at(settle, tension):
 
     @kernel
     def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
-        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, the tension [N], the error [-]."""
+        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, tension [N], error [-]."""
         end = time + h
         if direction == HELD:
             place(n, given, end, state)
@@ -158,13 +158,14 @@ def drum_at(settle, tension):
         length, speed, pull = state[at.LENGTH], state[at.REELING], tension(n, parameters, state)
         time, h, piece, weight = 0.0, duration, inf, 1.0
         direction = HELD
+        beyond = 0.0  # time at which the next event is known to be over, 0 without
         is_new, is_held = True, False
         for _ in range(MOST_PIECES):
             if is_new:
                 direction = HELD if is_held else direction_of(drum, length, speed, pull, time)
                 if direction == HELD or (drum.mass > 0.0 and speed * direction < 0.0):
                     speed = 0.0
-                is_new, piece, weight = False, inf, 1.0
+                is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
             rest = duration - time
             h_now = min(h, piece, rest)
             end = duration if h_now == rest else time + h_now
@@ -190,7 +191,10 @@ def drum_at(settle, tension):
                 before *= weight
                 piece = h_now * max(SHORTEST_PART, min(LONGEST_PART, before / (before - room)))
                 weight *= 0.5
+                beyond = end
                 continue
+            if room < 0.0:
+                beyond = 0.0
             time, length, speed, pull = end, new_length, new_speed, new_pull
             is_new, is_held = True, False
             if direction != HELD:

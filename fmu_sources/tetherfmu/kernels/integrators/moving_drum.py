@@ -25,14 +25,25 @@ from ..arrays import behind, copy
 from ..compilation import kernel, part, view
 from ..equations import assembly, segment
 from ..equations.boundary import BoundaryConditions, hold_ends, place_ends
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop, stop_ahead
+from ..equations.drum import (
+    HELD,
+    INWARDS,
+    OUTWARDS,
+    balance,
+    direction_of,
+    drum_of,
+    force_at,
+    freedom,
+    is_at_stop,
+    stop_ahead,
+)
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.properties import chain_at, point_mass, property_of, rest_length, sees_reeling
 from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.pairs import first
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
 from . import rosenbrock, step_control
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
@@ -66,9 +77,9 @@ Motion.__doc__ = "Length [m] and speed [m/s] of the drum after a step, and their
 NOTHING, TURNS, PAID_OUT, REELED_IN, RESTS_OUTWARDS, RESTS_INWARDS = range(6)  # events that end a piece
 SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
-SLOW = 1e-3  # of the allowed error of a velocity: at which speed a drum comes to rest
+SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
 OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
-SHORTEST_PART, LONGEST_PART = 0.01, 0.99  # of a piece in which an event happened, to try next
+SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
 AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
 MOST_CORRECTIONS = 30
 EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # of T = W, relative; what is good enough where it gets no better; of T
@@ -318,11 +329,14 @@ def project(conditions, drum, direction, time, d, length, speed, x, v):
 
 
 @kernel
-def drum_error(conditions, drum, motion, v):
-    """Error of `Motion` over what is allowed [-]: as of a node that moves with it."""
+def drum_error(conditions, drum, motion, speed, v):
+    """Error of `Motion` over what is allowed [-]: as of a node that moves with it, from its speed at the start [m/s]."""
     position_scale, velocity_scale = step_control.allowed_errors(conditions, v)
     error = abs(motion.length_error) / position_scale
-    return max(error, abs(motion.speed_error) / velocity_scale) if drum.mass > 0.0 else error
+    if drum.mass == 0.0:
+        return error
+    fastest = max(abs(speed), abs(motion.speed))
+    return max(error, abs(motion.speed_error) / max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest))
 
 
 @kernel
@@ -348,8 +362,7 @@ def room_left(conditions, drum, event, time, length, speed, x, v):
         return drum.longest - length, LOCATED * length
     if event == REELED_IN:
         return length - drum.shortest, LOCATED * length
-    _, velocity_scale = step_control.allowed_errors(conditions, v)
-    return speed if event == RESTS_OUTWARDS else -speed, SLOW * velocity_scale
+    return speed if event == RESTS_OUTWARDS else -speed, SLOW * length
 
 
 @kernel
@@ -410,6 +423,7 @@ def integrate(conditions, duration, state, x, v, b):
     rejected_before = turned_back = False
     is_new = True  # whether a piece begins
     direction, piece, weight = HELD, inf, 1.0
+    beyond = 0.0  # time at which the next event is known to be over, 0 without
     while time < duration:
         if tried >= budget:
             return STEP_BUDGET_SPENT
@@ -420,7 +434,7 @@ def integrate(conditions, duration, state, x, v, b):
             direction, length, speed, found = turn(conditions, drum, turned_back, time, duration, length, speed, x, v)
             if not found:
                 return NO_LENGTH
-            is_new, piece, weight = False, inf, 1.0
+            is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
         rest = duration - time
         left = ceil(rest / h - 1e-6)
         h_now = rest / left if left > 1.0 else rest
@@ -436,15 +450,13 @@ def integrate(conditions, duration, state, x, v, b):
         end = time + h_now
         new_length, new_speed = motion.length, motion.speed
         if done and new_length > 0.0:
-            error = drum_error(conditions, drum, motion, v)
+            error = drum_error(conditions, drum, motion, speed, v)
             if conditions.first <= conditions.last:
                 chain = chain_with(conditions, new_length, new_speed)
                 error = max(error, step_control.error_of_step(conditions, chain, h_now, v, w))
         if error <= 1.0 and direction != HELD and drum.mass == 0.0:
             d = GAMMA * h_now
-            new_length, new_speed, found = project(
-                conditions, drum, direction, end, d, new_length, new_speed, w.x, w.v
-            )
+            new_length, new_speed, found = project(conditions, drum, direction, end, d, new_length, new_speed, w.x, w.v)
             if not found:
                 error = inf
         if not error <= 1.0:
@@ -459,6 +471,7 @@ def integrate(conditions, duration, state, x, v, b):
             room = max(weight * room, 0.0)
             piece = h_now * max(SHORTEST_PART, min(LONGEST_PART, room / (room - over)))
             weight *= 0.5  # if the next piece is too long again, the one after it will not be
+            beyond = end
             state[at.REJECTIONS] += 1.0
             continue
         time = duration if whole else end
@@ -466,6 +479,8 @@ def integrate(conditions, duration, state, x, v, b):
         copy(w.v, v)
         length, speed = new_length, new_speed
         turned_back = False
+        if event != NOTHING:
+            beyond = 0.0
         if direction != HELD:
             way = OUTWARDS if speed > 0.0 else INWARDS
             if is_at_stop(drum, length, way):

@@ -7,13 +7,16 @@ from ..arrays import copy, positions_and_velocities, shared_arrays
 from ..compilation import kernel, part
 from ..equations import node_loads, segment
 from ..equations.assembly import end_force, node_masses
+from ..equations.drum import drum_of
 from ..equations.properties import chain_at, point_mass, rest_length
+from ..equations.winch import follows_force
 from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
 
 # the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N], then the velocities
 # of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
-ENERGIES = 10
+DRUM, DRUM_POWER, MOTOR_POWER, FRICTION_LOSS = range(10, 14)
+ENERGIES = 14
 
 
 @kernel
@@ -23,10 +26,25 @@ def size(n):
 
 
 @kernel
+def balance_drum(parameters, speed, tension, force, energies):
+    """Energy and powers of a drum that is told a force [N] into `energies` (modified); 0 of any other winch.
+
+    speed : of the drum [m/s].  tension : of the first segment [N].
+    """
+    drum = drum_of(parameters, force, 0.0)
+    is_there = 1.0 if follows_force(parameters) else 0.0
+    energies[DRUM] = is_there * 0.5 * drum.mass * speed * speed
+    energies[DRUM_POWER] = is_there * tension * speed
+    energies[MOTOR_POWER] = -is_there * force * speed
+    energies[FRICTION_LOSS] = is_there * (drum.damping * speed * speed + drum.friction * abs(speed))
+
+
+@kernel
 def balance(n, parameters, state, v, inputs, energies, work):
     """Energies [J], powers [W], tensions [N] and velocities of a state into `energies` (modified), see `ENERGIES`; a status.
 
-    v : velocities of its nodes [m/s].  inputs : its reel-out speed, wind and load of a free kite end count.
+    v : velocities of its nodes [m/s].  inputs : its reel-out speed, wind, load of a free kite end and force of the winch
+    count.
     work (modified) : for node masses.
     """
     chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], vector_at(inputs, at.WIND_VELOCITY))
@@ -75,5 +93,6 @@ def balance(n, parameters, state, v, inputs, energies, work):
     energies[WIND] = wind
     energies[DAMPING_LOSS] = damping
     energies[DRAG_LOSS] = friction
+    balance_drum(parameters, state[at.REELING], energies[ENERGIES], inputs[at.WINCH_FORCE], energies)
     copy(v, part(energies, ENERGIES + n, 3 * (n + 1)))
     return OK

@@ -1,0 +1,305 @@
+"""A winch that is told a force: formulas of drum, rope and load, and an independent solution (`tests/drums.py`)."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import drums
+from tetherfmu import (
+    EnergyAudit,
+    StepRefused,
+    TetherCatenary,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    TetherStraight,
+)
+
+DRIVEN = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
+IN_EQUILIBRIUM = DRIVEN[1:]
+NOTHING = {"gravity": 0.0, "air_density": 0.0}  # acts on the tether
+G = 9.81
+
+
+def on_drum(model, distance=100.0, **options):
+    """A tether on its drum along x, between two ends that stay."""
+    tether = model(winch_control="force", **options)
+    tether.initialize(kite_position=(distance, 0.0, 0.0))
+    return tether
+
+
+def spring(**options):
+    """A spring between a drum and an end that stays: one segment without mass between its nodes, without damper and load."""
+    chosen = {"initial_length": 100.0, "axial_stiffness": 1e5, "axial_damping": 0.0, "relative_tolerance": 1e-8}
+    return on_drum(TetherDynamic, segments=1, **NOTHING, **(chosen | options))
+
+
+# --- formulas
+
+
+def test_atwood():
+    """A load and a drum on a light stiff rope have the acceleration m g/(m + M)."""
+    load, drum, length, stiffness = 20.0, 30.0, 10.0, 1e9
+    rope = {"initial_length": length, "axial_stiffness": stiffness, "density": 1e-3, "air_density": 0.0, "segments": 1}
+    tether = TetherDynamicFree(kite_mass=load, winch_control="force", winch_mass=drum, relative_tolerance=1e-8, **rope)
+    acceleration = load * G / (load + drum)
+    stretched = length * (1.0 + load * (G - acceleration) / stiffness)
+    tether.initialize(positions=((0.0, 0.0, 0.0), (0.0, 0.0, -stretched)))
+    for k in range(1, 51):
+        outputs = tether.step(0.02, winch_force=0.0)
+        assert outputs.winch_speed == pytest.approx(acceleration * 0.02 * k, rel=1e-6)
+    assert outputs.tether_length - length == pytest.approx(0.5 * acceleration, rel=1e-6)
+    assert outputs.kite_position[2] == pytest.approx(-stretched - 0.5 * acceleration, rel=1e-6)
+
+
+def test_motor_turns_a_free_drum():
+    """On a tether that carries nothing the drum has the speed F/c (1 - exp(-c t/m)); without friction F t/m."""
+    slack = {"initial_length": 120.0, "slack_stiffness_ratio": 0.0}
+    for friction in (0.0, 15.0):
+        tether = spring(winch_mass=40.0, winch_damping=friction, **slack)
+        for k in range(1, 51):
+            outputs = tether.step(0.02, winch_force=-8.0)
+            time = 0.02 * k
+            speed = 8.0 / friction * (1.0 - np.exp(-friction * time / 40.0)) if friction else 8.0 * time / 40.0
+            assert outputs.winch_speed == pytest.approx(speed, rel=1e-7)
+
+
+@pytest.mark.parametrize("kite", ["held", "free"])
+def test_drum_and_load_oscillate_on_the_rope(kite):
+    """omega^2 = EA/L (1/m + l/(L M)): the tension is EA (l/L - 1) with the length l of the load and L of the drum."""
+    drum, load, mean, length, stiffness = 2.0, 1.0, 1000.0, 100.0, 1e6
+    start = length * (1.0 + mean / stiffness) * (1.0 + 1e-5)  # stretched by 1e-5 more than the force of the winch does
+    options = {"initial_length": length, "axial_stiffness": stiffness, "axial_damping": 0.0, "segments": 1, "density": 1e-3}
+    options |= {"winch_control": "force", "winch_mass": drum, "relative_tolerance": 1e-9, **NOTHING}
+    if kite == "held":
+        tether = TetherDynamic(**options)
+        tether.initialize(kite_position=(start, 0.0, 0.0))
+        load = np.inf
+    else:
+        tether = TetherDynamicFree(kite_mass=load, **options)
+        tether.initialize(positions=((0.0, 0.0, 0.0), (start, 0.0, 0.0)))
+    step, tensions = 0.001, []
+    for _ in range(600):
+        given = {} if kite == "held" else {"kite_load": (mean, 0.0, 0.0)}
+        tensions.append(tether.step(step, winch_force=mean, **given).ground_tension - mean)
+    tensions = np.array(tensions)
+    above = np.flatnonzero((tensions[:-1] < 0.0) & (tensions[1:] >= 0.0))
+    passages = above - tensions[above] / (tensions[above + 1] - tensions[above])
+    period = step * (passages[-1] - passages[0]) / (len(passages) - 1)
+    omega = np.sqrt(stiffness / length * (1.0 / load + (1.0 + mean / stiffness) / drum))
+    assert len(passages) > 5
+    assert period == pytest.approx(2.0 * np.pi / omega, rel=3e-5)  # passages between two steps, and the strain of 1e-5
+
+
+def elastic_work(length, distance, stiffness):
+    """Integral of the tension EA (distance/L - 1) over the length [J]."""
+    return stiffness * (distance * np.log(length) - length)
+
+
+def test_dry_friction_stops_a_drum_on_a_spring():
+    """Each half swing ends where the work of the tension is that against motor and friction; the last one is held."""
+    friction, mass, force, distance, stiffness = 40.0, 25.0, 500.0, 100.0, 1e5
+    tether = spring(initial_length=99.2, winch_mass=mass, winch_friction=friction, axial_stiffness=stiffness)
+
+    def gained(length, start, way):
+        """Kinetic energy [J] of the drum that swings outwards (way = 1) or inwards from rest at a length."""
+        work = elastic_work(length, distance, stiffness) - elastic_work(start, distance, stiffness)
+        return work - (force + way * friction) * (length - start)
+
+    length, path, turns = 99.2, 0.0, 0
+    while abs(excess := stiffness * (distance / length - 1.0) - force) > friction:
+        way = np.sign(excess)
+        far = length + way * 1e-6
+        while gained(far, length, way) > 0.0:
+            far += way * 1e-3
+        turned = brentq(gained, far - way * 1e-3, far, args=(length, way), xtol=1e-15)
+        path, length, turns = path + abs(turned - length), turned, turns + 1
+    assert turns > 3
+    audit = EnergyAudit(tether)
+    for _ in range(2500):
+        outputs = audit.step(0.002, winch_force=force)
+    assert outputs.winch_speed == 0.0
+    assert outputs.tether_length == pytest.approx(length, abs=1e-7)
+    assert outputs.tether_length == tether.step(0.001).tether_length  # it does not creep
+    heat = friction * path
+    lost = elastic_work(length, distance, stiffness) - elastic_work(99.2, distance, stiffness) - force * (length - 99.2)
+    assert heat == pytest.approx(lost, rel=1e-9)  # of the formula
+    assert audit.work["friction_loss"] == pytest.approx(heat, rel=1e-3)  # trapezoidal rule over kinks
+    assert abs(audit.drum_residual) < 1e-3 * heat
+
+
+@pytest.mark.parametrize("model", DRIVEN)
+def test_friction_holds_until_it_is_overcome(model):
+    options = {"winch_mass": 10.0, "winch_friction": 50.0, "initial_length": 99.9, "axial_stiffness": 1e5}
+    tether = on_drum(model, segments=3, input_continuation="held", **options)
+    first = tether.outputs().ground_tension
+    for force in (first - 49.0, first, first + 49.0):
+        for _ in range(3):
+            outputs = tether.step(0.01, winch_force=force)
+        assert outputs.tether_length == 99.9
+        assert outputs.winch_speed == 0.0
+    for _ in range(3):
+        outputs = tether.step(0.01, winch_force=first + 60.0)
+    assert outputs.winch_speed < 0.0
+
+
+@pytest.mark.parametrize("model", DRIVEN)
+@pytest.mark.parametrize("mass", [0.0, 20.0])
+def test_stops_are_inelastic(model, mass):
+    options = {"initial_length": 99.95, "shortest_length": 99.9, "longest_length": 100.5, "segments": 3}
+    tether = on_drum(model, winch_mass=mass, winch_damping=5.0, axial_stiffness=1e5, **options)
+    for _ in range(100):
+        outputs = tether.step(0.02, winch_force=500.0)
+    assert (outputs.tether_length, outputs.winch_speed) == (99.9, 0.0)
+    for _ in range(300):
+        outputs = tether.step(0.02, winch_force=0.0 if mass == 0.0 else -20.0)
+    if mass or model is not TetherStraight:  # which pulls no more once it is slack
+        assert (outputs.tether_length, outputs.winch_speed) == (100.5, 0.0)
+
+
+# --- without mass
+
+
+@pytest.mark.parametrize("options", [{}, {"fixed_step": 0.01}, {"axial_damping": 0.0}, {"damping_law": "stretch_rate"}])
+def test_tension_is_the_force_of_a_winch_without_mass(options):
+    """Taut, going slack, slack, snapping taut: T = W at every communication point, from the end of the first step on."""
+    tether = TetherDynamic(segments=5, winch_control="force", **options)
+    tether.initialize(wind_velocity=(8.0, 0.0, 0.0))
+    for force in (300.0, 300.0, 5.0, 5.0, 5.0, 0.0, 0.0, 0.0, 0.0, 2000.0, 2000.0, 2000.0):
+        before = force
+        for k in range(8):
+            outputs = tether.step(0.02, winch_force=force)
+            if k > 0:  # over the first one the jump is extrapolated
+                rounding = 1e-15 * 614600.0
+                assert outputs.ground_tension == pytest.approx(force, rel=1e-9, abs=rounding)
+    assert before == 2000.0
+
+
+@pytest.mark.parametrize("model", IN_EQUILIBRIUM)
+def test_tension_is_the_force_in_equilibrium(model):
+    tether = model(segments=5, winch_control="force", input_continuation="held")
+    tether.initialize(wind_velocity=(8.0, 0.0, 0.0))
+    for force in (300.0, 140.0, 2000.0, 150.0):
+        outputs = tether.step(0.02, winch_force=force)
+        assert outputs.ground_tension == pytest.approx(force, rel=1e-9)
+
+
+@pytest.mark.parametrize("fixed_step", [0.0, 0.02])
+def test_no_force_lets_the_tether_run_out(fixed_step):
+    """A kite that flies away at 10 m/s pulls the tether off its drum, which does not push."""
+    tether = TetherDynamic(segments=5, winch_control="force", fixed_step=fixed_step, initial_length=500.0)
+    tether.initialize()
+    for k in range(100):
+        way = 10.0 * 0.02 * k * np.array((0.6, 0.0, 0.8))
+        outputs = tether.step(0.02, kite_position=np.add((300.0, 0.0, 400.0), way), kite_velocity=(6.0, 0.0, 8.0))
+        assert abs(outputs.ground_tension) < 1e-8
+    assert outputs.tether_length > 519.0
+    assert outputs.winch_speed > 9.0
+
+
+# --- independent solutions
+
+
+def compared(seed, duration, step=0.02, **options):
+    """Largest difference of the length, relative, and of a position at the end [m], of a scene of `drums`."""
+    drum, mean, rate = drums.scene(seed)
+    shares = np.arange(drum.n + 1)[:, None] / drum.n
+    winch = {"winch_control": "force", "winch_mass": drum.mass, "winch_damping": drum.damping}
+    tether = TetherDynamic(segments=drum.n, initial_length=drum.length, **winch, **options)
+    tether.initialize(positions=drum.x, velocities=shares * drum.kite_velocity, wind_velocity=drum.wind)
+    worst, before = 0.0, None
+    for k in range(round(duration / step)):
+        force = mean * (1.0 + 0.5 * np.sin(rate * k * step))
+        slope = 0.0 if before is None else (force - before) / step
+        length = drum.advance(step, lambda time, force=force, slope=slope: force + slope * time)
+        kite = drum.x[-1] + k * step * drum.kite_velocity
+        outputs = tether.step(step, kite_position=kite, kite_velocity=drum.kite_velocity, winch_force=force)
+        worst, before = max(worst, abs(outputs.tether_length / length - 1.0)), force
+    return worst, np.abs(tether.positions.ravel() - drum.state[: tether.positions.size]).max()
+
+
+@pytest.mark.parametrize("seed", range(1, 11))
+def test_against_radau(seed):
+    length, position = compared(seed, 0.24, relative_tolerance=1e-8)
+    assert length < 1e-6
+    assert position < 1e-5
+
+
+def test_fixed_step_is_first_order():
+    coarse, _ = compared(4, 0.4, fixed_step=0.01)
+    fine, _ = compared(4, 0.4, fixed_step=0.005)
+    assert coarse / fine == pytest.approx(2.0, rel=0.1)
+
+
+def test_second_order_in_the_communication_step():
+    """The force is known at communication points only and continues linearly: an error of the square of the step."""
+    drum, mean, rate = drums.scene(4)
+    drum.wind, drum.kite_velocity = np.zeros(3), np.zeros(3)
+    exact = drums.scene(4)[0]
+    exact.wind, exact.kite_velocity = drum.wind, drum.kite_velocity
+    exact.__post_init__()
+    exact.advance(1.0, lambda time: mean * (1.0 + 0.5 * np.cos(rate * time)))
+    errors = []
+    for step in (0.1, 0.05, 0.025):
+        options = {"winch_mass": drum.mass, "winch_damping": drum.damping, "relative_tolerance": 1e-8}
+        tether = TetherDynamic(segments=drum.n, initial_length=drum.length, winch_control="force", **options)
+        tether.initialize(positions=drum.x)
+        for k in range(round(1.0 / step)):
+            outputs = tether.step(step, winch_force=mean * (1.0 + 0.5 * np.cos(rate * k * step)))
+        errors.append(outputs.tether_length - exact.state[-2])
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.2)
+
+
+@pytest.mark.parametrize("model", IN_EQUILIBRIUM)
+@pytest.mark.parametrize("mass", [5.0, 500.0])
+def test_drum_at_a_tether_in_equilibrium(model, mass):
+    """Without weight and drag all tethers are one spring: m L'' = EA (c/L - 1) - W - d L'."""
+    distance, stiffness, length, damping = 100.0, 1e4, 99.0, 30.0
+    options = {"winch_mass": mass, "winch_damping": damping, "axial_stiffness": stiffness, "initial_length": length}
+    tether = on_drum(model, distance, segments=3, **options, **NOTHING)
+
+    def rates(_, state):
+        pull = stiffness * max(distance / state[0] - 1.0, 0.0)
+        return state[1], (pull - 60.0 - damping * state[1]) / mass
+
+    solved = solve_ivp(rates, (0.0, 2.0), (length, 0.0), "Radau", rtol=1e-10, atol=1e-12, t_eval=np.linspace(0.0, 2.0, 101))
+    found = [tether.step(0.02, winch_force=60.0).tether_length for _ in range(100)]
+    assert np.abs(found - solved.y[0, 1:]).max() < 5e-6 * length
+
+
+# --- stability
+
+
+@pytest.mark.parametrize("length", [10.0, 100.0, 1000.0])
+def test_steps_of_20_ms_are_stable(length):
+    """Drums of 1 to 10 000 kg: a step of the force makes at most the tension of an undamped one, and some waves."""
+    for mass in (1.0, 100.0, 1e4):
+        tether = TetherDynamic(segments=10, initial_length=length, winch_control="force", winch_mass=mass)
+        kite = np.array((0.6, 0.0, 0.8)) * length
+        tether.initialize(kite_position=kite)
+        start = tether.outputs().ground_tension
+        largest = max(tether.step(0.02, winch_force=start + 100.0).ground_tension for _ in range(250))
+        assert largest < 2.5 * (start + 200.0)
+
+
+# --- refusals
+
+
+def test_refused_step_leaves_everything():
+    tether = TetherDynamic(segments=4, winch_control="force")
+    tether.initialize()
+    tether.step(0.02, winch_force=200.0)
+    before = tether.get_state()
+    with pytest.raises(StepRefused, match=r"winch_force is -1\.0 N;"):
+        tether.step(0.02, winch_force=-1.0)
+    assert np.array_equal(tether.get_state(), before)
+
+
+def test_no_length_is_refused():
+    """A hanging tether pulls with at least its weight below the winch; where it hangs from the winch it never pulls less."""
+    tether = TetherQuasiSteady(segments=4, winch_control="force", initial_length=100.0)
+    tether.initialize(kite_position=(10.0, 0.0, -90.0))
+    with pytest.raises(StepRefused, match="no unstretched length was found"):
+        tether.step(0.02, winch_force=0.0)
