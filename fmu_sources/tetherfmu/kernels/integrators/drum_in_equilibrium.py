@@ -112,6 +112,12 @@ def drum_at(settle, tension):
         return last, pull, OK if below < 0.0 < above and high - low <= NARROW * high else NO_LENGTH
 
     @kernel
+    def speed_of(drum, direction, time, h, last_speed, pull):
+        """Speed [m/s] at a stage with this tension [N]: from the forces, since lengths differ by rounding in short pieces."""
+        free = balance(drum, direction, pull, 0.0, time)
+        return (drum.mass * last_speed + h * free) / (drum.mass + h * drum.damping)
+
+    @kernel
     def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
         """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, tension [N], error [-]."""
         end = time + h
@@ -130,13 +136,13 @@ def drum_at(settle, tension):
         first, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
         if status != OK:
             return status, length, speed, pull, inf
-        first_speed = (first - length) / part
+        first_speed = speed_of(drum, direction, now, part, speed, pull)
         rest = (1.0 - STAGE) * h
         last_length, last_speed = length + rest * first_speed, speed + rest * (first_speed - speed) / part
         place(n, given, end, state)
         guess = last_length + part * first_speed
         found, pull, status = find(n, parameters, drum, direction, end, part, last_length, last_speed, guess, state, work)
-        new_speed = (found - last_length) / part
+        new_speed = speed_of(drum, direction, end, part, last_speed, pull)
         error = part * abs(new_speed - first_speed) / (TOLERANCE * length)
         return status, found, new_speed, pull, error
 
@@ -182,8 +188,12 @@ def drum_at(settle, tension):
                 if h < SMALLEST_PIECE * duration:
                     return STEP_TOO_SMALL
                 continue
-            if drum.mass == 0.0 and drum.friction > 0.0 and new_speed * direction < 0.0:
-                is_new, is_held = True, True  # it has turned round, and is held
+            back = (new_length - length) * direction < -ROUNDING * length
+            if drum.mass == 0.0 and drum.friction > 0.0 and back:  # it has turned round, and is held
+                if h_now > SHORTEST_PART * duration:
+                    piece = 0.25 * h_now
+                else:
+                    is_new, is_held = True, True
                 continue
             room, margin = room_left(drum, direction, end, new_length, new_speed, new_pull)
             if room < -margin and h_now > SMALLEST_PIECE * duration:
@@ -201,8 +211,8 @@ def drum_at(settle, tension):
                 way = OUTWARDS if speed > 0.0 else INWARDS
                 if is_at_stop(drum, length, way):
                     length, speed = max(drum.shortest, min(drum.longest, length)), 0.0
-                elif drum.friction > 0.0 and drum.mass > 0.0 and speed * direction < 0.0:
-                    speed = 0.0
+                elif drum.friction > 0.0 and speed * direction < 0.0:
+                    speed, is_held = 0.0, drum.mass == 0.0
             if time >= duration:
                 state[at.LENGTH], state[at.REELING] = length, speed
                 return OK
