@@ -66,7 +66,8 @@ def other_version(tmp_path_factory):
     folder = tmp_path_factory.mktemp("other_version")
     shutil.copytree(ROOT / "fmu_sources", folder / "fmu_sources", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", folder)
-    half, whole = "scale(0.5 * line_density", "scale(1.0 * line_density"  # weight at each end of the straight line
+    weight = "scale({} * property_of(line, 0, at.LINE_DENSITY)"  # at each end of the straight line
+    half, whole = weight.format(0.5), weight.format(1.0)
     variants = (folder / "fmu_sources" / "tetherfmu" / "kernels" / "variants").glob("*.py")
     (lines,) = [path for path in variants if half in path.read_text(encoding="utf-8")]
     lines.write_text(lines.read_text(encoding="utf-8").replace(half, whole), encoding="utf-8")

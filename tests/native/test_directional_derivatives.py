@@ -96,6 +96,35 @@ def test_differences_of_steps_that_are_done_again(native_folder, name):
         np.testing.assert_allclose(found[:, k], expected, rtol=0.0, atol=1e-4 * np.abs(expected).max(), err_msg=each)
 
 
+@pytest.mark.parametrize("mass", [0.0, 50.0], ids=["no drum", "drum"])
+@every_fmu
+@in_own_process
+def test_by_the_force_of_a_winch(native_folder, name, mass):
+    """Without mass T = 2 W - W_last at the end of equal steps, so 2 of the tension; else by steps that are done again.
+
+    Those are extrapolated over changes of 1 N. A tether in equilibrium takes changes of 6 N, 1 % of the force: their third
+    order is felt in its length, 2e-4.
+    """
+    host = Host(native_folder / f"{name}.fmu").start(winch_control=2, winch_mass=mass, initial_length=500.0)
+    for k in range(6):
+        before, used = blob_of(host), 400.0 + 20.0 * k
+        host.step(STEP, winch_force=used)
+    outputs, time = ["ground_tension", "kite_tension", "tether_length", "winch_speed"], host.time - STEP
+    found = derivative(host, outputs, ["winch_force"], [1.0])
+
+    def values(force):
+        restore(host, before)
+        host.time = time
+        host.step(STEP, winch_force=force)
+        return np.array([host.get(each) for each in outputs])
+
+    wide, narrow = ((values(used + c) - values(used - c)) / (2.0 * c) for c in (1.0, 0.5))
+    expected = (4.0 * narrow - wide) / 3.0
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-9)
+    if mass == 0.0:
+        assert found[0] == pytest.approx(2.0, rel=1e-6)
+
+
 @in_own_process
 def test_formula_of_a_taut_straight_line(native_folder):
     """T = EA (c/L - 1): K = EA/L e e^T + T/c (1 - e e^T) by position, and what an input moves within the step.
