@@ -119,7 +119,7 @@ def drum_at(settle, tension):
 
     @kernel
     def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
-        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, tension [N], error [-]."""
+        """A piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, tension [N], error [-]."""
         end = time + h
         if direction == HELD:
             place(n, given, end, state)
@@ -133,7 +133,7 @@ def drum_at(settle, tension):
         place(n, given, time + part, state)
         guess = length + part * speed
         now = time + part
-        first, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
+        _, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
         if status != OK:
             return status, length, speed, pull, inf
         first_speed = speed_of(drum, direction, now, part, speed, pull)
