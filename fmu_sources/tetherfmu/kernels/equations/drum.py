@@ -35,8 +35,18 @@ SAME_PLACE = 1e-12  # of the length, relative: so near to a stop the drum is at 
 @view
 def drum_of(parameters, force, force_rate):
     """`Drum` with this force [N] and its rate [N/s]."""
-    friction = parameters[at.WINCH_MASS], parameters[at.WINCH_DAMPING], parameters[at.WINCH_FRICTION]
-    return Drum(*friction, parameters[at.SHORTEST_LENGTH], parameters[at.LONGEST_LENGTH], force, force_rate)
+    mass, friction = parameters[at.WINCH_MASS], parameters[at.WINCH_FRICTION]
+    if mass == 0.0:
+        force = max(force, -friction)  # of which rounding may take a little, see `transaction.check_reeling`
+    return Drum(
+        mass,
+        parameters[at.WINCH_DAMPING],
+        friction,
+        parameters[at.SHORTEST_LENGTH],
+        parameters[at.LONGEST_LENGTH],
+        force,
+        force_rate,
+    )
 
 
 @kernel
