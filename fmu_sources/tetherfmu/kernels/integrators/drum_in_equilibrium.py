@@ -18,18 +18,20 @@ from math import inf, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
+from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations.boundary import put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop
 from ..equations.end_motion import target
 from ..equations.properties import chain_of, property_of
+from ..linear_algebra.vectors import get, norm, sub
 
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
 MOST_PIECES = 2000  # of a communication step
 SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 MOST_EVALUATIONS = 80  # of the tension for one length
-FARTHEST = 0.5  # change of the length, relative, between two of them
+FARTHEST = 0.02  # change of the length, relative, between two of them: each shape is sought from the last one
 EXACT, ROUNDING = 1e-13, 3e-16  # of the forces; of the length
 NARROW = 1e-12  # interval of the length, relative, in which its tension jumps by rounding
 LONGEST = 1e7  # [m], beyond which no length is sought for
@@ -57,6 +59,12 @@ def drum_at(settle, tension):
     def place(n, given, time, state):
         """Put the ends of a state (modified) where they are at a time [s] of the communication step."""
         put_ends(n, state, target(*given.ground, time), target(*given.kite, time))
+
+    @kernel
+    def distance(n, state):
+        """Distance of the ends [m]."""
+        x, _ = positions_and_velocities(n, state)
+        return norm(sub(get(x, n), get(x, 0)))
 
     @kernel
     def find(n, parameters, drum, direction, time, h, last_length, last_speed, guess, state, work):
@@ -114,7 +122,7 @@ def drum_at(settle, tension):
 
     @kernel
     def speed_of(drum, direction, time, h, last_speed, pull):
-        """Speed [m/s] at a stage with this tension [N]: from the forces, since lengths differ by rounding in short pieces."""
+        """Speed [m/s] at a stage with this tension [N]: from the forces, as lengths in short pieces are rounded."""
         free = balance(drum, direction, pull, 0.0, time)
         return (drum.mass * last_speed + h * free) / (drum.mass + h * drum.damping)
 
@@ -127,8 +135,10 @@ def drum_at(settle, tension):
             status, pull = tension_with(n, parameters, length, state, work)
             return status, length, 0.0, pull, 0.0
         if drum.mass == 0.0 and drum.damping == 0.0:
+            before = distance(n, state)
             place(n, given, end, state)
-            found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, length + h * speed, state, work)
+            guess = length + distance(n, state) - before
+            found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, guess, state, work)
             return status, found, (found - length) / h, pull, 0.0
         part = STAGE * h
         place(n, given, time + part, state)
