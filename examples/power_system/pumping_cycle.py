@@ -97,7 +97,8 @@ MASTERS = {"jacobi": jacobi, "gauss_seidel": gauss_seidel}
 def system(start, master, fmus=FMUS, tether=None):
     """FMUs that run: a list of `Part`, the outputs of all, their places by name, and a function to call for Ctrl-C.
 
-    start : dict of start values, set in each FMU that has the name; that of "kite.wing_area" in the kite only.  master : of `MASTERS`.  tether : path of its FMU, if it is another one.
+    start : dict of start values, set in each FMU that has the name; that of "kite.wing_area" in the kite only.
+    master : of `MASTERS`.  tether : path of its FMU, if it is another one.
     """
     files = [tether if tether and name == "tether" else find_fmu(fmu) for name, fmu in fmus.items()]
     with all_running(files) as (opened, stop_if_pressed):

@@ -40,7 +40,8 @@ def fly(step, inside, start=START):
         while len(bounds) < 2:
             time, depower = len(rows) * step, signals[at["depower"]]
             if inside:
-                parts[0].fmu.setReal(winch_force, [pull(signals[at["winch_speed"]], depower, signals[kite])])
+                drum = [signals[at[name]] for name in ("ground_tension", "winch_speed", "depower")]
+                parts[0].fmu.setReal(winch_force, [pull(*drum, signals[kite], step)])
             guess, count = together(parts[:2], signals, load, guess, time, step)
             pumping_cycle.gauss_seidel(parts[2:], signals, time, step)
             rows.append((time + step, signals[at["ground_tension"]], signals[at["winch_speed"]]))
@@ -55,17 +56,16 @@ def fly(step, inside, start=START):
 def explicit(master, step):
     """What `pumping_cycle.py` gives in the same steps [s], in words."""
     try:
-        return pumping_cycle.summary(pumping_cycle.fly(1, step, master)).splitlines()[-2]
+        return pumping_cycle.summary(pumping_cycle.fly(1, step, master)).partition(": ")[2].partition("\n")[0]
     except RuntimeError as error:
         return str(error).partition(":")[0]
 
 
 @command
 def main(arguments=None):
-    """Print the mean power and the peak force of a cycle of both kinds, draw the reel-out speeds."""
-    parser = Parser(description="a pumping kite with its winch inside the tether, and as an FMU")
-    where = {"type": folder, "default": Path("plots"), "metavar": "DIR"}
-    parser.add_argument("--out", **where, help="folder of the figure (default: plots)")
+    """Print the mean power and the peak force of a cycle of each kind, draw the reel-out speeds."""
+    parser, where = Parser(description="a pumping kite with its winch inside the tether, and as an FMU"), Path("plots")
+    parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
     file = parser.parse_args(arguments).out / "winch_inside.png"
     from power_system.pumping_figures import plt
 
@@ -79,8 +79,8 @@ def main(arguments=None):
             now(f"flying with {1e3 * step:g} ms")
             time, tension, speed, iterations = fly(step, inside)
             power = np.trapezoid(tension * speed, time) / (time[-1] - time[0])
-            found = f"mean power {power:.0f} W, peak force {tension.max():.0f} N, {iterations:.1f} tether steps for each"
-            print(f"{name}, {1e3 * step:g} ms: {found}")
+            found = f"{name}, {1e3 * step:g} ms: mean power {power:.0f} W, peak force {tension.max():.0f} N"
+            print(f"{found}, {iterations:.1f} tether steps for each")
             axes.plot(time - time[0], speed, color=colour, linewidth=1.0, label=f"{1e3 * step:g} ms")
     panels[0].legend()
     file.parent.mkdir(parents=True, exist_ok=True)
