@@ -1,7 +1,7 @@
 """How hard does the motor of a winch pull, whose drum is inside the tether? For `winch_inside.py`.
 
-The flight controller wants a speed s(T) for a tension T, which the winch as an FMU follows. Here the motor, with its force W,
-lets the drum of mass m move as one of mass m' that is held by a tension T', which is the one for its speed:
+The flight controller wants a speed s(T) for a tension T, which the winch as an FMU follows. Here the motor, by its force W,
+lets a drum of mass m move as one of mass m' that is held by a tension T', which is the one for its speed:
 
     W = T - (T - T') m/m' - friction,   s(T') = s + (T - T') h/m'
 

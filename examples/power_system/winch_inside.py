@@ -31,9 +31,9 @@ HELD = {"input_continuation": 2}  # inputs of the tether within a step
 
 
 def fly(step, inside, start=START):
-    """A whole cycle after the first reeling in: time [s], tension [N], reel-out speed [m/s], and iterations of a step."""
+    """A whole cycle after the first reeling in: time [s], tension [N], reel-out speed [m/s], tether steps for each."""
     fmus = {name: fmu for name, fmu in FMUS.items() if not (inside and name == "winch")}
-    start, rows, bounds, iterations = start | HELD | (OF_DRUM if inside else {}), [], [], 0
+    start, rows, bounds = start | HELD | (OF_DRUM if inside else {}), [], []
     with pumping_cycle.system(start, "gauss_seidel", fmus) as (parts, signals, at, stop_if_pressed):
         load, kite = (slice(at[f"{name}[1]"], at[f"{name}[3]"] + 1) for name in ("kite_load", "kite_position"))
         winch_force, guess = all_variables(find_fmu(FMUS["tether"])).of("winch_force"), np.array(signals[load])
@@ -44,13 +44,12 @@ def fly(step, inside, start=START):
                 parts[0].fmu.setReal(winch_force, [pull(*drum, signals[kite], step)])
             guess, count = together(parts[:2], signals, load, guess, time, step)
             pumping_cycle.gauss_seidel(parts[2:], signals, time, step)
-            rows.append((time + step, signals[at["ground_tension"]], signals[at["winch_speed"]]))
-            iterations += count
+            rows.append((time + step, signals[at["ground_tension"]], signals[at["winch_speed"]], count))
             bounds += [len(rows)] if depower == 1.0 > signals[at["depower"]] else []
             stop_if_pressed()
             if signals[kite][2] < 0.0 or time > pumping_cycle.LONGEST_CYCLE:
                 raise RuntimeError(f"no cycle has ended after {time:.1f} s")
-    return *np.transpose(rows[bounds[0] - 1 : bounds[1]]), iterations / len(rows)
+    return np.transpose(rows[bounds[0] - 1 : bounds[1]])
 
 
 def explicit(master, step):
@@ -77,10 +76,10 @@ def main(arguments=None):
         axes.grid(alpha=0.4)
         for step, colour in zip(STEPS, COLOURS, strict=True):
             now(f"flying with {1e3 * step:g} ms")
-            time, tension, speed, iterations = fly(step, inside)
+            time, tension, speed, counts = fly(step, inside)
             power = np.trapezoid(tension * speed, time) / (time[-1] - time[0])
             found = f"{name}, {1e3 * step:g} ms: mean power {power:.0f} W, peak force {tension.max():.0f} N"
-            print(f"{found}, {iterations:.1f} tether steps for each")
+            print(f"{found}, {counts.mean():.1f} tether steps for each")
             axes.plot(time - time[0], speed, color=colour, linewidth=1.0, label=f"{1e3 * step:g} ms")
     panels[0].legend()
     file.parent.mkdir(parents=True, exist_ok=True)
