@@ -2,14 +2,14 @@
 
     python examples/cranes/constant_tension.py
 
-A crane on a quay is hooked to a load on the deck, 40 m below its tip; the deck heaves by 0.5 m. The motor pulls with a constant
-force W, `winch_control` = force. Of a drum with mass m and dry friction F the wire feels what it takes to turn it:
+A crane on a quay is hooked to a load on the deck, 40 m below its tip; the deck heaves by 0.5 m. The motor pulls with a
+constant force W, `winch_control` = force. What turns a drum of mass m and dry friction F comes from the wire:
 
-    |T - W| <= F + m a              a drum that follows the deck, whose largest acceleration is a
-    |T - W| <= F + m a + sqrt(m a (m a + 4 F))    with the bounce after it has been stuck (below)
+    |T - W| <= F + m a    of a drum that follows the deck, whose largest acceleration is a
+    |T - W| <= F + m a + sqrt((m a)^2 + 4 m a F)    with the bounce that begins when a drum breaks away
 
-Where the deck turns back, the drum is stuck until the tension has changed by 2 F; the deck is then moving at v = sqrt(4 a F/k),
-k the stiffness of the wire, and drum and wire swing about m a with the amplitude sqrt((m a)^2 + m k v^2).
+Where the deck turns back, the drum is stuck until the tension has changed by 2 F. The deck then moves at v = sqrt(4 a F/k),
+k the stiffness of the wire, and the drum bounces on the wire about m a with the amplitude sqrt((m a)^2 + m k v^2).
 """
 
 import sys
@@ -23,10 +23,11 @@ from tetherfmu.console.colours import OTHERS
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+
 TIP, DEPTH, FORCE, STEP, DURATION = (0.0, 0.0, 60.0), 40.0, 20e3, 0.02, 30.0  # m, m, N, s, s
 HEAVE, PERIOD = 0.5, 6.0  # amplitude [m], grown to within the first period [s]
-RATE = 2.0 * np.pi / PERIOD
-ACCELERATION = HEAVE * RATE**2  # largest of the deck [m/s2]
+RATE, ACCELERATION = 2.0 * np.pi / PERIOD, HEAVE * (2.0 * np.pi / PERIOD) ** 2  # [rad/s], largest of the deck [m/s2]
 HEAVY, DAMPING_RATIO = 3000.0, 0.05  # drum [kg] that bounces on the wire with this damping, over critical damping
 DRUMS = {  # name: mass [kg], dry friction [N]; None: the winch holds the length
     "constant length": None,
@@ -44,8 +45,7 @@ def deck(t):
 def bounds(mass, friction):
     """Largest deviation of the tension [N]: of a drum that follows the deck; with the bounce after it has been stuck."""
     inertia = mass * ACCELERATION
-    smooth = friction + inertia
-    return smooth, smooth + np.sqrt(inertia * (inertia + 4.0 * friction))
+    return friction + inertia, friction + inertia + np.sqrt(inertia * (inertia + 4.0 * friction))
 
 
 def fly(drum):
@@ -66,10 +66,7 @@ def main(arguments=None):
     parser, where = Parser(description="hold the tension of a wire to a ship that heaves"), Path("plots")
     parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
     file = parser.parse_args(arguments).out / "constant_tension.png"
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    from shared.flight_figures import plt
 
     figure, (of_length, of_force) = plt.subplots(2, 1, figsize=(9.0, 6.0), sharex=True, layout="constrained")
     for (name, drum), colour in zip(DRUMS.items(), OTHERS, strict=False):
@@ -77,15 +74,13 @@ def main(arguments=None):
         off, (smooth, bounce) = np.abs(tension - FORCE).max(), bounds(*drum) if drum else (0.0, 0.0)
         held = f", off by {off:.0f} N; F + m a is {smooth:.0f} N, with bounce {bounce:.0f} N" if drum else ""
         print(f"{name}: at most {tension.max():.0f} N{held}")
-        (of_force if drum else of_length).plot(
-            STEP * np.arange(1, len(tension) + 1), 1e-3 * tension, color=colour, label=name
-        )
+        axes = of_force if drum else of_length
+        axes.plot(STEP * np.arange(1, len(tension) + 1), 1e-3 * tension, color=colour, label=name)
+        axes.set(ylabel="tension at the drum [kN]", xlabel="time [s]" if drum else "")
     for axes in (of_length, of_force):
-        axes.set(ylabel="tension at the drum [kN]")
         axes.grid(alpha=0.4)
-        axes.margins(y=0.25)
-        axes.legend(loc="upper right", ncols=3)
-    of_force.set_xlabel("time [s]")
+        axes.legend(loc="upper left", ncols=3)
+    of_force.set_ylim(15.0, 25.0)
     file.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(file, dpi=150)
     print(file)

@@ -18,7 +18,8 @@ from power_system.kite_power_system import START
 DRUM, FLIGHT, BY_FORCE = Drum(), Flight(), 2
 MASS, MOST = DRUM.inertia / DRUM.drum_radius**2, DRUM.torque_limit / DRUM.drum_radius  # m [kg], largest force [N]
 FELT = MASS / 3.0  # m' [kg]; with m itself the drum would follow the controller in 1.3 s while it reels in
-OF_DRUM = {  # start values
+HELD = {"input_continuation": 2}  # start value: the inputs of the tether stay as they are within a step
+OF_DRUM = {  # start values of the tether
     "winch_control": BY_FORCE,
     "winch_mass": MASS,
     "winch_damping": DRUM.viscous_friction,

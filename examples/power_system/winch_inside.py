@@ -23,11 +23,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of th
 from power_system import pumping_cycle
 from power_system.agreement import together
 from power_system.kite_power_system import FMUS, START
-from power_system.motor import OF_DRUM, pull
+from power_system.motor import HELD, OF_DRUM, pull
 from shared.fmu_tools import all_variables, find_fmu
 
 STEPS, COLOURS = (0.02, 0.1, 0.2), (GREEN, BLUE, VERMILLION)  # communication steps [s]
-HELD = {"input_continuation": 2}  # inputs of the tether within a step
 
 
 def fly(step, inside, start=START):
@@ -71,16 +70,16 @@ def main(arguments=None):
     for master, step in product(pumping_cycle.MASTERS, STEPS[:2]):
         print(f"pumping_cycle.py, {master}, {1e3 * step:g} ms: {explicit(master, step)}")
     figure, panels = plt.subplots(2, 1, figsize=(9.0, 6.0), sharex=True, sharey=True, layout="constrained")
-    for inside, axes, name in zip((False, True), panels, ("winch as an FMU", "winch inside the tether"), strict=True):
-        axes.set(title=name, ylabel="reel-out speed [m/s]", xlabel="time of a cycle [s]" if inside else "")
-        axes.grid(alpha=0.4)
+    for inside, name in enumerate(("winch as an FMU", "winch inside the tether")):
+        panels[inside].set(title=name, ylabel="reel-out speed [m/s]", xlabel="time of a cycle [s]" if inside else "")
+        panels[inside].grid(alpha=0.4)
         for step, colour in zip(STEPS, COLOURS, strict=True):
             now(f"flying with {1e3 * step:g} ms")
             time, tension, speed, counts = fly(step, inside)
             power = np.trapezoid(tension * speed, time) / (time[-1] - time[0])
             found = f"{name}, {1e3 * step:g} ms: mean power {power:.0f} W, peak force {tension.max():.0f} N"
             print(f"{found}, {counts.mean():.1f} tether steps for each")
-            axes.plot(time - time[0], speed, color=colour, linewidth=1.0, label=f"{1e3 * step:g} ms")
+            panels[inside].plot(time - time[0], speed, color=colour, linewidth=1.0, label=f"{1e3 * step:g} ms")
     panels[0].legend()
     file.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(file, dpi=150)
