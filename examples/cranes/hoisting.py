@@ -26,7 +26,7 @@ RADIUS, INERTIA, FRICTION, TORQUE = 0.2, 24.0, 6000.0, 3000.0  # drum [m], [kg m
 DRUM = INERTIA / RADIUS**2  # mass at the wire [kg]
 SPEED, ACCELERATION, BEGIN, CLOSE = 1.0, 0.5, 1.0, 0.002  # wanted [m/s], [m/s2]; from [s] until it is so far [m]
 GAIN, RESET = 10.0 * DRUM, 0.5  # of the controller [N s/m], [s]
-DAMPING_RATIO = 0.01  # of the load that bounces on its wire, over critical damping
+SEGMENTS, DAMPING_RATIO = 8, 0.01  # of the wire; of the load that bounces on it, over critical damping
 WIRE = tether_of("steel", 0.012, initial_length=LENGTH)
 WIRE = replace(WIRE, axial_damping=2.0 * DAMPING_RATIO * np.sqrt(LOAD * LENGTH * WIRE.axial_stiffness))
 
@@ -41,7 +41,7 @@ def fly():
     """After each step: time [s], height of the load [m], speed of lifting [m/s], torque of the motor [N m], tension [N]."""
     stretch = (LOAD + 0.5 * WIRE.mass_per_meter * LENGTH) * GRAVITY * LENGTH / WIRE.axial_stiffness
     drum = {"winch_control": "force", "winch_mass": DRUM, "winch_friction": FRICTION, "input_continuation": "held"}
-    hoist = TetherDynamicFree(WIRE, segments=8, kite_mass=LOAD, **drum)
+    hoist = TetherDynamicFree(WIRE, segments=SEGMENTS, kite_mass=LOAD, **drum)
     found = hoist.initialize(kite_position=(0.0, 0.0, -LENGTH - stretch))
     rows, integral, is_on = [], 0.0, True
     for t in STEP * np.arange(round(DURATION / STEP)):
