@@ -26,7 +26,7 @@ def flown(folder, code):
 
 @pytest.fixture(scope="module")
 def beside(folder):
-    """Mean power [W] with the winch FMU, over a cycle of 150 m, in steps of 50 ms: within 0.2 % of that in steps of 20 ms."""
+    """Mean power [W] with the winch FMU, over a cycle of 150 m, in steps of 50 ms: 0.2 % from that in steps of 20 ms."""
     code = """
 flight = pumping_cycle.fly(1, 0.05, "gauss_seidel")
 a, b = flight.bounds
