@@ -1,5 +1,6 @@
 """Winches that are told a force: a crane over a ship that heaves, and a hoist; against balances of forces and of work."""
 
+import re
 import sys
 
 import numpy as np
@@ -85,4 +86,7 @@ def test_prints_and_draws(tmp_path, name, words):
     done = run_python(EXAMPLES / "cranes" / f"{name}.py", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert words in done.stdout
+    page = (EXAMPLES.parent / "docs" / "use" / "cranes_and_drones.md").read_text(encoding="utf-8")
+    for number in re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", done.stdout):
+        assert "".join(number) in page
     assert_is_drawn(tmp_path / f"{name}.png")
