@@ -80,10 +80,12 @@ def fmi3_folder(built_once):
 
 def folder_of(built_once, flavour):
     """Folder with all FMUs of one of `FLAVOURS`."""
+    from runtime.host import extract_all
     from tetherfmu.commands.build import main
 
     def build(folder):
         assert main(["--out", str(folder), *FLAVOURS[flavour]]) == 0
+        extract_all(folder)
 
     return built_once(f"{flavour}_fmus", build)
 
@@ -91,11 +93,13 @@ def folder_of(built_once, flavour):
 @pytest.fixture(scope="session")
 def example_folder(built_once):
     """Folder with all FMUs of the examples."""
+    from runtime.host import extract_all
     from tetherfmu.export import example_fmus
 
     def build(folder):
         for name in example_fmus.SLAVES:
             example_fmus.build(name, folder)
+        extract_all(folder)
 
     return built_once("example_fmus", build)
 

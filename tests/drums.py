@@ -1,7 +1,7 @@
 """A chain on a drum, with the equations written here and no code of the package, solved by Radau.
 
-Nodes 0 .. n with the masses mu L/n, half of it at the ends; node 0 stays, node n moves uniformly or is free. Each segment has
-the unstretched length l0 = L/n, whose rate is u/n:
+Nodes 0 .. n with the masses mu L/n, half of it at the ends; node 0 stays, node n moves uniformly. Each segment has the
+unstretched length l0 = L/n, whose rate is u/n:
 
     r = x_(s+1) - x_s,   l = |r|,   e = r/l,   strain rate = (e.(v_(s+1) - v_s) - l u/L)/l0
     T = EA (l/l0 - 1) (times `slack` where l < l0) + D strain rate,   half drag = rho cd d l |w| w/4

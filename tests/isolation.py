@@ -15,7 +15,7 @@ TIMEOUT = 900.0  # seconds, for what hangs; the slowest test takes some ten of t
 FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 CONTEXT = multiprocessing.get_context("forkserver" if FORKS else "spawn")
 if FORKS:
-    CONTEXT.set_forkserver_preload(["fmpy", "pytest", "tetherfmu.export.archive"])
+    CONTEXT.set_forkserver_preload(["fmpy", "hypothesis.stateful", "lxml.etree", "pytest", "tetherfmu.export.archive"])
 
 
 def _child(connection, module, name, arguments):

@@ -48,12 +48,40 @@ at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm
 the ends rest.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
-leave segments shorter than 1 cm, or the solver fails. The state then does not change, and the next good step
-works. A parameter out of range is refused when the initialization ends, with the allowed range.
+leave segments shorter than 1 cm, a winch without mass is to push, or the solver fails. The state then does not change, and
+the next good step works. A parameter out of range is refused when the initialization ends, with the allowed range.
 
 One warning each is logged, and the numbers are not changed, when a segment is stretched by more than 5 %, an end is
-accelerated beyond 1000 g or moves faster than sound, or positions contradict velocities
-([Plausibility](../models/theory.md#plausibility)).
+accelerated beyond 1000 g or moves faster than sound, positions contradict velocities, the winch reels in a slack tether, or
+it was told a length that is far too long ([Plausibility](../models/theory.md#plausibility)).
+
+## The winch
+
+The winch is at the ground end. The parameter `winch_control` says which of three inputs it obeys; the other two are not
+read after the start.
+
+| `winch_control` | input | what the winch does |
+|---|---|---|
+| 1 (speed) | `reel_out_speed` | it pays out at this speed, whatever the tension |
+| 2 (force) | `winch_force` | it pulls with this force; the tension decides whether the tether is paid out or reeled in |
+| 3 (length) | `winch_length` | it moves until so much unstretched tether is paid out, as an end moves to its position |
+
+Take the one that you know: the set point of a speed controller, the tension that a winch holds or the torque of its motor
+over the radius of the drum, the length in a log. An error of a length is felt: one metre too little makes a taut tether of
+500 m pull with 1.2 kN more. A force has no such consequence. `tether_length` and `winch_speed` say what the winch does,
+whatever controls it.
+
+With force control the drum turns by its own equation of motion, together with the tether and not one step later:
+
+    winch_mass * acceleration = tension - winch_force - winch_damping * speed - winch_friction * sign(speed)
+
+Speed and acceleration are those at the rope, positive when it pays out; `winch_mass` is the inertia of drum and motor
+divided by the square of the radius. The tension is `ground_tension`; without mass, damping and friction it equals
+`winch_force` at every instant. Friction holds a drum at rest until the tension differs from `winch_force` by more than
+`winch_friction`. At `shortest_length` and `longest_length` the drum stops without bouncing, and leaves the stop when it is
+driven back. It starts with `initial_length` and `reel_out_speed`; `winch_force` acts from the first step on and continues
+linearly within a step as the reel-out speed does. Only a drum with mass can push the tether out: without mass `winch_force`
+must be at least minus `winch_friction`.
 
 ## Coupling by force
 
@@ -95,8 +123,9 @@ All are fixed: set them before the initialization ends.
 {parameters}
 
 "Greater than" excludes the limit itself; FMI can only say min and max, so an importer may let the limit pass, and the FMU
-refuses it. Two more rules: with wind_profile 3 or 4 surface_roughness must be less than wind_reference_height, and
-initial_length must be at least 0.01 m for each segment.
+refuses it. More rules: with wind_profile 3 or 4 surface_roughness must be less than wind_reference_height; initial_length
+must be at least 0.01 m for each segment; shortest_length must be less than longest_length, unless that is 0, and with force
+control initial_length must lie between them.
 
 `segments` starts at the build option `--segments`, {segments} by default.
 

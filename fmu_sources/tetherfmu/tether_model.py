@@ -392,7 +392,8 @@ class TetherModel:
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
 
         `reel_out_speed` [m/s], `wind_velocity` [m/s], `kite_load` [N] and `winch_force` [N] are those of the last step where
-        they are None. The powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
+        they are None. The powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up
+        along a run.
         """
         found, _, _ = self._account(reel_out_speed, wind_velocity, kite_load, winch_force)
         return found

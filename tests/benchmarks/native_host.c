@@ -15,7 +15,9 @@ alternate): the kernels alone, the FMU; then from instantiation to the end of th
 
 enum { STEPS = 500, ROUNDS = 41, INSTANCES = 10000, MOVED = 6 };
 static const double STEP = 0.02;
-static const unsigned MOVED_INPUTS[MOVED] = {0, 1, 2, 3, 4, 5}, READ[MOVED] = {19, 20, 21, 22, 23, 24};
+static const unsigned MOVED_INPUTS[MOVED] = {0, 1, 2, 3, 4, 5}, READ[MOVED] = {
+    OUTPUTS_AT + AT_GROUND_FORCE, OUTPUTS_AT + AT_GROUND_FORCE + 1, OUTPUTS_AT + AT_GROUND_FORCE + 2,
+    OUTPUTS_AT + AT_KITE_FORCE, OUTPUTS_AT + AT_KITE_FORCE + 1, OUTPUTS_AT + AT_KITE_FORCE + 2};
 static double inputs[STEPS][MOVED];
 
 static struct {

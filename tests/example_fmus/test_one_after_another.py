@@ -8,7 +8,7 @@ from runtime.host import Host
 
 @in_own_process
 def test_a_kite_after_the_folder_of_another_has_vanished(example_folder):
-    first = Host(example_folder / "PointMassKite.fmu").start()
+    first = Host(example_folder / "PointMassKite.fmu", own_folder=True).start()
     shutil.rmtree(first.folder)
     second = Host(example_folder / "FlyingKite.fmu").start()
     first.step(0.02)

@@ -44,14 +44,14 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 # what the schema of OSP-IS 1.0.1 says of the elements that are used here: children in this order
 CHILDREN = {
     "OspModelDescription": ["VariableGroups"],
-    "VariableGroups": ["Generic", "Generic", "LinearVelocity", "LinearVelocity", "LinearDisplacement"],
+    "VariableGroups": ["Generic", "Generic", "LinearVelocity", "LinearVelocity", "Force", "LinearDisplacement"],
     "Generic": ["Force", "LinearVelocity", "LinearDisplacement"],
 }
 
 
-def is_free(group, name):
-    """Whether a group belongs to a free end: its force goes in, its motion comes out."""
-    return name == "TetherDynamicFree" and group.get("name").startswith("kite")
+def takes_force(group, name):
+    """Whether a group belongs to a free end, whose force goes in and whose motion comes out, or is that of the winch."""
+    return group.get("name") == "winch_pull" or (name == "TetherDynamicFree" and group.get("name").startswith("kite"))
 
 
 @pytest.mark.parametrize("name", list(SLAVES))
@@ -75,7 +75,7 @@ def test_groups_obey_the_schema_and_name_variables_of_the_fmu(fmu_folder, name):
             assert set(children) == {"Variable"}
             assert len(children) in (1, 3)
             causality = {variables[child.get("ref")].causality for child in element}
-            motion, force = ({"output"}, {"input"}) if is_free(element, name) else ({"input"}, {"output"})
+            motion, force = ({"output"}, {"input"}) if takes_force(element, name) else ({"input"}, {"output"})
             assert causality == (force if tag == "Force" else motion)
         groups += [element.get("name")] if "name" in element.attrib else []
     assert tags >= {*CHILDREN, "Force", "LinearVelocity", "LinearDisplacement", "Variable"}

@@ -24,7 +24,7 @@ def forces(host):
 @of_every_flavour("fmu")
 @in_own_process
 def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
-    first, second = Host(fmu_folder / f"{fmu}.fmu").start(), Host(fmu_folder / f"{fmu}.fmu").start()
+    first, second = (Host(fmu_folder / f"{fmu}.fmu", own_folder=True).start() for _ in range(2))
     assert first.folder != second.folder
     assert forces(first) == forces(second)
 
@@ -34,7 +34,7 @@ def test_the_same_fmu_from_two_folders(fmu_folder, fmu):
 def test_the_folder_may_vanish(fmu_folder, fmu):
     """Running instances go on, also after a reset. (A new one needs the folder: PythonFMU's library reads it.)"""
     twin = Host(fmu_folder / f"{fmu}.fmu").start()
-    host = Host(fmu_folder / f"{fmu}.fmu").start()
+    host = Host(fmu_folder / f"{fmu}.fmu", own_folder=True).start()
     shutil.rmtree(host.folder)
     expected = forces(twin)
     assert forces(host) == expected
@@ -55,7 +55,8 @@ def test_all_variants_in_one_process(fmu_folder):
 
 @in_own_process
 def test_both_flavours_in_one_process(fmu_folder, native_folder):
-    hosts = [Host(folder / "TetherDynamic.fmu").start() for folder in (fmu_folder, native_folder, fmu_folder)]
+    folders = (fmu_folder, native_folder, fmu_folder)
+    hosts = [Host(folder / "TetherDynamic.fmu", own_folder=True).start() for folder in folders]
     assert forces(hosts[0]) == forces(hosts[1]) == forces(hosts[2])
 
 
@@ -65,7 +66,8 @@ def other_version(tmp_path_factory):
     folder = tmp_path_factory.mktemp("other_version")
     shutil.copytree(ROOT / "fmu_sources", folder / "fmu_sources", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", folder)
-    half, whole = "scale(0.5 * line_density", "scale(1.0 * line_density"  # weight at each end of the straight line
+    weight = "scale({} * property_of(line, 0, at.LINE_DENSITY)"  # at each end of the straight line
+    half, whole = weight.format(0.5), weight.format(1.0)
     variants = (folder / "fmu_sources" / "tetherfmu" / "kernels" / "variants").glob("*.py")
     (lines,) = [path for path in variants if half in path.read_text(encoding="utf-8")]
     lines.write_text(lines.read_text(encoding="utf-8").replace(half, whole), encoding="utf-8")

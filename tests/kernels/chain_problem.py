@@ -53,6 +53,8 @@ class ChainProblem:
             1,
             n if kite_is_free else n - 1,
             (self.length, reeling, 0.5 * acceleration, 0.0),
+            0.0,
+            0.0,
             self.wind,
             (60.0, 10.0, 100.0) if kite_is_free else still,
             load_rate if kite_is_free else still,

@@ -57,6 +57,13 @@ MISUSES = (  # start values, values of a step, its size
     ({"fixed_step": 1e-5}, {}, 1e5),
     ({"initial_length": 100.0}, {}, STEP),
     ({"initial_length": 123.456}, {"ground_velocity[1]": 5e5}, STEP),
+    ({"shortest_length": 510.1, "longest_length": 510.1}, {}, STEP),
+    ({"winch_control": 2, "shortest_length": 510.1}, {}, STEP),
+    ({"winch_control": 2, "longest_length": 500.3}, {}, STEP),
+    ({"winch_control": 2, "winch_friction": 0.1}, {"winch_force": -0.1 - 0.2}, STEP),
+    ({"winch_control": 2, "initial_length": 490.0}, {"winch_force": 1e9}, STEP),
+    ({"winch_control": 2, "winch_mass": 1e-3, "initial_length": 700.0}, {"winch_force": 2e3}, 0.1),
+    ({"winch_control": 3, "initial_length": 551.3}, {}, STEP),
 )
 
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from scipy.integrate import solve_ivp
 
 from isolation import in_own_process
 from mechanics import drags, line_density, node_masses
@@ -95,6 +94,35 @@ def test_differences_of_steps_that_are_done_again(native_folder, name):
         wide, narrow = ((forces(used + c * change) - forces(used - c * change)) / (2.0 * c * change[k]) for c in (1.0, 0.5))
         expected = (4.0 * narrow - wide) / 3.0
         np.testing.assert_allclose(found[:, k], expected, rtol=0.0, atol=1e-4 * np.abs(expected).max(), err_msg=each)
+
+
+@pytest.mark.parametrize("mass", [0.0, 50.0], ids=["no drum", "drum"])
+@every_fmu
+@in_own_process
+def test_by_the_force_of_a_winch(native_folder, name, mass):
+    """Without mass T = 2 W - W_last at the end of equal steps, so 2 of the tension; else by steps that are done again.
+
+    Those are extrapolated over changes of 1 N. A tether in equilibrium takes changes of 6 N, 1 % of the force: their third
+    order is felt in its length, 2e-4.
+    """
+    host = Host(native_folder / f"{name}.fmu").start(winch_control=2, winch_mass=mass, initial_length=500.0)
+    for k in range(6):
+        before, used = blob_of(host), 400.0 + 20.0 * k
+        host.step(STEP, winch_force=used)
+    outputs, time = ["ground_tension", "kite_tension", "tether_length", "winch_speed"], host.time - STEP
+    found = derivative(host, outputs, ["winch_force"], [1.0])
+
+    def values(force):
+        restore(host, before)
+        host.time = time
+        host.step(STEP, winch_force=force)
+        return np.array([host.get(each) for each in outputs])
+
+    wide, narrow = ((values(used + c) - values(used - c)) / (2.0 * c) for c in (1.0, 0.5))
+    expected = (4.0 * narrow - wide) / 3.0
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-9)
+    if mass == 0.0:
+        assert found[0] == pytest.approx(2.0, rel=1e-6)
 
 
 @in_own_process
@@ -208,6 +236,8 @@ def exact_kite_force(state, inputs, before, wind):
 
     inputs : position and velocity of the kite, array (6,).  before : its velocity one step ago.
     """
+    from scipy.integrate import solve_ivp  # not in the process of each test of this file: it takes longer than most of them
+
     tether, air = Tether(initial_length=525.0), Environment()
     x0, v0 = state[at.STATE_HEADER :].reshape(2, -1, 3)
     mass, rest = node_masses(tether), tether.initial_length / tether.segments

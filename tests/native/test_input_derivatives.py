@@ -31,6 +31,21 @@ def test_length(native_folder, name, continuation):
     assert host.get("tether_length") == pytest.approx(length + 2.0 * STEP, rel=1e-14)
 
 
+@pytest.mark.parametrize("continuation", [1, 2], ids=["linear", "held"])
+@every_fmu
+@in_own_process
+def test_force_of_the_winch(native_folder, name, continuation):
+    """A winch without mass holds W + h dW/dt at the end of the step; without a derivative what it estimates, or W."""
+    host = Host(native_folder / f"{name}.fmu")
+    host.start(input_continuation=continuation, winch_control=2, initial_length=500.0, relative_tolerance=1e-8)
+    for force, derivative, end in ((800.0, 3000.0, 1100.0), (900.0, -2000.0, 700.0), (950.0, None, (1000.0, 950.0))):
+        if derivative is not None:
+            give(host, winch_force=derivative)
+        host.step(STEP, winch_force=force)
+        expected = end if derivative is not None else end[continuation - 1]
+        assert host.get("ground_tension") == pytest.approx(expected, rel=1e-9)
+
+
 @pytest.mark.parametrize("end_velocities", [1, 2], ids=["given", "derived"])
 @every_driven_fmu
 @in_own_process

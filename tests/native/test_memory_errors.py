@@ -28,8 +28,11 @@ def test_random_sessions_under_sanitizers(tmp_path, variant, fmi):
 @pytest.mark.skipif(not programs.available() or shutil.which("valgrind") is None, reason="needs gcc, valgrind and Linux")
 @pytest.mark.parametrize(("variant", "fmi"), [("dynamic_free", 2), ("dynamic", 3)])
 def test_random_sessions_under_valgrind(tmp_path, variant, fmi):
-    """It also sees what is read before it was written, which those sanitizers do not."""
+    """It also sees what is read before it was written, which those sanitizers do not.
+
+    Of seed 6, in which no step spends its whole budget: that took twenty times longer than all others together.
+    """
     program = programs.compiled(tmp_path, variant, fmi, DRIVER, ("-g", "-O1"))
-    done = subprocess.run([*VALGRIND, program, "1", "20"], capture_output=True, text=True, check=False)
+    done = subprocess.run([*VALGRIND, program, "6", "80"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("20 sessions done")
+    assert done.stdout.startswith("80 sessions done")

@@ -1,11 +1,11 @@
 """A winch that is told a force: formulas of drum, rope and load, and an independent solution (`tests/drums.py`)."""
 
-import drums
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+import drums
 from tetherfmu import (
     EnergyAudit,
     StepRefused,
@@ -67,7 +67,7 @@ def test_motor_turns_a_free_drum():
 
 @pytest.mark.parametrize("kite", ["held", "free"])
 def test_drum_and_load_oscillate_on_the_rope(kite):
-    """omega^2 = EA/L (1/m + l/(L M)), l stretched: the tension is EA (l/L - 1), of the length l of the load and L of the drum."""
+    """omega^2 = EA/L (1/m + l/(L M)): the tension is EA (l/L - 1) with the length l of the load and L of the drum."""
     drum, load, mean, length, stiffness = 2.0, 1.0, 1000.0, 100.0, 1e6
     start = length * (1.0 + mean / stiffness) * (1.0 + 1e-5)  # stretched by 1e-5 more than the force of the winch does
     options = {"initial_length": length, "axial_stiffness": stiffness, "axial_damping": 0.0, "segments": 1, "density": 1e-3}
@@ -192,7 +192,7 @@ def test_no_force_lets_the_tether_run_out(fixed_step):
     tether.initialize()
     for k in range(100):
         way = 10.0 * 0.02 * k * np.array((0.6, 0.0, 0.8))
-        outputs = tether.step(0.02, kite_position=(300.0, 0.0, 400.0) + way, kite_velocity=(6.0, 0.0, 8.0))
+        outputs = tether.step(0.02, kite_position=np.add((300.0, 0.0, 400.0), way), kite_velocity=(6.0, 0.0, 8.0))
         assert abs(outputs.ground_tension) < 1e-8
     assert outputs.tether_length > 519.0
     assert outputs.winch_speed > 9.0
@@ -233,7 +233,7 @@ def test_fixed_step_is_first_order():
 
 
 def test_second_order_in_the_communication_step():
-    """The force is known at communication points only and continues linearly: its error falls with the square of the step."""
+    """The force is known at communication points only and continues linearly: an error of the square of the step."""
     drum, mean, rate = drums.scene(4)
     drum.wind, drum.kite_velocity = np.zeros(3), np.zeros(3)
     exact = drums.scene(4)[0]
@@ -274,7 +274,7 @@ def test_drum_at_a_tether_in_equilibrium(model, mass):
 
 @pytest.mark.parametrize("length", [10.0, 100.0, 1000.0])
 def test_steps_of_20_ms_are_stable(length):
-    """Drums of 1 to 10 000 kg: no tension exceeds that of a step of the force without any damping, 2 W, by more than waves."""
+    """Drums of 1 to 10 000 kg: a step of the force makes at most the tension of an undamped one, and some waves."""
     for mass in (1.0, 100.0, 1e4):
         tether = TetherDynamic(segments=10, initial_length=length, winch_control="force", winch_mass=mass)
         kite = np.array((0.6, 0.0, 0.8)) * length
@@ -292,7 +292,7 @@ def test_refused_step_leaves_everything():
     tether.initialize()
     tether.step(0.02, winch_force=200.0)
     before = tether.get_state()
-    with pytest.raises(StepRefused, match="winch_force is -1.0 N"):
+    with pytest.raises(StepRefused, match=r"winch_force is -1\.0 N;"):
         tether.step(0.02, winch_force=-1.0)
     assert np.array_equal(tether.get_state(), before)
 

@@ -1,6 +1,7 @@
 """A small FMPy host for tests: variables by name, messages kept, states as bytes; and its flight on the circle."""
 
 import atexit
+import compileall
 import functools
 import math
 import shutil
@@ -31,6 +32,18 @@ def of_every_flavour(argument, names=tuple(SLAVES)):
 def description_of(path):
     """Model description of an FMU, which FMPy validates while it reads; many instances of a test share it."""
     return read_model_description(str(path))
+
+
+def shared_folder(path):
+    """Where an FMU of the fixtures is extracted for all tests."""
+    return path.parent / "extracted" / path.stem
+
+
+def extract_all(folder):
+    """Extract all FMUs of a folder and compile what is Python in them, which would take half of the start of each test."""
+    for path in folder.glob("*.fmu"):
+        extract(str(path), unzipdir=str(shared_folder(path)))
+    compileall.compile_dir(folder / "extracted", quiet=1)
 
 
 def names_of(host, causality):
@@ -68,19 +81,24 @@ class Host:
     A name is that of a scalar, of an element, as kite_force[1] or shape[21,3], or of a whole array, as kite_force or shape,
     whichever of them the version of FMI knows.
 
-    path : of the FMU, or of a folder where it was extracted before.
+    path : of the FMU, or of a folder where it was extracted before.  own_folder : whether the FMU is extracted for this
+    instance alone; else those of the fixtures share the folder in which `extract_all` has put them.
     Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `version` (2 or 3),
     `name`, `folder`, `native` (whether it runs without Python), `reference` (value references by name), `real_outputs`
     (those of all outputs that are real numbers), `flags` that the last step returned (in FMI 3).
     """
 
-    def __new__(cls, path, name="tether"):
+    def __new__(cls, path, name="tether", own_folder=False):
         return super().__new__(Fmi3 if description_of(path).fmiVersion.startswith("3") else Fmi2)
 
-    def __init__(self, path, name="tether"):
+    def __init__(self, path, name="tether", own_folder=False):
         self.description = description_of(path)
         self.name = self.description.modelName
-        self.folder = extract(str(path)) if is_zipfile(path) else path
+        self.folder = path
+        self.is_shared = not is_zipfile(path)
+        if not self.is_shared:
+            self.is_shared = not own_folder and shared_folder(path).is_dir()
+            self.folder = str(shared_folder(path)) if self.is_shared else extract(str(path))
         variables = self.description.modelVariables
         self.reference = {variable.name: variable.valueReference for variable in variables}
         self.kind = {variable.name: self.kind_of(variable) for variable in variables}
@@ -149,12 +167,13 @@ class Host:
         getattr(self.fmu, f"fmi{self.version}FreeInstance")(self.fmu.component)
 
     def close(self):
-        """Terminate, free and remove the extracted files."""
+        """Terminate, free and remove what was extracted for this instance."""
         if self._finalize:
             atexit.unregister(self._finalize)  # fmpy unloads the library
         self.fmu.terminate()
         self.fmu.freeInstance()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        if not self.is_shared:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 class Fmi2(Host):

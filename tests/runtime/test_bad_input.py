@@ -69,6 +69,9 @@ def test_steps_that_are_not_positive(fmu_folder, fmu):
         ("gravity", -9.81, "at least 0 m/s2"),
         ("kite_position[2]", math.nan, "finite"),
         ("fixed_step", -0.01, "at least 0 s"),
+        ("winch_control", 4, "3 (length)"),
+        ("winch_mass", -1.0, "at least 0 kg"),
+        ("winch_friction", math.inf, "at most 1e+09 N"),
     ],
 )
 @in_own_process
@@ -106,6 +109,50 @@ def test_reeling_in_to_nothing(fmu_folder):
     assert "reel_out_speed -505.0" in said
     assert host.get("tether_length") == 505.0
     host.step(0.02, reel_out_speed=0.0)
+
+
+STOPS = (
+    (
+        {"shortest_length": 510.0, "longest_length": 510.0},
+        "shortest_length is 510.0 m; it must be less than longest_length (510.0 m)",
+    ),
+    (
+        {"shortest_length": 505.5, "longest_length": 600.0},
+        "is 505.0 m at the start, beyond a stop of the winch; give an initial_length between 505.5 m and 600 m",
+    ),
+    ({"shortest_length": 505.5}, "give an initial_length between 505.5 m and inf m"),
+    ({"longest_length": 400.0}, "give an initial_length between 0.2 m and 400 m"),
+)
+
+
+@of_every_flavour("fmu")
+@pytest.mark.parametrize(("stops", "words"), STOPS)
+@in_own_process
+def test_stops_of_a_winch(fmu_folder, fmu, stops, words):
+    """0 is no stop; with nodes the shortest length is that of the shortest segments."""
+    if words.endswith("400 m") and fmu in ("TetherStraight", "TetherCatenary"):
+        words = words.replace("0.2 m", "0.01 m")
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    assert words in refused(host, lambda: host.start(winch_control=2, **stops))
+    if "beyond" in words:
+        Host(fmu_folder / f"{fmu}.fmu", "next").start(**stops).step(0.02)  # with speed control there are none
+
+
+@of_every_flavour("fmu")
+@in_own_process
+def test_a_winch_without_mass_cannot_push(fmu_folder, fmu):
+    """Beyond its friction; nor by a derivative, nor does its force go there by extrapolation."""
+    host = Host(fmu_folder / f"{fmu}.fmu").start(winch_control=2, winch_friction=20.0, initial_length=499.0, gravity=0.0)
+    twin = Host(fmu_folder / f"{fmu}.fmu").start(winch_control=2, winch_friction=20.0, initial_length=499.0, gravity=0.0)
+    said = refused(host, lambda: host.step(0.02, winch_force=-20.1))
+    assert "winch_force is -20.1 N" in said
+    assert "at least minus winch_friction, which is 20.0 N" in said
+    assert "give a winch_mass" in said
+    for force in (100.0, 10.0, -19.0):
+        host.step(0.02, winch_force=force)
+        twin.step(0.02, winch_force=force)
+    assert host.all_outputs() == twin.all_outputs()
+    Host(fmu_folder / f"{fmu}.fmu", "next").start(winch_control=2, winch_mass=1.0).step(0.02, winch_force=-20.1)
 
 
 @every_flavour

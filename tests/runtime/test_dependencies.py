@@ -104,6 +104,8 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     for length in LENGTHS:
         host.set(winch_length=length)
         seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)
+    host.set(winch_control=2, initial_length=505.0, longest_length=600.0)  # a winch with its length between two stops
+    seen |= see_dependencies(host, knowns, outputs)
     assert not seen - declared, sorted(seen - declared)
     unseen = sorted(pair for pair in declared - seen if not not_seen(fmu, *pair))
     assert not unseen, unseen

@@ -15,7 +15,7 @@ VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "ou
 DRIVEN = {"input": ["kite_position", "kite_velocity"], "output": []}
 FREE = {"input": ["kite_load"], "output": ["kite_position", "kite_velocity"]}
 SCALARS = {
-    "input": ["reel_out_speed", "winch_length"],
+    "input": ["reel_out_speed", "winch_force", "winch_length"],
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
@@ -46,6 +46,11 @@ PARAMETERS = {  # name: (start, unit), as the page says
     "end_velocities": ("1", None),
     "input_continuation": ("1", None),
     "winch_control": ("1", None),
+    "winch_mass": ("0", "kg"),
+    "winch_damping": ("0", "N.s/m"),
+    "winch_friction": ("0", "N"),
+    "shortest_length": ("0", "m"),
+    "longest_length": ("0", "m"),
 }
 
 PARAMETERS_OF_A_FREE_KITE = {

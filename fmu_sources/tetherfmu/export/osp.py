@@ -19,9 +19,9 @@ def model_description(table):
     """Text of the file.
 
     Two Generic groups, `kite` and `ground`, each with a Force, a LinearVelocity and a LinearDisplacement in this order; and
-    the LinearVelocity groups `wind` and `reel_out`. The force of a free kite end is its load. libcosim connects a group with
-    one of the same make: groups in groups in the same order, with the same number of variables. What an FMU for one scene
-    goes without is left out.
+    the LinearVelocity groups `wind` and `reel_out`, the Force group `winch_pull` and the LinearDisplacement group `winch`.
+    The force of a free kite end is its load. libcosim connects a group with one of the same make: groups in groups in the
+    same order, with the same number of variables. What an FMU for one scene goes without is left out.
 
     table : of `variables.Variable`.
     """
@@ -37,6 +37,7 @@ def model_description(table):
     _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for kind, group, name in (
         ("LinearVelocity", "reel_out", "reel_out_speed"),
+        ("Force", "winch_pull", "winch_force"),
         ("LinearDisplacement", "winch", "winch_length"),
     ):
         if name in units:

@@ -47,7 +47,7 @@ CODE = "code.ll.gz"  # file beside the libraries: what numba has written, linked
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
 # in would need a function of the C library on Windows. And one whose loop is faster alone, by 1 to 2 % of a step
-APART = ("rosenbrock7prepare", "assembly11node_forces")
+APART = ("rosenbrock7prepare", "assembly11node_forces", "moving_drum9integrate")
 
 
 def object_files(folder, variant, platforms, code=None):

@@ -60,7 +60,13 @@ INPUT_TABLE = (
     ),
     Input("ground_position", "m", "position of the ground end", ZERO, SEGMENT_LENGTH, "ground.position"),
     Input("ground_velocity", "m/s", "velocity of the ground end", ZERO, SEGMENT_PER_STEP, "ground.velocity"),
-    Input("reel_out_speed", "m/s", "rate of change of the unstretched length; positive pays out", (0.0,), SEGMENT_PER_STEP),
+    Input(
+        "reel_out_speed",
+        "m/s",
+        "rate of change of the unstretched length (winch_control = speed; otherwise at the start only); positive pays out",
+        (0.0,),
+        SEGMENT_PER_STEP,
+    ),
     Input("wind_velocity", "m/s", "wind at wind_reference_height", ZERO, FAST_WIND),
     Input(
         "kite_load",
@@ -74,7 +80,7 @@ INPUT_TABLE = (
     Input(
         "winch_force",
         "N",
-        "force with which the winch pulls at the tether (winch_control = force); positive reels in",
+        "force with which the winch pulls at the tether (winch_control = force; from the first step on); positive reels in",
         (0.0,),
         STIFFNESS,
     ),

@@ -4,7 +4,7 @@ The FMI slave and the Python API both run it.
 """
 
 from array import array
-from math import dist
+from math import dist, inf
 
 from . import layout as at
 from . import plausibility, status
@@ -138,6 +138,9 @@ class Instance:
             reel_out_speed=self.values[at.REEL_OUT_SPEED],
             winch_force=self.values[at.WINCH_FORCE],
             winch_length=self.values[at.WINCH_LENGTH],
+            friction=self.parameters[at.WINCH_FRICTION],
+            shortest_stop=self.parameters[at.SHORTEST_LENGTH],
+            longest_stop=inf if self.parameters[at.LONGEST_LENGTH] == at.NO_STOP else self.parameters[at.LONGEST_LENGTH],
             length=self.state[at.LENGTH],
             distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
             relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],

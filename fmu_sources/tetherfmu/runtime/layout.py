@@ -71,7 +71,7 @@ for _name, _place in outputs.PLACES.items():
 SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities
-WARNING_KINDS = 8
+WARNING_KINDS = 10
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]

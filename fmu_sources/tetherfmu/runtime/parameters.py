@@ -169,8 +169,8 @@ class Winch:
     winch_mass: float = quantity(
         0.0,
         "kg",
-        "force control: inertia of drum and motor as seen at the rope, J/r2; 0: the tension at the winch is winch_force at "
-        "every instant",
+        "force control: inertia of drum and motor as seen at the rope, J/r2; 0: without damping and friction the tension at "
+        "the winch is winch_force at every instant",
         0.0,
         1e9,
     )
@@ -179,7 +179,9 @@ class Winch:
     shortest_length: float = quantity(
         0.0, "m", "force control: unstretched length at which the drum stops; 0: where segments become too short", 0.0, 1e6
     )
-    longest_length: float = quantity(0.0, "m", "force control: unstretched length at which the drum stops; 0: none", 0.0, 1e6)
+    longest_length: float = quantity(
+        0.0, "m", "force control: unstretched length at which the drum stops; 0: it never does", 0.0, 1e6
+    )
 
     def __post_init__(self):
         check(self)

@@ -11,11 +11,14 @@ LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
 FASTEST = 340.0  # an end [m/s]: about the speed of sound at the ground
 JUDGED_WAY = 0.5  # displacement of an end over which positions and velocities are compared [m]: far above their noise
 LARGEST_RESIDUE = 0.5  # part of it that the velocities need not account for [-]; it is 1 if they are 0
+SLACK = 0.99  # distance of the ends over the length, below which a tether is slack as a whole [-]
+LEAST_RESISTANCE = 0.1  # tension over the force of a winch that reels in, below which hardly more than inertia resists [-]
+LARGEST_EXCESS = 0.05  # of a length that the winch was told over the distance of the ends, part of the distance [-]
+NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
 STATE_IMPOSSIBLE = "contains impossible numbers"
 
-STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE, STIFF_AND_SLACK = (
-    range(at.WARNING_KINDS)
-)
+STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(7)
+STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG = range(7, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -30,8 +33,7 @@ SENTENCES = {
     STRETCH: (
         "a segment is stretched by {strain:.3g} %; from {allowed:.3g} % on, ropes of most materials are broken; check "
         "kite_position (initial_kite_position of a free kite end), ground_position, initial_length, reel_out_speed, "
-        "winch_length, "
-        "diameter and axial_stiffness, and their units"
+        "winch_force, winch_length, diameter and axial_stiffness, and their units"
     ),
     GROUND_ACCELERATION: _ACCELERATION,
     KITE_ACCELERATION: _ACCELERATION,
@@ -44,13 +46,27 @@ SENTENCES = {
         "again rings, and its tensions are then far above and below their mean; set axial_stiffness to at most {stiff:.0e} "
         "N, which is as good as inextensible, or fixed_step to a few ms, which damps the ringing"
     ),
+    WINCH_REELS_IN_SLACK: (
+        "the winch pulls with {value:.3g} N at a slack tether and reels it in faster and faster; check initial_length, the "
+        "positions of the ends, the sign of winch_force and winch_mass, or give the winch more winch_damping"
+    ),
+    WINCH_TOO_LONG: (
+        "the winch was told a length that is {value:.3g} m longer than the distance of the ends, by more than {excess:.3g} "
+        "%; unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the "
+        "positions of the ends for wrong units and offsets"
+    ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
 
 
 def facts(kind):
     """What the sentence of a kind says whatever the value is."""
-    return {"end": _END.get(kind, "kite"), "allowed": 100.0 * (LARGEST_STRETCH - 1.0), "stiff": STIFF}
+    return {
+        "end": _END.get(kind, "kite"),
+        "allowed": 100.0 * (LARGEST_STRETCH - 1.0),
+        "stiff": STIFF,
+        "excess": 100.0 * LARGEST_EXCESS,
+    }
 
 
 def bits(number, count):

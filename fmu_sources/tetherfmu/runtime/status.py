@@ -76,12 +76,13 @@ SENTENCES = {
     ),
     STOPS_CROSSED: parameters.STOPS_CROSSED,
     START_BEYOND_STOP: (
-        "tether_length is {length} m at the start, beyond a stop of the winch; it must be at least shortest_length and at "
-        "most longest_length, unless that is 0"
+        "the unstretched length is {length} m at the start, beyond a stop of the winch; give an initial_length between "
+        "{shortest_stop:.6g} m and {longest_stop:.6g} m, or another shortest_length or longest_length"
     ),
     WINCH_PUSHES: (
-        "winch_force is {winch_force} N; at the start and at the end of the step of {step} s, to which it continues linearly, "
-        "it must not be less than -winch_friction: a winch without winch_mass cannot push a tether; give a winch_mass"
+        "winch_force is {winch_force} N; it must be at least minus winch_friction, which is {friction} N, and so must what "
+        "it comes to in the step of {step} s with a given derivative: a winch without winch_mass cannot push a tether; give "
+        "a winch_mass"
     ),
     NO_LENGTH: (
         "no unstretched length was found with which the tether pulls as winch_force ({winch_force} N) says in a step of "

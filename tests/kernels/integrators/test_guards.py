@@ -112,6 +112,7 @@ def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch, se
     """
     tried = []
     monkeypatch.setattr(step_control, "step", lambda *arguments: tried.append(arguments) or True)
+    monkeypatch.setattr(step_control, "chain_during", lambda *arguments: None)
     monkeypatch.setattr(step_control, "error_of_step", lambda *arguments: 1.0)
     monkeypatch.setattr(step_control, "step_factor", lambda *errors: 1.0)
     state, nodes = np.zeros(at.STATE_HEADER), np.zeros(3)

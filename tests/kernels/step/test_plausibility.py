@@ -1,8 +1,9 @@
 """What no tether and no kite does is noted in the state once, with its first value; what does happen is not.
 
 Stretch l/l0 > 1.05; acceleration 2 |x1 - x0 - v0 h|/(h H) > 9810 m/s2; speed > 340 m/s; twice in a row, on 0.5 m of an end,
-its velocities leave more than half of the way unexplained. The limits are those of runtime/plausibility.py, written here
-once more.
+its velocities leave more than half of the way unexplained. A winch with mass that reels in a tether 1 % longer than the
+distance of its ends, whose tension is below a tenth of what drives the winch; a length that a winch was told, more than 5 %
+and 10 m above the distance of the ends. The limits are those of runtime/plausibility.py, written here once more.
 """
 
 import numpy as np
@@ -254,3 +255,91 @@ def test_numbers_are_the_same(model):
 def test_category():
     with pytest.warns(PlausibilityWarning, match=r"^a segment is stretched by 400 %; from 5 % on"):
         TetherStraight(initial_length=100.0).initialize(KITE)
+
+
+def pulled(model, force, length, steps=20, **winch):
+    """What is noted of a winch that pulls with a force [N] at a tether of some length [m]; the ends are 500 m apart."""
+    tether = model(segments=6, initial_length=length, winch_control="force", **winch)
+    tether.initialize(KITE)
+    for _ in range(steps):
+        tether.step(STEP, kite_position=KITE, winch_force=force)
+    return noted(tether), tether
+
+
+@every_model
+def test_a_winch_that_reels_in_a_slack_tether(model):
+    """It has a mass, and nothing holds it: told once, with its force. The tether weighs 292 N."""
+    found, tether = pulled(model, 4e3, 510.0, winch_mass=200.0, winch_friction=100.0)
+    assert found == {plausibility.WINCH_REELS_IN_SLACK: 4e3}
+    assert tether.step(STEP, winch_force=4e3).winch_speed < -5.0
+    assert "pulls with 4e+03 N at a slack tether" in tether.implausible[0]
+
+
+@every_model
+@pytest.mark.parametrize(
+    ("force", "length", "winch"),
+    [
+        (4e3, 499.0, {}),  # taut
+        (4e3, 504.0, {}),  # nearly so
+        (4e3, 510.0, {"winch_friction": 5e3}),  # it is held
+        (4e3, 510.0, {"shortest_length": 510.0}),  # a stop holds it
+        (-4e3, 510.0, {}),  # it pays out
+        (4e3, 510.0, {"winch_mass": 0.0}),  # the length follows at once
+    ],
+)
+def test_a_winch_that_does_not(model, force, length, winch):
+    assert (
+        plausibility.WINCH_REELS_IN_SLACK not in pulled(model, force, length, steps=3, **{"winch_mass": 200.0, **winch})[0]
+    )
+
+
+@pytest.mark.parametrize("model", EVERY[1:], ids=lambda model: model.variant)
+def test_a_tether_that_hangs_is_not_slack(model):
+    """20 m more than the distance of the ends: its weight pulls at the winch with 17 N, 17 % of the force, or 9 %."""
+    assert pulled(model, 100.0, 520.0, winch_mass=50.0)[0] == {}
+    assert pulled(model, 200.0, 520.0, winch_mass=50.0)[0] == {plausibility.WINCH_REELS_IN_SLACK: 200.0}
+
+
+@every_model
+@pytest.mark.parametrize(
+    ("length", "kinds"),
+    [
+        (470.0, {"STRETCH"}),  # too short, told once and not twice
+        (477.0, set()),
+        (524.0, set()),
+        (526.0, {"WINCH_TOO_LONG"}),
+        (1640.0, {"WINCH_TOO_LONG"}),  # 500 m in feet
+    ],
+)
+def test_a_length_that_contradicts_the_distance(model, length, kinds):
+    """500 m, at the start and in flight; the excess is noted. With speed control a tether may be as long as it likes."""
+    expected = {getattr(plausibility, each) for each in kinds}
+    tether = model(winch_control="length")
+    tether.initialize(KITE, winch_length=length)
+    assert set(noted(tether)) == expected
+    if "WINCH_TOO_LONG" in kinds:
+        assert noted(tether)[plausibility.WINCH_TOO_LONG] == pytest.approx(length - 500.0)
+        assert f"{length - 500.0:.3g} m longer than the distance of the ends, by more than 5 %" in tether.implausible[0]
+        other = model(initial_length=length)
+        other.initialize(KITE)
+        assert noted(other) == {}
+
+
+@every_model
+def test_a_length_that_grows_too_long_in_flight(model):
+    tether = model(winch_control="length")
+    tether.initialize(KITE, winch_length=520.0, reel_out_speed=10.0)
+    for k in range(60):
+        tether.step(STEP, kite_position=KITE, winch_length=520.0 + 10.0 * k * STEP)
+        assert (plausibility.WINCH_TOO_LONG in noted(tether)) == (tether.outputs().tether_length > 525.0)
+
+
+@every_model
+def test_a_few_metres_to_spare_near_the_winch(model):
+    """A drone that lands, a load that is set down: 9 m of tether to a place 2 m away."""
+    tether = model(winch_control="length", segments=4)
+    tether.initialize((0.0, 0.0, 2.0), winch_length=11.0)
+    assert noted(tether) == {}
+    tether = model(winch_control="length", segments=4)
+    tether.initialize((0.0, 0.0, 2.0), winch_length=12.5)
+    assert set(noted(tether)) == {plausibility.WINCH_TOO_LONG}

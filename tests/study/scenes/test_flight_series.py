@@ -113,6 +113,20 @@ def test_a_length_leads_the_winch(tmp_path, name):
     np.testing.assert_allclose(lengths, led_by_speed, rtol=0, atol=2e-4)  # the curvature of the spline jumps at the rows
 
 
+@pytest.mark.parametrize("name", ["ground_tension", "winch_force"])
+def test_a_tension_leads_the_winch(tmp_path, name):
+    """The advised FMU is told the force; the tension of the flight is that of the log, and the length follows."""
+    scene_file = scene_of(tmp_path, 3.0, **{name: lambda time: 400.0 + 30.0 * np.sin(time)})
+    _, _, _, options = advised(scene_file, 0, ("x86_64-linux",))
+    assert dict(options.starts)["winch_control"] == at.WINCH_BY_FORCE
+    scene = load(scene_file)
+    for variant in ("dynamic", "catenary"):
+        tensions = run(scene, Config(variant, 6, 1e-4, 0.02)).flown.of("ground_tension")
+        times = scene.every * np.arange(1, len(tensions) + 1)
+        # within a step of h the force goes on linearly, h^2 30 N/s2; and the curve between the rows is not the sine
+        np.testing.assert_allclose(tensions, 400.0 + 30.0 * np.sin(times), rtol=0, atol=0.02**2 * 30.0 + 0.05)
+
+
 def averaged(column):
     """A cubic through 21 rows, 2 s, in their middle (Savitzky and Golay 1964); the ends by what is there of it."""
     from scipy.signal import savgol_filter

@@ -26,15 +26,27 @@ force, force_rate : W at the start [N], its constant rate [N/s].
 """
 
 OUTWARDS, INWARDS, HELD = 1.0, -1.0, 0.0  # directions: it pays out, reels in, is held
-ALMOST = 1.0 - 1e-9  # part of its friction from which on a drum without mass, which turns at just this force, goes on turning
+ALMOST = (
+    1.0 - 1e-9
+)  # part of its friction from which on a drum without mass, which turns at just this force, goes on turning
 SAME_PLACE = 1e-12  # of the length, relative: so near to a stop the drum is at it
 
 
 @view
 def drum_of(parameters, force, force_rate):
     """`Drum` with this force [N] and its rate [N/s]."""
-    friction = parameters[at.WINCH_MASS], parameters[at.WINCH_DAMPING], parameters[at.WINCH_FRICTION]
-    return Drum(*friction, parameters[at.SHORTEST_LENGTH], parameters[at.LONGEST_LENGTH], force, force_rate)
+    mass, friction = parameters[at.WINCH_MASS], parameters[at.WINCH_FRICTION]
+    if mass == 0.0:
+        force = max(force, -friction)  # of which rounding may take a little, see `transaction.check_reeling`
+    return Drum(
+        mass,
+        parameters[at.WINCH_DAMPING],
+        friction,
+        parameters[at.SHORTEST_LENGTH],
+        parameters[at.LONGEST_LENGTH],
+        force,
+        force_rate,
+    )
 
 
 @kernel
@@ -84,7 +96,7 @@ def stop_ahead(drum, direction):
 
 @kernel
 def freedom(drum, length, tension, time):
-    """How much [N] is missing until a drum that is held at a length [m] under a tension [N] begins to turn; below 0: it does."""
+    """Force [N] that a drum which is held at a length [m] under a tension [N] lacks to turn; below 0: it turns."""
     excess = tension - force_at(drum, time)
     if is_at_stop(drum, length, OUTWARDS):
         return drum.friction + excess

@@ -22,10 +22,11 @@ from ..compilation import kernel
 from ..equations.boundary import put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop
 from ..equations.end_motion import target
+from ..equations.properties import chain_of, property_of
 
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
-MOST_PIECES = 5000  # of a communication step
+MOST_PIECES = 2000  # of a communication step
 SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 MOST_EVALUATIONS = 80  # of the tension for one length
 FARTHEST = 0.5  # change of the length, relative, between two of them
@@ -34,7 +35,7 @@ NARROW = 1e-12  # interval of the length, relative, in which its tension jumps b
 LONGEST = 1e7  # [m], beyond which no length is sought for
 OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
 SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
-LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
+SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
 SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
 
 
@@ -71,7 +72,7 @@ def drum_at(settle, tension):
         length = min(longest, max(shortest, guess))
         last, last_residual = length, 0.0
         inertia = drum.mass / (h * h) + drum.damping / h
-        stiffness = parameters[at.PARAMETER_SCALARS + at.STIFFNESS * n]
+        stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
         slope = inertia + stiffness / length
         forces = abs(force_at(drum, time)) + drum.friction
         pull = 0.0
@@ -112,8 +113,14 @@ def drum_at(settle, tension):
         return last, pull, OK if below < 0.0 < above and high - low <= NARROW * high else NO_LENGTH
 
     @kernel
+    def speed_of(drum, direction, time, h, last_speed, pull):
+        """Speed [m/s] at a stage with this tension [N]: from the forces, since lengths differ by rounding in short pieces."""
+        free = balance(drum, direction, pull, 0.0, time)
+        return (drum.mass * last_speed + h * free) / (drum.mass + h * drum.damping)
+
+    @kernel
     def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
-        """One piece of h [s] from a length [m] and a speed [m/s]: status, both at its end, the tension [N], the error [-]."""
+        """A piece of h [s] from a length [m] and speed [m/s]: status, both at its end, tension [N], error [-]."""
         end = time + h
         if direction == HELD:
             place(n, given, end, state)
@@ -127,28 +134,26 @@ def drum_at(settle, tension):
         place(n, given, time + part, state)
         guess = length + part * speed
         now = time + part
-        first, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
+        _, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
         if status != OK:
             return status, length, speed, pull, inf
-        first_speed = (first - length) / part
+        first_speed = speed_of(drum, direction, now, part, speed, pull)
         rest = (1.0 - STAGE) * h
         last_length, last_speed = length + rest * first_speed, speed + rest * (first_speed - speed) / part
         place(n, given, end, state)
         guess = last_length + part * first_speed
         found, pull, status = find(n, parameters, drum, direction, end, part, last_length, last_speed, guess, state, work)
-        new_speed = (found - last_length) / part
+        new_speed = speed_of(drum, direction, end, part, last_speed, pull)
         error = part * abs(new_speed - first_speed) / (TOLERANCE * length)
         return status, found, new_speed, pull, error
 
     @kernel
     def room_left(drum, direction, time, length, speed, pull):
-        """How far the drum is from the end of its piece, below 0 beyond it; by how much it may be beyond it."""
+        """Force [N] that a held drum lacks to turn, or speed [m/s] of another until it rests; how far below 0 is 0."""
         if direction == HELD:
             forces = abs(pull) + abs(force_at(drum, time)) + drum.friction
             return freedom(drum, length, pull, time), OVERLOAD * forces
-        if drum.friction > 0.0 and drum.mass > 0.0 and speed * direction < 0.0:
-            return speed * direction, SLOW * length
-        return min(drum.longest - length, length - drum.shortest), LOCATED * length
+        return speed * direction, SLOW * length
 
     @kernel
     def advance(n, parameters, given, state, work):
@@ -182,42 +187,41 @@ def drum_at(settle, tension):
                 if h < SMALLEST_PIECE * duration:
                     return STEP_TOO_SMALL
                 continue
-            if drum.mass == 0.0 and drum.friction > 0.0 and new_speed * direction < 0.0:
-                is_new, is_held = True, True  # it has turned round, and is held
+            back = (new_length - length) * direction < -ROUNDING * length
+            if drum.mass == 0.0 and drum.friction > 0.0 and back:  # it has turned round, and is held
+                if h_now > SHORTEST_PART * duration:
+                    piece = 0.25 * h_now
+                else:
+                    is_new, is_held = True, True
                 continue
-            room, margin = room_left(drum, direction, end, new_length, new_speed, new_pull)
+            way = OUTWARDS if new_length > length else INWARDS
+            arrived = new_length != length and is_at_stop(drum, new_length, way)
+            if arrived and h_now > SHORTEST_ARRIVAL * duration:
+                piece, beyond = 0.5 * h_now, end
+                continue
+            room, margin = 0.0, 0.0
+            if not arrived and (direction == HELD or (drum.friction > 0.0 and drum.mass > 0.0)):
+                room, margin = room_left(drum, direction, end, new_length, new_speed, new_pull)
             if room < -margin and h_now > SMALLEST_PIECE * duration:
-                before = length_to_event(drum, direction, room, new_speed, time, length, speed, pull)
-                before *= weight
+                before, _ = room_left(drum, direction, time, length, speed, pull)
+                before = weight * max(before, 0.0)
                 piece = h_now * max(SHORTEST_PART, min(LONGEST_PART, before / (before - room)))
                 weight *= 0.5
                 beyond = end
                 continue
-            if room < 0.0:
+            if room < 0.0 or arrived:
                 beyond = 0.0
             time, length, speed, pull = end, new_length, new_speed, new_pull
             is_new, is_held = True, False
             if direction != HELD:
-                way = OUTWARDS if speed > 0.0 else INWARDS
-                if is_at_stop(drum, length, way):
-                    length, speed = max(drum.shortest, min(drum.longest, length)), 0.0
-                elif drum.friction > 0.0 and drum.mass > 0.0 and speed * direction < 0.0:
+                if arrived:
                     speed = 0.0
+                elif drum.friction > 0.0 and speed * direction < 0.0:
+                    speed, is_held = 0.0, drum.mass == 0.0
             if time >= duration:
                 state[at.LENGTH], state[at.REELING] = length, speed
                 return OK
             h = max(h, h_now * min(5.0, 0.9 / sqrt(max(error, 1e-4))))
         return STEP_BUDGET_SPENT
-
-    @kernel
-    def length_to_event(drum, direction, room, new_speed, time, length, speed, pull):
-        """`room_left` at the start of a piece, of the event that ended it, at least 0."""
-        if direction == HELD:
-            found, _ = room_left(drum, HELD, time, length, speed, pull)
-        elif drum.friction > 0.0 and drum.mass > 0.0 and new_speed * direction < 0.0:
-            found = speed * direction
-        else:
-            found = drum.longest - length if new_speed > 0.0 else length - drum.shortest
-        return max(found, 0.0)
 
     return advance

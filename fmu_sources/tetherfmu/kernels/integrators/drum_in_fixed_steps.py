@@ -28,7 +28,9 @@ CLOSE, ROUNDING = 1e-10, 1e-13  # of the forces; of EA and of the inertia of the
 GOOD_ENOUGH = 1e-6  # of the forces, where the iterations of the chain allow no more
 
 Workspace = namedtuple("Workspace", "chain x v")
-Workspace.__doc__ = """Scratch arrays of a step. chain : `backward_euler.Workspace`.  x, v : at its start, 3 (n + 1) numbers."""
+Workspace.__doc__ = (
+    """Scratch arrays of a step. chain : `backward_euler.Workspace`.  x, v : at its start, 3 (n + 1) numbers."""
+)
 Trial = namedtuple("Trial", "drum time h length speed")
 Trial.__doc__ = """A step that is attempted: `Drum`, time [s] within the communication step, h [s], L0 [m] and u0 [m/s]."""
 
@@ -145,8 +147,10 @@ def step(conditions, trial, x, v, b):
         return trial.length, 0.0, spent + max(iterations, 0), OK if iterations >= 0 else STATE_NOT_FINITE
     lowest, highest = limits_of(trial)
     length = trial.length + h * speed
-    if speed == lowest or speed == highest:
-        return drum.shortest if speed == lowest else drum.longest, 0.0, spent, OK
+    if speed == lowest:
+        return drum.shortest, 0.0, spent, OK
+    if speed == highest:
+        return drum.longest, 0.0, spent, OK
     if drum.mass == 0.0:
         length, speed, found = project(conditions, drum, moving, trial.time + h, h, length, speed, x, v)
         if not found:

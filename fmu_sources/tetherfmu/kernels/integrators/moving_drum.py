@@ -25,14 +25,25 @@ from ..arrays import behind, copy
 from ..compilation import kernel, part, view
 from ..equations import assembly, segment
 from ..equations.boundary import BoundaryConditions, hold_ends, place_ends
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop, stop_ahead
+from ..equations.drum import (
+    HELD,
+    INWARDS,
+    OUTWARDS,
+    balance,
+    direction_of,
+    drum_of,
+    force_at,
+    freedom,
+    is_at_stop,
+    stop_ahead,
+)
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.properties import chain_at, point_mass, property_of, rest_length, sees_reeling
 from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.pairs import first
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
 from . import rosenbrock, step_control
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
@@ -442,12 +453,11 @@ def integrate(conditions, duration, state, x, v, b):
             error = drum_error(conditions, drum, motion, speed, v)
             if conditions.first <= conditions.last:
                 chain = chain_with(conditions, new_length, new_speed)
-                error = max(error, step_control.error_of_step(conditions, chain, h_now, v, w))
+                of_chain = step_control.error_of_step(conditions, chain, h_now, v, w)
+                error = error if of_chain <= error else of_chain  # also where it is no number
         if error <= 1.0 and direction != HELD and drum.mass == 0.0:
             d = GAMMA * h_now
-            new_length, new_speed, found = project(
-                conditions, drum, direction, end, d, new_length, new_speed, w.x, w.v
-            )
+            new_length, new_speed, found = project(conditions, drum, direction, end, d, new_length, new_speed, w.x, w.v)
             if not found:
                 error = inf
         if not error <= 1.0:

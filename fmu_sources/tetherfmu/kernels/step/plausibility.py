@@ -6,12 +6,17 @@
     speed          |v1| of the end
     slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
+    slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
+    too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
 between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
 sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must
 contradict: a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper
 sum.
+
+A length that is too short is a stretch. One that is too long is possible, and judged only where the winch was told it: there
+it is mostly a wrong unit or an offset.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
@@ -23,9 +28,10 @@ from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
+from ..equations import winch
 from ..equations.boundary import are_derived
 from ..equations.properties import chain_of, property_of, rest_length
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, scale, sub, vector_at
 
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
 
@@ -40,7 +46,7 @@ def note(state, kind, square, limit):
 
 @kernel
 def note_shape(n, parameters, state):
-    """Note the largest stretch l/l0 of the segments, if too large, and the speeds of the ends in the state (modified)."""
+    """Note the largest stretch l/l0, if too large, the speeds of the ends and the length in the state (modified)."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
     largest = limits.LARGEST_STRETCH**2
@@ -55,6 +61,41 @@ def note_shape(n, parameters, state):
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
     note(state, limits.GROUND_SPEED, dot(ground_velocity, ground_velocity), limits.FASTEST)
     note(state, limits.KITE_SPEED, dot(kite_velocity, kite_velocity), limits.FASTEST)
+    note_length(n, parameters, state)
+
+
+@kernel
+def note_length(n, parameters, state):
+    """Note by how much the length that a winch was told exceeds the distance of the ends [m] in the state (modified)."""
+    if winch.follows_length(parameters):
+        x, _ = positions_and_velocities(n, state)
+        distance = norm(sub(get(x, n), get(x, 0)))
+        excess = max(0.0, state[at.LENGTH] - distance)
+        note(state, limits.WINCH_TOO_LONG, excess * excess, max(limits.LARGEST_EXCESS * distance, limits.NEARBY))
+
+
+@kernel
+def ground_tension(n, parameters, state):
+    """Tension of the first segment [N] without its damping; of the catenary that at the ground."""
+    held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
+    if held > 0.0:
+        return held
+    x, _ = positions_and_velocities(n, state)
+    chain = chain_of(n, parameters, state)
+    elongation = norm(sub(get(x, 1), get(x, 0))) / rest_length(chain, 0) - 1.0
+    return property_of(chain, 0, at.STIFFNESS) * max(0.0, elongation)
+
+
+@kernel
+def note_slack_winch(n, parameters, state):
+    """Note the force [N] of a winch with mass that reels in a slack tether against little, in the state (modified)."""
+    if winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
+        x, _ = positions_and_velocities(n, state)
+        force = state[at.LAST_WINCH_FORCE]
+        drive = force - parameters[at.WINCH_FRICTION]
+        is_slack = norm(sub(get(x, n), get(x, 0))) < limits.SLACK * state[at.LENGTH]
+        if is_slack and ground_tension(n, parameters, state) < limits.LEAST_RESISTANCE * drive:
+            note(state, limits.WINCH_REELS_IN_SLACK, force * force, 0.0)
 
 
 @kernel
@@ -116,6 +157,7 @@ def note_step(n, parameters, before, state):
     initialization was, wherever the ends are then.
     """
     note_shape(n, parameters, state)
+    note_slack_winch(n, parameters, state)
     derived = are_derived(parameters)
     last_step = before[at.LAST_STEP]
     if last_step <= 0.0 or (derived and before[at.STEP_BEFORE] <= 0.0):

@@ -26,7 +26,7 @@ from ..equations.properties import chain_at, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, put_at, vector_at
 from .plausibility import note_shape, note_step
 
-ROUNDING = 1e-12  # of a force that continues within a step, relative
+ROUNDING = 1e-6  # of a force [N] that a controller, or its continuation within a step, makes 0
 
 
 @kernel
@@ -105,7 +105,7 @@ def check_reeling(n, parameters, given):
     if not winch.follows_force(parameters):
         return check_length(n, parameters, winch.shortest_length(given.reeling, given.step))
     least = min(given.force, given.force + given.step * given.force_rate)
-    if parameters[at.WINCH_MASS] == 0.0 and least < -parameters[at.WINCH_FRICTION] - ROUNDING * abs(given.force):
+    if parameters[at.WINCH_MASS] == 0.0 and least < -parameters[at.WINCH_FRICTION] - ROUNDING:
         return WINCH_PUSHES
     return OK
 

@@ -163,7 +163,7 @@ static void sentence_of(
     char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step)
 {
     int place = index_of(result);
-    double square = 0.0;
+    double square = 0.0, longest = arrays->parameters[AT_LONGEST_LENGTH];
     for (int i = 0; i < 3; i++) {
         double way = values[AT_KITE_POSITION + i] - values[AT_GROUND_POSITION + i];
         square += way * way;
@@ -175,6 +175,9 @@ static void sentence_of(
         real("reel_out_speed", values[AT_REEL_OUT_SPEED]),
         real("winch_force", values[AT_WINCH_FORCE]),
         real("winch_length", values[AT_WINCH_LENGTH]),
+        real("friction", arrays->parameters[AT_WINCH_FRICTION]),
+        real("shortest_stop", arrays->parameters[AT_SHORTEST_LENGTH]),
+        real("longest_stop", longest == AT_NO_STOP ? INFINITY : longest),
         real("length", arrays->state[AT_LENGTH]),
         real("distance", sqrt(square)),
         real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),

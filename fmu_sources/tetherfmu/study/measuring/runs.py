@@ -94,7 +94,9 @@ def end_velocities(scene):
 
 
 def winch_control(scene):
-    """What an importer can tell the winch: a speed, or the length of a log."""
+    """What an importer can tell the winch: a speed, or the force or the length of a log."""
+    if scene.flight.has_force:
+        return at.WINCH_BY_FORCE
     return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
 
 
@@ -106,7 +108,9 @@ def run(scene, config, exact=False):
     inputs = scene.inputs(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
-    options["winch_control"] = at.WINCH_BY_SPEED if exact else winch_control(scene)
+    options["winch_control"] = winch_control(scene)
+    if exact and scene.flight.has_length:
+        options["winch_control"] = at.WINCH_BY_SPEED
     with catch_warnings(**UNWARNED):
         model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options, shape_points=SHAPE_POINTS)
         try:

@@ -96,7 +96,7 @@ class Scene:
         """Sentences on what was hardly meant: a diameter in millimetres, a tether far too short for its ends."""
         if doubt := diameter_in_doubt(self.tether.diameter):
             yield f"tether.{doubt}"
-        if self.flight.kite_is_free:
+        if self.flight.kite_is_free or self.flight.has_force:
             return
         motion = self.flight.motion(self.times)
         distance = np.linalg.norm(motion.kite - motion.ground, axis=-1)
@@ -125,6 +125,8 @@ class Scene:
             "reel_out_speed": speed[:, np.newaxis],
             "wind_velocity": self.wind(time + 0.5 * step * exact),
         }
+        if self.flight.has_force:
+            given["winch_force"] = self.flight.force(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
         if self.flight.kite_is_free:

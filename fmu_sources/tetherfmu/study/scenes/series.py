@@ -14,7 +14,8 @@ from .flights import Motion
 
 VECTORS = {each.name: components(each.name, each.size) for each in inputs_of(kite_is_free=False) if each.size > 1}
 LENGTHS = ("tether_length", "winch_length")  # unstretched: as it is logged; by the name of the input of an FMU
-REELING = ("reel_out_speed", *LENGTHS)
+FORCES = ("ground_tension", "winch_force")  # of the winch, likewise
+REELING = ("reel_out_speed", *LENGTHS, *FORCES)
 COLUMNS = ("time", *chain(*VECTORS.values()), *REELING)
 FEWEST_ROWS = 4  # that a C2 spline needs
 LONGEST_NAME = 40  # characters of a column's name in a message
@@ -91,7 +92,8 @@ class Series:
     Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
     speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
     [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves,
-    `has_length` whether it gives the unstretched length. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the
+    `has_length` whether it gives the unstretched length, `has_force` whether the force of the winch (`force`), with which
+    nothing is known of the length. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the
     kite. `contents` are the bytes of the file.
     """
 
@@ -117,6 +119,9 @@ class Series:
         else:
             self._speed, self.initial_length = PchipInterpolator(time, table.get("reel_out_speed", 0.0 * time)), None
             self._length = self._speed.antiderivative()
+        forces = next((table[name] for name in FORCES if name in table), None)
+        self.has_force = forces is not None
+        self.force = PchipInterpolator(time, forces) if self.has_force else None
         wind = given.get("wind_velocity")
         self.wind = None if wind is None else PchipInterpolator(time, wind)
 

@@ -44,7 +44,9 @@ from .points import CALLS, MOST_REELED, MapPoint, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
-SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")  # quantities of points and tethers
+# quantities of points and tethers
+SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")
+DRUM = ("winch_mass", "winch_damping", "winch_friction")
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 # drag per length over speed squared [N s2/m3]
@@ -79,8 +81,27 @@ def model_of(point, refinement):
     """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
     model, quantities = MODELS[point.variant.removesuffix("_fixed_step")], {name: getattr(point, name) for name in SAME}
     tolerance = point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2)
+    if point.control == at.WINCH_BY_FORCE:
+        quantities |= {name: getattr(point, name) for name in DRUM}
     refined = {"relative_tolerance": tolerance, "fixed_step": point.fixed_step / refinement}
-    return model(initial_length=point.length, shape_points=2, **quantities, **refined)
+    return model(initial_length=point.length, shape_points=2, winch_control=point.control, **quantities, **refined)
+
+
+def told(point, start, time):
+    """Input of the winch of a point at a time [s], by its name.
+
+    start : tension at the ground at the start [N], 0 before it.
+    """
+    if point.control == at.WINCH_BY_FORCE:
+        return {"winch_force": force_of(point, start)}
+    if point.control == at.WINCH_BY_LENGTH:
+        return {"winch_length": point.length + point.reel_out_speed * time}
+    return {}
+
+
+def force_of(point, start):
+    """Force [N] that a winch is told, from the tension at the start [N]: no tether pulls much less than its weight."""
+    return point.force_ratio * (max(start, 0.0) + LINE_DENSITY * point.length * point.gravity + 1.0)
 
 
 def strain_and_speed(flown, step):
@@ -95,21 +116,25 @@ def strain_and_speed(flown, step):
     return max(ROUND_OFF, chords.max() - 1.0), speeds.max()
 
 
-def bounds(point, strain, end_speed):
-    """Largest tension [N] and speed of a node [m/s] that the motion of the ends explains; see the head of this file."""
+def bounds(point, strain, end_speed, reeled=0.0, force=0.0):
+    """Largest tension [N] and speed of a node [m/s] that the motion of the ends explains; see the head of this file.
+
+    reeled : largest reel-out speed of a winch that is told a force [N] (0 of another), at the calls [m/s].
+    """
     wave_speed = sqrt(point.axial_stiffness / LINE_DENSITY)
     fall = sqrt(2.0 * point.gravity * (point.length + point.distance))
-    motion = end_speed + point.wind + abs(point.reel_out_speed) + fall
+    impedance = sqrt(point.axial_stiffness * LINE_DENSITY)
+    motion = end_speed + point.wind + abs(point.reel_out_speed) + fall + reeled + force / impedance
     speed = motion + wave_speed * strain
     if point.initial_shape == at.STRAIGHT:
         speed += wave_speed * sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
     damping = point.axial_damping if point.variant.startswith("dynamic") else 0.0
-    impact = sqrt(point.axial_stiffness * LINE_DENSITY) + damping / point.segment_length
+    impact = impedance + damping / point.segment_length
     longest = point.length * (1.0 + MOST_REELED)
     inertia = LINE_DENSITY * motion**2 / (point.distance * (1.0 - MOST_REELED))
     load = longest * (LINE_DENSITY * point.gravity + DRAG_FACTOR * motion**2 + inertia)
     across = load + (point.axial_stiffness * load**2 / 24.0) ** (1.0 / 3.0)
-    return point.axial_stiffness * strain + across + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
+    return point.axial_stiffness * strain + across + force + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
 def ratios(point, flown, states, step):
@@ -119,7 +144,10 @@ def ratios(point, flown, states, step):
     """
     if not all(np.isfinite(numbers).all() for numbers in (states, *flown)):
         return np.inf, np.inf
-    tension, speed = bounds(point, *strain_and_speed(flown, step))
+    reeled = force = 0.0
+    if point.control == at.WINCH_BY_FORCE:
+        reeled, force = np.abs(flown.winch_speed).max(), force_of(point, flown.ground_tension[0])
+    tension, speed = bounds(point, *strain_and_speed(flown, step), reeled, force)
     fastest = 0.0
     if point.variant.startswith("dynamic"):
         motions = states[:, at.STATE_HEADER : at.state_size(point.segments)]
@@ -142,6 +170,8 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             started = process_time()
             try:
                 call = partial(model.step, step) if k else model.initialize
+                start = float(outputs[0].ground_tension) if k else 0.0
+                inputs |= told(point, start, max(0, k - 1) * step)
                 outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
             except StepRefused as error:
                 refusal = REFUSALS[error.status]

@@ -60,6 +60,11 @@ AXES = {
     "gravity": ("linear", 0.0, 25.0, (0.05, 0.0), (0.3, 9.81)),
     "elevation": ("linear", pi / 18.0, pi / 3.0),  # of the axis of the circle
     "phase": ("linear", -pi, pi),
+    "control": ("choice", (1, 2, 3), (0.5, 0.25, 0.25)),  # of the winch: speed, force, length
+    "winch_mass": ("log", 0.1, 1e4, (0.3, 0.0)),  # this and the following count with a force
+    "winch_damping": ("log", 0.1, 1e3, (0.5, 0.0)),
+    "winch_friction": ("log", 0.1, 1e3, (0.5, 0.0)),
+    "force_ratio": ("log", 0.5, 5.0),  # of the force to the tension at the start plus the weight
 }
 
 
