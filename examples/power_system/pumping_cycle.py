@@ -97,8 +97,8 @@ MASTERS = {"jacobi": jacobi, "gauss_seidel": gauss_seidel}
 def system(start, master, fmus=FMUS, tether=None):
     """FMUs that run: a list of `Part`, the outputs of all, their places by name, and a function to call for Ctrl-C.
 
-    start : dict of start values, set in each FMU that has the name.  master : of `MASTERS`.  tether : path of its FMU, if it
-    is another one.
+    start : dict of start values, set in each FMU that has the name; that of "kite.wing_area" in the kite only.
+    master : of `MASTERS`.  tether : path of its FMU, if it is another one.
     """
     files = [tether if tether and name == "tether" else find_fmu(fmu) for name, fmu in fmus.items()]
     with all_running(files) as (opened, stop_if_pressed):
@@ -107,8 +107,9 @@ def system(start, master, fmus=FMUS, tether=None):
         places = {name: place for place, name in enumerate(given)}
         parts, signals = [], [0.0] * len(given)
         for name, each, table in zip(fmus, opened, tables, strict=True):
+            own = {key.removeprefix(f"{name}."): value for key, value in start.items() if key.startswith(f"{name}.")}
             behind = master == "gauss_seidel" and name != "tether"
-            begin(each.fmu, table, start | ({"input_continuation": INTERPOLATED} if behind else {}))
+            begin(each.fmu, table, start | own | ({"input_continuation": INTERPOLATED} if behind else {}))
             parts.append(part_of(each.fmu, table, places))
         for part in (*parts, *parts):  # the second time with the first steering
             part.receive(signals)

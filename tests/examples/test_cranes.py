@@ -1,0 +1,92 @@
+"""Winches that are told a force: a crane over a ship that heaves, and a hoist; against balances of forces and of work."""
+
+import re
+import sys
+
+import numpy as np
+import pytest
+from running import EXAMPLES, assert_is_drawn, run_python
+
+sys.path.append(str(EXAMPLES))
+
+from cranes import constant_tension, hoisting
+
+GRAVITY, WIRE = 9.81, hoisting.WIRE
+
+
+@pytest.mark.parametrize("friction", [0.0, 400.0])
+def test_without_mass_the_tension_is_the_force_and_the_friction(friction):
+    """With 1e-9 of it: a drum without mass does nothing else."""
+    off = np.abs(constant_tension.fly((0.0, friction)) - constant_tension.FORCE)
+    assert off.max() <= friction + 1e-9 * constant_tension.FORCE
+    assert off.max() >= friction - 1e-9 * constant_tension.FORCE
+
+
+@pytest.mark.parametrize("drum", [(3000.0, 500.0), (1000.0, 100.0), (2000.0, 0.0)])
+def test_a_drum_holds_the_tension_within_friction_and_inertia(drum):
+    """At least what turns it when it follows the deck, at most with the undamped bounce of one that breaks away.
+
+    While the heave grows its acceleration is up to 5 % larger: |d2/dt2 (t/P) sin wt| <= w^2 sqrt(1 + 1/pi^2).
+    """
+    off = np.abs(constant_tension.fly(drum) - constant_tension.FORCE)
+    following, bouncing = constant_tension.bounds(*drum)
+    assert 0.95 * following < off.max() < 1.05 * bouncing
+
+
+def test_a_winch_that_holds_its_length_has_the_stiffness_of_the_wire():
+    """EA/L times the heave more than at rest; where the wire snaps taut it bounces, by less than a tenth."""
+    tension = constant_tension.fly(None)
+    stiffness = constant_tension.tether_of("steel", 0.016).axial_stiffness / constant_tension.DEPTH
+    most = constant_tension.FORCE + stiffness * constant_tension.HEAVE
+    assert most < tension.max() < 1.1 * most
+    assert tension.min() < 0.0  # and then it is slack
+
+
+@pytest.fixture(scope="module")
+def hoisted():
+    return hoisting.fly()
+
+
+def test_the_load_is_lifted_and_held(hoisted):
+    time, height, speed, torque, _ = hoisted
+    shorter = (hoisting.LOAD + WIRE.mass_per_meter * 50.0) * GRAVITY * hoisting.LIFT / WIRE.axial_stiffness  # its stretch
+    rest = height[time > hoisting.DURATION - 5.0]  # some periods of the bounce
+    assert rest.mean() - height[0] == pytest.approx(hoisting.LIFT + shorter, abs=0.005)  # 2 mm, and the bounce
+    off = time > 25.0
+    assert not torque[off].any()
+    assert not speed[off].any()  # not by a rounding error: it is held
+    assert (hoisting.LOAD + WIRE.mass_per_meter * hoisting.LENGTH) * GRAVITY < hoisting.FRICTION  # which holds it
+
+
+def test_the_work_of_the_motor_lifts_and_rubs(hoisted):
+    """Load, friction, and the wire below the middle of its first segment, where the drum pulls.
+
+    What is left, the energy of the stretch twice, is T^2 LIFT/EA, 4e-4 of it.
+    """
+    _, height, speed, torque, _ = hoisted
+    left = hoisting.LENGTH - hoisting.LIFT
+    wire = 0.5 * WIRE.mass_per_meter * GRAVITY * (hoisting.LENGTH**2 - left**2) * (1.0 - 0.5 / hoisting.SEGMENTS)
+    lifting = hoisting.LOAD * GRAVITY * (height[-1] - height[0]) + wire
+    assert hoisting.work(speed, torque) == pytest.approx(lifting + hoisting.FRICTION * hoisting.LIFT, rel=1e-3)
+
+
+def test_the_tension_is_that_of_a_load_on_a_spring(hoisted):
+    """At most twice the acceleration of the drum, the largest of which is seen from step to step."""
+    _, _, speed, torque, tension = hoisted
+    mass = hoisting.LOAD + WIRE.mass_per_meter * hoisting.LENGTH
+    faster = np.diff(speed)[:-1].max() / hoisting.STEP
+    assert mass * GRAVITY < tension.max() < mass * (GRAVITY + 2.0 * faster)
+    assert np.abs(torque).max() < hoisting.TORQUE
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("constant_tension", "no drum: at most 20000 N"), ("hoisting", "turns at 0 m/s")]
+)
+def test_prints_and_draws(tmp_path, name, words):
+    done = run_python(EXAMPLES / "cranes" / f"{name}.py", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert words in done.stdout
+    page = (EXAMPLES.parent / "docs" / "use" / "cranes_and_drones.md").read_text(encoding="utf-8")
+    for number in re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", done.stdout):
+        assert "".join(number) in page
+    assert_is_drawn(tmp_path / f"{name}.png")

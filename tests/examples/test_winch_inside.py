@@ -1,0 +1,95 @@
+"""A pumping kite with its winch inside the tether: the power of the winch FMU, in steps in which the winch FMU fails."""
+
+import sys
+
+import numpy as np
+import pytest
+from running import EXAMPLES, assert_is_drawn, run
+
+sys.path.append(str(EXAMPLES))
+
+from power_system import motor
+
+SHORT = "{**kite_power_system.START, 'controller.longest_length': 225.0}"  # a cycle of half a minute
+POWER = """
+def power(cycle):
+    time, tension, speed, _ = cycle
+    return numpy.trapezoid(tension * speed, time) / (time[-1] - time[0])
+"""
+
+
+def flown(folder, code):
+    return run(
+        folder, f"import numpy\nfrom power_system import kite_power_system, pumping_cycle, winch_inside\n{POWER}{code}"
+    )
+
+
+@pytest.fixture(scope="module")
+def beside(folder):
+    """Mean power [W] with the winch FMU, over a cycle of 150 m, in steps of 50 ms: 0.2 % from that in steps of 20 ms."""
+    code = """
+flight = pumping_cycle.fly(1, 0.05, "gauss_seidel")
+a, b = flight.bounds
+print((flight.values["energy"][b] - flight.values["energy"][a]) / (flight.time[b] - flight.time[a]))
+"""
+    return float(flown(folder, code))
+
+
+def test_the_power_is_that_of_the_winch_fmu(folder, beside):
+    """The drum follows the controller in less than half a second, of the three in which it changes over twice in 98 s."""
+    inside = float(flown(folder, "print(power(winch_inside.fly(0.1, True)))"))
+    assert beside > 1000.0
+    assert inside == pytest.approx(beside, rel=0.01)
+
+
+def test_steps_of_100_ms_give_what_steps_of_20_ms_give(folder):
+    """The controller sees up to 80 ms later where reeling in begins and ends, and so does the motor: 0.3 % of 25 s each."""
+    code = f"for step in (0.02, 0.1): print(power(winch_inside.fly(step, True, {SHORT})))"
+    fine, coarse = map(float, flown(folder, code).split())
+    assert coarse == pytest.approx(fine, rel=0.02)
+
+
+@pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
+def test_the_masters_of_the_pumping_cycle_diverge_in_100_ms(folder, master):
+    assert flown(folder, f"print(winch_inside.explicit({master!r}, 0.1))").startswith("the exchange diverges after 0.")
+
+
+def test_in_200_ms_the_winch_fmu_swings_and_the_winch_inside_does_not(folder):
+    """The drum accelerates by no more than what the controller may ask for and a swing of the tension by half may add.
+
+    That is 4 m/s2 and 1000 N on 300 kg; the winch FMU jerks its drum with all that its motor has, 27 m/s2.
+    """
+    code = f"for inside in (True, False): print(abs(numpy.diff(winch_inside.fly(0.2, inside, {SHORT})[2])).max() / 0.2)"
+    inside, beside = map(float, flown(folder, code).split())
+    assert inside < 4.0 + 1000.0 / 300.0
+    assert beside > 20.0
+
+
+def test_the_drum_and_its_controller_agree_at_rest():
+    """Where the tension is the one for the speed of the drum, the motor pulls with it, less the friction."""
+    for speed, depower in ((2.5, 0.0), (-3.0, 1.0)):
+        tension = {0.0: 300.0 * 2.5**2, 1.0: 1800.0 * (1.0 - 3.0 / 8.0)}[depower]
+        assert motor.wanted_speed(tension, depower, 0.5) == pytest.approx(speed)
+        friction = 30.6 * speed + 122.0 * np.sign(speed)
+        found = motor.pull(tension, speed, depower, (100.0, 0.0, 50.0), 0.1)
+        assert found == pytest.approx(tension - friction, abs=0.1)  # friction fades below 5 cm/s: 0.02 N of it
+        more = motor.pull(tension + 100.0, speed, depower, (100.0, 0.0, 50.0), 0.1)
+        assert more < found  # it lets the drum go
+
+
+def test_prints_and_draws(folder, tmp_path):
+    """What is printed and drawn of flights, here of no real ones."""
+    code = f"""
+time = numpy.linspace(0.0, 100.0, 1001)
+cycle = numpy.array([time, 1800.0 + 0.0 * time, 3.0 * numpy.sin(0.1 * time), 2.0 + 0.0 * time])
+winch_inside.fly = lambda step, inside: cycle
+winch_inside.explicit = lambda master, step: master
+winch_inside.main(['--out', {str(tmp_path)!r}])
+"""
+    lines = flown(folder, code).splitlines()
+    assert [line.partition(":")[0] for line in lines[4:-1]] == [
+        f"winch {where}, {step} ms" for where in ("as an FMU", "inside the tether") for step in (20, 100, 200)
+    ]
+    assert all("1800 N, 2.0 tether steps" in line for line in lines[4:-1])
+    assert [line.split(", ")[1] for line in lines[:4]] == 2 * ["jacobi"] + 2 * ["gauss_seidel"]
+    assert_is_drawn(tmp_path / "winch_inside.png")
