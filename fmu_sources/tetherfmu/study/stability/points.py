@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tetherfmu.runtime.layout import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
+from tetherfmu.runtime.layout import MAX_SEGMENTS, MIN_SEGMENT_LENGTH, WINCH_BY_SPEED
 
 CALLS = 30  # communication steps of a flight
 SHARPEST_TURN = 0.3  # [rad] of the kite on its circle in one communication step
@@ -60,16 +60,15 @@ AXES = {
     "gravity": ("linear", 0.0, 25.0, (0.05, 0.0), (0.3, 9.81)),
     "elevation": ("linear", pi / 18.0, pi / 3.0),  # of the axis of the circle
     "phase": ("linear", -pi, pi),
-    "control": ("choice", (1, 2, 3), (0.5, 0.25, 0.25)),  # of the winch: speed, force, length
-    "winch_mass": ("log", 0.1, 1e4, (0.3, 0.0)),  # this and the following count with a force
+    "winch_mass": ("log", 0.1, 1e4, (0.3, 0.0)),  # this and the following count where the winch is told a force
     "winch_damping": ("log", 0.1, 1e3, (0.5, 0.0)),
     "winch_friction": ("log", 0.1, 1e3, (0.5, 0.0)),
     "force_ratio": ("log", 0.5, 5.0),  # of the force to the tension at the start plus the weight
 }
 
 
-class MapPoint(namedtuple("MapPoint", ("seed", "number", *AXES))):
-    """One flight. `number` and `seed` make it again."""
+class MapPoint(namedtuple("MapPoint", ("seed", "number", "control", *AXES))):
+    """One flight. `number`, `seed` and `control`, what its winch is told (`winch_control`), make it again."""
 
     @property
     def segment_length(self):
@@ -95,9 +94,9 @@ def draw(random, p, scale, low, high, *instead):
     return value
 
 
-def point(seed, number):
-    """Point `number` of the map with this seed."""
-    random, p = np.random.default_rng((seed, number)), SimpleNamespace(seed=seed, number=number)
+def point(seed, number, control=WINCH_BY_SPEED):
+    """Point `number` of the map with this seed; the same flight whatever the winch is told."""
+    random, p = np.random.default_rng((seed, number)), SimpleNamespace(seed=seed, number=number, control=control)
     for name, axis in AXES.items():
         setattr(p, name, draw(random, p, *axis))
     fewest, most = segments_of(p)

@@ -10,6 +10,8 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
+from tetherfmu.runtime.parameters import Winch
+from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.tables import markdown, page
 from tetherfmu.study.scenes.standard import MODELS
 
@@ -135,15 +137,17 @@ def write(results, before, also, folder, with_figures):
 
 def run(options):
     """Judge all points and write their page, or judge one and print it; returns 1 if a point is what none may be."""
+    control = dict(quantities(Winch))["winch_control"].numbers[options.control]
     if options.point is not None:
-        chosen = point(options.seed, options.point)
+        chosen = point(options.seed, options.point, control)
         for name, value in (chosen._asdict() | judge(chosen)._asdict()).items():
             print(f"{name:20} {value}")
         return 0
-    points = [point(options.seed, number) for number in range(QUICK if options.quick else options.points)]
+    points = [point(options.seed, number, control) for number in range(QUICK if options.quick else options.points)]
     for model in MODELS.values():
         model()  # compiles, so that not each process has to
-    file = options.results or options.out / f"stability_{options.seed}.jsonl"
+    name = f"stability_{options.seed}" + ("" if options.control == "speed" else f"_{options.control}")
+    file = options.results or options.out / f"{name}.jsonl"
     results = judge_all(points, file, options.processes, options.dask)
     before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
     print(write(results, before, also, options.out, with_figures=not options.quick))
