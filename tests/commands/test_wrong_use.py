@@ -141,6 +141,9 @@ WRONG = [  # what is typed, status, what must be said
     ("power_system.pumping_cycle --step 1", 2, ("--step", "'1'", "at most 0.1 s")),
     ("power_system.pumping_cycle --wind nan", 2, ("--wind", "'nan'", "m/s")),
     ("power_system.pumping_cycle --master newton", 2, ("--master", "'newton'", "gauss_seidel")),
+    ("power_system.winch_inside --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("cranes.hoisting 7", 2, ("unrecognized arguments: 7",)),
+    ("cranes.constant_tension --out ''", 2, ("--out", "''", "is no folder")),
 ]
 
 
