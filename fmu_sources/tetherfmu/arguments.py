@@ -65,9 +65,14 @@ def checked_masses(point_masses, segments):
 
 def node_vectors(name, given, segments):
     """A vector for each node, array (segments + 1, 3); ValueError for another shape, or numbers that no input may have."""
+    return numbers_in_shape(name, given, (segments + 1, 3))
+
+
+def numbers_in_shape(name, given, shape):
+    """Array of this shape; ValueError for another one, or numbers that no input may have."""
     found = np.asarray(given, dtype=float)
-    if found.shape != (segments + 1, 3):
-        raise ValueError(f"{name} has the shape {found.shape}; it must be {(segments + 1, 3)}")
+    if found.shape != shape:
+        raise ValueError(f"{name} has the shape {found.shape}; it must be {shape}")
     if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
         raise ValueError(f"{name} has a number that is not finite or above {at.LARGEST_INPUT:g} in magnitude")
     return found
@@ -131,6 +136,14 @@ def number(name, value, unit):
         return float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} is {value!r}; it must be a number [{unit}]") from None
+
+
+def steps(name, value, count):
+    """Communication steps [s] of so many rows, array (count,); ValueError for another shape."""
+    found = np.asarray(value, dtype=float)
+    if found.shape != (count,):
+        raise ValueError(f"{name} has the shape {found.shape}; it must be a number or {(count,)}")
+    return found
 
 
 def one_of(name, value, names):

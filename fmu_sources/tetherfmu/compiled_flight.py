@@ -15,16 +15,21 @@ ON_REFUSAL = ("raise", "stop", "skip")
 SPAN = 1000  # steps, about, whose rows are all kept at a time where refused steps are skipped
 
 
-def fly(instance, inputs, step, every, outputs, skip=False):
+def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
     """Fly an `Instance` (modified) until all steps are done or one is refused; returns the `Flown`.
 
-    inputs : contiguous array (steps, INPUTS).  step : communication step [s].  every : a row is kept after every so many
-    steps; 0 for none.  outputs : when they are computed, `layout.NEVER`, `AT_ROWS` or `ALWAYS`.  skip : leave refused steps
-    out, with NaN in their rows, instead of stopping there. The inputs of the instance become those of the last step done.
+    inputs : contiguous array (steps, INPUTS).  step : communication step [s], or an array of them.  every : a row is kept
+    after every so many steps; 0 for none.  outputs : when they are computed, `layout.NEVER`, `AT_ROWS` or `ALWAYS`.
+    skip : leave refused steps out, with NaN in their rows, instead of stopping there.  winds : at the nodes [m/s], array
+    (steps, segments + 1, 3), or None. The inputs of the instance become those of the last step done.
     """
     before = instance.values[: at.INPUTS]
     began = perf_counter()
-    rows, refusals = (_skipping if skip else _until_refused)(instance, inputs, step, every, outputs)
+    if np.ndim(step) or winds is not None:
+        steps = np.broadcast_to(step, len(inputs))
+        rows, refusals = _row_by_row(instance, inputs, steps, winds, every, outputs, skip)
+    else:
+        rows, refusals = (_skipping if skip else _until_refused)(instance, inputs, step, every, outputs)
     seconds = perf_counter() - began
     skipped = {refusal.step for refusal in refusals}
     end = min(skipped) if skipped and not skip else len(inputs)
@@ -83,6 +88,34 @@ def _skipping(instance, inputs, step, every, outputs):
                 refusals.append(_refusal(instance, inputs, step, first + k - 1))
         kept.append(_every(rows, every, width - 3 * (instance.segments + 1), outputs) if every else rows)
     return np.concatenate(kept), tuple(refusals)
+
+
+def _row_by_row(instance, inputs, steps, winds, every, outputs, skip):
+    """Rows, and a tuple of the `Refusal` of each refused step, of steps [s] that differ or with winds at the nodes."""
+    width = _observed(instance, outputs) + 3 * (instance.segments + 1)
+    rows, refusals = np.full((len(inputs) if every else 0, width), np.nan), []
+    for k in range(len(inputs)):
+        parameters = instance.parameters[:]
+        if winds is not None:
+            put_node_winds(instance, winds[k])
+        done, flown = _run(instance, inputs[k : k + 1], float(steps[k]), 1 if every else 0, outputs)
+        if done:
+            rows[k : k + len(flown)] = flown
+        else:
+            refusals.append(_refusal(instance, inputs, float(steps[k]), k))
+            instance.parameters[:] = parameters  # the winds of before
+            if not skip:
+                rows = rows[:k]
+                break
+    if not every:
+        return rows, tuple(refusals)
+    return _every(rows, every, width - 3 * (instance.segments + 1), outputs), tuple(refusals)
+
+
+def put_node_winds(instance, winds):
+    """Give an `Instance` (modified) the wind at each node [m/s], array (segments + 1, 3)."""
+    instance.parameters[-winds.size :] = array("d", winds.T.ravel())
+    instance.parameters[at.WIND_PROFILE] = at.AT_NODES
 
 
 def _every(rows, every, size, outputs):

@@ -305,12 +305,13 @@ class TetherModel:
     def fly(
         self,
         inputs: ArrayLike,
-        step: float,
+        step: float | ArrayLike,
         every: int = 1,
         peaks: bool = True,
         *,
         outputs: bool = True,
         on_refusal: str = "raise",
+        node_winds: ArrayLike | None = None,
     ) -> Flown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
@@ -318,8 +319,8 @@ class TetherModel:
         ----------
         inputs : (steps, INPUTS) array
             Inputs at the start of each step, in the columns of `layout.py`; `inputs_along` makes them from paths.
-        step : float
-            Communication step [s].
+        step : float or (steps,) array
+            Communication step [s], or that of each row (some 10 us more for a step).
         every : int
             A row is kept after every so many steps; 0 for none.
         peaks : bool
@@ -333,6 +334,8 @@ class TetherModel:
             What to do when a step cannot be done: raise StepRefused, whose `flown` has the rows of before; return them; or
             leave the step out, with NaN in its row if it has one, and go on from the state of before with the inputs of the
             next step (outputs are then computed after each step). `Flown.refusals` says where and why.
+        node_winds : (steps, segments + 1, 3) array or None
+            Wind [m/s] at each node in each step, instead of the wind in `inputs` (tethers with nodes only).
 
         Returns
         -------
@@ -346,11 +349,13 @@ class TetherModel:
             If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
-        inputs, step = arguments.input_rows(inputs), arguments.number("step", step, "s")
+        inputs = arguments.input_rows(inputs)
+        step = arguments.steps("step", step, len(inputs)) if np.ndim(step) else arguments.number("step", step, "s")
+        winds = self._checked_winds(node_winds, len(inputs))
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
         arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
         every = arguments.whole("every", every)
-        flown = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip")
+        flown = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip", winds)
         self._warn()
         if flown.refusals and on_refusal == "raise":
             ((place, problem, status),) = flown.refusals
@@ -452,14 +457,21 @@ class TetherModel:
         shape = np.shape(wind)
         if shape == (self.segments + 1, 3) and self._variant.has_nodes:
             wind = arguments.node_vectors("wind_velocity", wind, self.segments)
-            self._parameters[-wind.size :] = wind.T.ravel()
-            self._parameters[at.WIND_PROFILE] = at.AT_NODES
+            compiled_flight.put_node_winds(self._instance, wind)
         elif shape == (3,):
             self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
             self._parameters[at.WIND_PROFILE] = self._records[1].wind_profile
         else:
             nodes = f", or ({self.segments + 1}, 3) for a wind at each node" if self._variant.has_nodes else ""
             raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")
+
+    def _checked_winds(self, winds, steps):
+        """Winds at the nodes in so many steps [m/s], array, or None; ValueError if they have another shape."""
+        if winds is None:
+            return None
+        if not self._variant.has_nodes:
+            raise ValueError(f"{type(self).__name__} has no nodes: give wind_velocity")
+        return arguments.numbers_in_shape("node_winds", winds, (steps, self.segments + 1, 3))
 
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""

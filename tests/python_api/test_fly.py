@@ -5,8 +5,9 @@ import pytest
 
 from balance import VARIANTS
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu import Outputs, StepRefused, models
+from tetherfmu import Outputs, StepRefused, TetherDynamic, inputs_along, models
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.parameters import Environment
 
 STEP, STEPS = 0.02, 23
@@ -257,3 +258,59 @@ def test_skipping_without_a_refusal_is_a_flight(variant):
         assert np.array_equal(plain.peak, skipping.peak)
         assert np.array_equal(plain.outputs, skipping.outputs)
         assert plain.refusals == skipping.refusals == ()
+
+
+@pytest.mark.parametrize("every", [0, 1, 3])
+@pytest.mark.parametrize("control", ["speed", "force", "length"])
+def test_uneven_steps_and_winds_at_the_nodes_equal_a_loop(every, control):
+    count, segments = 12, 4
+    random = np.random.default_rng(7)
+    steps, winds = random.uniform(0.005, 0.03, count), random.uniform(-5.0, 12.0, (count, segments + 1, 3))
+    time = np.concatenate(([0.0], np.cumsum(steps)[:-1]))
+    rows = inputs_along(count, 0.02)
+    by_name(rows)["winch_force"][:, 0] = 150.0 + 5.0 * time
+    by_name(rows)["winch_length"][:, 0] = 505.0 + 0.1 * time
+    one, other = (TetherDynamic(segments=segments, winch_control=control) for _ in range(2))
+    for tether in (one, other):
+        tether.initialize()
+    flown = one.fly(rows, steps, every, node_winds=winds)
+    found = []
+    for k in range(count):
+        given = {name: by_name(rows)[name][k] for name in ("kite_position", "kite_velocity")}
+        told = {name: by_name(rows)[name][k, 0] for name in ("winch_force", "winch_length")}
+        found.append(other.step(steps[k], wind_velocity=winds[k], **given, **told).kite_force)
+    assert np.array_equal(one.get_state(), other.get_state())
+    if every:
+        assert np.array_equal(flown.kite_force, found[every - 1 :: every])
+        peaks = np.linalg.norm(found, axis=1).reshape(-1, every).max(axis=1)
+        np.testing.assert_allclose(flown.peak, peaks, rtol=1e-15)
+
+
+def test_a_refused_uneven_step_keeps_the_state_and_the_winds_of_before():
+    rows, steps = inputs_along(6, 0.02), np.array((0.01, 0.02, 0.03, -1.0, 0.02, 0.01))
+    winds = np.arange(6.0)[:, None, None] * np.ones((6, 5, 3))
+    one, other = (TetherDynamic(segments=4) for _ in range(2))
+    for tether in (one, other):
+        tether.initialize()
+    with pytest.raises(StepRefused, match="step 4 of 6") as refused:
+        one.fly(rows, steps, node_winds=winds)
+    assert len(refused.value.flown.kite_force) == 3
+    other.fly(rows[:3], steps[:3], node_winds=winds[:3])
+    assert np.array_equal(one.get_state(), other.get_state())
+    skipped = one.fly(rows, steps, node_winds=winds, on_refusal="skip")
+    assert np.flatnonzero(np.isnan(skipped.kite_force[:, 0])).tolist() == [3]
+
+
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ({"step": np.full(5, 0.02)}, "step has the shape"),
+        ({"step": 0.02, "node_winds": np.zeros((6, 4, 3))}, "node_winds has the shape"),
+        ({"step": 0.02, "node_winds": np.full((6, 5, 3), np.nan)}, "not finite"),
+    ],
+)
+def test_wrong_steps_and_winds(given, problem):
+    tether = TetherDynamic(segments=4)
+    tether.initialize()
+    with pytest.raises(ValueError, match=problem):
+        tether.fly(inputs_along(6, 0.02), **given)
