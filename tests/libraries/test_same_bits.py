@@ -114,7 +114,7 @@ class KernelByKernel:
     def step(self, step, inputs):
         before, n = self.state.copy(), self.n
         given = inputs_of_step(self.parameters, inputs, step, before)
-        transaction.remember(inputs, given, self.state)
+        transaction.remember(self.parameters, inputs, given, self.state)
         found = dynamic.advance(n, self.parameters, given, before, self.state, self.work)
         assert transaction.commit(n, self.parameters, found, before, self.state) == status.OK
 
