@@ -13,7 +13,7 @@ drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.
 Source: R. Alexander, Diagonally implicit Runge-Kutta methods for stiff ODEs, SIAM J. Numer. Anal. 14 (1977) 1006.
 """
 
-from math import inf, sqrt
+from math import copysign, inf, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
@@ -83,7 +83,7 @@ def drum_at(settle, tension):
         stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
         slope = inertia + stiffness / length
         forces = abs(force_at(drum, time)) + drum.friction
-        pull = 0.0
+        pull = change = 0.0
         for k in range(MOST_EVALUATIONS):
             status, pull = tension_with(n, parameters, length, state, work)
             if status != OK:
@@ -106,10 +106,14 @@ def drum_at(settle, tension):
             else:
                 below *= 0.5 if last_residual > 0.0 else 1.0
                 high, above = length, residual
+            way = -residual / slope
+            if (way > 0.0) == (change > 0.0) and abs(residual) > 0.5 * abs(last_residual):  # far off, as where it is slack
+                way = copysign(max(abs(way), 2.0 * abs(change)), way)
+            change = max(-FARTHEST * length, min(FARTHEST * length, way))
             last, last_residual = length, residual
-            change = max(-FARTHEST * length, min(FARTHEST * length, -residual / slope))
             length = min(longest, max(shortest, length + change))
             if below < 0.0 < above:
+                change = 0.0
                 if not low < length < high or k % 4 == 3:
                     length = high - above * (high - low) / (above - below)
                 if not low < length < high or k % 8 == 7:

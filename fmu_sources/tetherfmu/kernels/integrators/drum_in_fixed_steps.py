@@ -8,7 +8,7 @@ the stop. See docs/models/numerics.md, "A drum in the same system".
 """
 
 from collections import namedtuple
-from math import ceil
+from math import ceil, copysign
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STATE_NOT_FINITE
@@ -82,6 +82,7 @@ def turn(conditions, trial, direction, x, v, b):
     speed = min(highest, max(lowest, trial.speed))
     last = speed
     low, high, below, above, last_residual = lowest, highest, 0.0, 0.0, 0.0
+    stiffest, change = slope, 0.0
     spent = 0
     for k in range(MOST_EVALUATIONS):
         iterations, tension = chain_step(conditions, trial, speed, x, v, b)
@@ -105,9 +106,16 @@ def turn(conditions, trial, direction, x, v, b):
         else:
             below *= 0.5 if last_residual > 0.0 else 1.0
             high, above = speed, residual
+        if below < 0.0 < above and (high - low) * stiffest <= GOOD_ENOUGH * forces:
+            return speed, spent, OK
+        way = -residual / slope
+        if (way > 0.0) == (change > 0.0) and abs(residual) > 0.5 * abs(last_residual):  # far off, as where it is slack
+            way = copysign(max(abs(way), 2.0 * abs(change)), way)
+        change = max(-most, min(most, way))
         last, last_residual = speed, residual
-        speed = min(highest, max(lowest, speed + max(-most, min(most, -residual / slope))))
+        speed = min(highest, max(lowest, speed + change))
         if below < 0.0 < above:
+            change = 0.0
             if not low < speed < high or k % 4 == 3:
                 speed = high - above * (high - low) / (above - below)
             if not low < speed < high or k % 8 == 7:
