@@ -22,7 +22,7 @@ from tetherfmu.runtime import layout as at
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, scale, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, sub, vector_at
 from .continuation import given_derivatives, is_continued
 from .end_motion import (
     between_middles,
@@ -180,6 +180,13 @@ def place_at_start(n, parameters, inputs, state):
 def move_ends(n, given, state):
     """Put both ends of a state (modified) where they are prescribed at the end of the step; for variants without waves."""
     put_ends(n, state, target(*given.ground, given.step), target(*given.kite, given.step))
+
+
+@kernel
+def distance_of_ends(n, state):
+    """Distance of the ends [m] in a state."""
+    x, _ = positions_and_velocities(n, state)
+    return norm(sub(get(x, n), get(x, 0)))
 
 
 # --- the step as a whole

@@ -341,17 +341,23 @@ def careful_step(conditions, time, h, x, v, w):
 
 
 @kernel
+def count_of_steps(conditions, duration, most):
+    """Number of fixed steps in a communication step of `duration` [s]; 0 if it is above `most`."""
+    wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
+    return max(1, ceil(wanted)) if wanted <= most else 0
+
+
+@kernel
 def integrate(conditions, duration, state, x, v, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with steps of `fixed_step`.
 
     A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` are
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
     """
-    wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
     budget = at.ITERATION_BUDGET // conditions.n
-    if not wanted <= budget:
+    count = count_of_steps(conditions, duration, budget)
+    if count == 0:
         return FIXED_STEPS_TOO_MANY
-    count = max(1, ceil(wanted))
     h = duration / count
     spent = 0
     for i in range(count):

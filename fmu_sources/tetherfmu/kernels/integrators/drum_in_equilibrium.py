@@ -13,18 +13,17 @@ drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.
 Source: R. Alexander, Diagonally implicit Runge-Kutta methods for stiff ODEs, SIAM J. Numer. Anal. 14 (1977) 1006.
 """
 
-from math import copysign, inf, sqrt
+from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
-from ..arrays import positions_and_velocities
 from ..compilation import kernel
-from ..equations.boundary import put_ends
+from ..equations.boundary import distance_of_ends, put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop
 from ..equations.end_motion import target
 from ..equations.properties import chain_of, property_of
-from ..linear_algebra.vectors import get, norm, sub
+from . import secant
 
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
@@ -61,68 +60,37 @@ def drum_at(settle, tension):
         put_ends(n, state, target(*given.ground, time), target(*given.kite, time))
 
     @kernel
-    def distance(n, state):
-        """Distance of the ends [m]."""
-        x, _ = positions_and_velocities(n, state)
-        return norm(sub(get(x, n), get(x, 0)))
-
-    @kernel
     def find(n, parameters, drum, direction, time, h, last_length, last_speed, guess, state, work):
         """Length [m] of a stage and the tension with it [N]; and a status.
 
         h : gamma times the length of the piece [s].  last_length, last_speed : L* [m], u* [m/s].  guess : a length [m].
-        The state (modified) has this length in the end. Secant method, in an interval with a change of sign once it is
-        known; a length beyond a stop is that of the stop.
+        The state (modified) has this length in the end. A length beyond a stop is that of the stop.
         """
-        shortest, longest = drum.shortest, min(drum.longest, LONGEST)
-        low, high = shortest, longest
-        below = above = 0.0  # residuals at the ends of the interval, 0 where they are not known
-        length = min(longest, max(shortest, guess))
-        last, last_residual = length, 0.0
         inertia = drum.mass / (h * h) + drum.damping / h
         stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
-        slope = inertia + stiffness / length
         forces = abs(force_at(drum, time)) + drum.friction
-        pull = change = 0.0
+        search, length = secant.begin(drum.shortest, min(drum.longest, LONGEST), guess, inertia + stiffness / guess)
+        pull = 0.0
         for k in range(MOST_EVALUATIONS):
             status, pull = tension_with(n, parameters, length, state, work)
             if status != OK:
                 if k == 0:
                     return length, 0.0, status
-                length = 0.5 * (length + last)
+                length = 0.5 * (length + search.last)
                 continue
             speed = (length - last_length) / h
             pushing = drum.mass * (speed - last_speed) / h
             residual = pushing - balance(drum, direction, pull, speed, time)
             if abs(residual) <= EXACT * (forces + abs(pushing)) + ROUNDING * (stiffness + inertia * length):
                 return length, pull, OK
-            if (residual < 0.0 and length == longest) or (residual > 0.0 and length == shortest):
+            if secant.is_at_limit(search, length, residual):
                 return length, pull, NO_LENGTH if length == LONGEST else OK
-            if length != last and (residual - last_residual) / (length - last) > 0.0:
-                slope = (residual - last_residual) / (length - last)
-            if residual < 0.0:
-                above *= 0.5 if last_residual < 0.0 else 1.0  # the same end twice: its other one counts less
-                low, below = length, residual
-            else:
-                below *= 0.5 if last_residual > 0.0 else 1.0
-                high, above = length, residual
-            way = -residual / slope
-            if (way > 0.0) == (change > 0.0) and abs(residual) > 0.5 * abs(last_residual):  # far off, as where it is slack
-                way = copysign(max(abs(way), 2.0 * abs(change)), way)
-            change = max(-FARTHEST * length, min(FARTHEST * length, way))
-            last, last_residual = length, residual
-            length = min(longest, max(shortest, length + change))
-            if below < 0.0 < above:
-                change = 0.0
-                if not low < length < high or k % 4 == 3:
-                    length = high - above * (high - low) / (above - below)
-                if not low < length < high or k % 8 == 7:
-                    length = 0.5 * (low + high)
-                if not low < length < high:
-                    return last, pull, OK  # neighbouring numbers
-            elif length == last:
-                length = min(longest, max(shortest, length * (1.0 + (1e-15 if residual < 0.0 else -1e-15) * (k + 1))))
-        return last, pull, OK if below < 0.0 < above and high - low <= NARROW * high else NO_LENGTH
+            search, onward = secant.go_on(search, length, residual, FARTHEST * length)
+            if onward == length and secant.has_interval(search):
+                return length, pull, OK
+            length = onward
+        is_found = secant.has_interval(search) and search.high - search.low <= NARROW * search.high
+        return search.last, pull, OK if is_found else NO_LENGTH
 
     @kernel
     def speed_of(drum, direction, time, h, last_speed, pull):
@@ -139,9 +107,9 @@ def drum_at(settle, tension):
             status, pull = tension_with(n, parameters, length, state, work)
             return status, length, 0.0, pull, 0.0
         if drum.mass == 0.0 and drum.damping == 0.0:
-            before = distance(n, state)
+            before = distance_of_ends(n, state)
             place(n, given, end, state)
-            guess = length + distance(n, state) - before
+            guess = length + distance_of_ends(n, state) - before
             found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, guess, state, work)
             return status, found, (found - length) / h, pull, 0.0
         part = STAGE * h

@@ -8,7 +8,6 @@ the stop. See docs/models/numerics.md, "A drum in the same system".
 """
 
 from collections import namedtuple
-from math import ceil, copysign
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STATE_NOT_FINITE
@@ -19,7 +18,7 @@ from ..equations.boundary import BoundaryConditions, place_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
 from ..equations.properties import property_of
 from ..equations.winch import NEUTRAL
-from . import backward_euler
+from . import backward_euler, secant
 from .moving_drum import chain_with, first_tension, project
 
 MOST_EVALUATIONS = 40  # of the tension for one step
@@ -74,55 +73,31 @@ def limits_of(trial):
 def turn(conditions, trial, direction, x, v, b):
     """The step with a drum that turns in a direction (x, v modified): its speed at the end [m/s], iterations, a status."""
     drum, h = trial.drum, trial.h
-    lowest, highest = limits_of(trial)
-    most = MOST_REELED * trial.length / h
-    stiffness = property_of(conditions, 0, at.STIFFNESS)
+    stiffness, end = property_of(conditions, 0, at.STIFFNESS), trial.time + h
     slope = drum.mass / h + drum.damping + (h * stiffness + property_of(conditions, 0, at.DAMPING)) / trial.length
-    end = trial.time + h
-    speed = min(highest, max(lowest, trial.speed))
-    last = speed
-    low, high, below, above, last_residual = lowest, highest, 0.0, 0.0, 0.0
-    stiffest, change = slope, 0.0
-    spent = 0
+    search, speed = secant.begin(*limits_of(trial), trial.speed, slope)
+    forces, spent = 0.0, 0
     for k in range(MOST_EVALUATIONS):
         iterations, tension = chain_step(conditions, trial, speed, x, v, b)
         if iterations < 0:
             if k == 0:
                 return speed, spent, STATE_NOT_FINITE
-            speed = 0.5 * (speed + last)
+            speed = 0.5 * (speed + search.last)
             continue
         spent += iterations
         pushing = drum.mass * (speed - trial.speed) / h
         residual = pushing - balance(drum, direction, tension, speed, end)
         forces = abs(force_at(drum, end)) + drum.friction + abs(pushing)
         allowed = CLOSE * forces + ROUNDING * (stiffness + drum.mass * abs(speed) / h)
-        if abs(residual) <= allowed or (residual < 0.0 and speed == highest) or (residual > 0.0 and speed == lowest):
+        if abs(residual) <= allowed or secant.is_at_limit(search, speed, residual):
             return speed, spent, OK
-        if speed != last and (residual - last_residual) / (speed - last) > 0.0:
-            slope = (residual - last_residual) / (speed - last)
-        if residual < 0.0:
-            above *= 0.5 if last_residual < 0.0 else 1.0  # the same end twice: its other one counts less
-            low, below = speed, residual
-        else:
-            below *= 0.5 if last_residual > 0.0 else 1.0
-            high, above = speed, residual
-        if below < 0.0 < above and (high - low) * stiffest <= GOOD_ENOUGH * forces:
-            return speed, spent, OK
-        way = -residual / slope
-        if (way > 0.0) == (change > 0.0) and abs(residual) > 0.5 * abs(last_residual):  # far off, as where it is slack
-            way = copysign(max(abs(way), 2.0 * abs(change)), way)
-        change = max(-most, min(most, way))
-        last, last_residual = speed, residual
-        speed = min(highest, max(lowest, speed + change))
-        if below < 0.0 < above:
-            change = 0.0
-            if not low < speed < high or k % 4 == 3:
-                speed = high - above * (high - low) / (above - below)
-            if not low < speed < high or k % 8 == 7:
-                speed = 0.5 * (low + high)
-        if speed == last or (below < 0.0 < above and not low < speed < high):
-            return last, spent, OK if abs(residual) <= GOOD_ENOUGH * forces or below < 0.0 < above else NO_LENGTH
-    return last, spent, OK if below < 0.0 < above else NO_LENGTH
+        search, onward = secant.go_on(search, speed, residual, MOST_REELED * trial.length / h)
+        is_narrow = secant.has_interval(search) and (search.high - search.low) * slope <= GOOD_ENOUGH * forces
+        if is_narrow or onward == speed:
+            break
+        speed = onward
+    is_found = secant.has_interval(search) or abs(search.residual) <= GOOD_ENOUGH * forces
+    return search.last, spent, OK if is_found else NO_LENGTH
 
 
 @kernel
@@ -173,11 +148,10 @@ def integrate(conditions, duration, state, x, v, b):
     Its length and speed and the counters in `state` are modified. Returns a status: OK, FIXED_STEPS_TOO_MANY,
     STATE_NOT_FINITE or NO_LENGTH.
     """
-    wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
     budget = at.ITERATION_BUDGET // conditions.n
-    if not wanted <= budget:
+    count = backward_euler.count_of_steps(conditions, duration, budget)
+    if count == 0:
         return FIXED_STEPS_TOO_MANY
-    count = max(1, ceil(wanted))
     h = duration / count
     drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
     length, speed = state[at.LENGTH], state[at.REELING]

@@ -489,10 +489,7 @@ def integrate(conditions, duration, state, x, v, b):
             elif drum.friction > 0.0 and speed * direction < 0.0:
                 speed, turned_back = 0.0, drum.mass == 0.0
         is_new = True
-        proposal = h_now * step_control.step_factor(error, last_error)
-        if rejected_before:
-            proposal = min(proposal, h_now)
-        h = max(proposal, h) if h_now < h and not rejected_before else proposal
+        h = step_control.next_step(h, h_now, error, last_error, rejected_before)
         last_error = error
         rejected_before = False
         state[at.STEPS] += 1.0

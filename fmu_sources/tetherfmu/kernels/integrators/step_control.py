@@ -199,6 +199,18 @@ def cut(h, error):
 
 
 @kernel
+def next_step(h, done, error, last_error, rejected_before):
+    """Step to try [s] after an accepted one of `done` [s] where h [s] was allowed.
+
+    error, last_error : of this step and the last accepted one [-].  rejected_before : whether the step before it was.
+    """
+    proposal = done * step_factor(error, last_error)
+    if rejected_before:
+        return min(proposal, done)
+    return max(proposal, h) if done < h else proposal
+
+
+@kernel
 def first_step(duration, state):
     """Step [s] to try first in a communication step of `duration` [s], and the error of the last one, from a state."""
     if state[at.SOLVER_STEP] <= 0.0:
@@ -233,10 +245,7 @@ def integrate(conditions, duration, state, x, v, w):
             time = time + h_now if left > 1.0 else duration
             copy(w.x, x)
             copy(w.v, v)
-            proposal = h_now * step_factor(error, last_error)
-            if rejected_before:
-                proposal = min(proposal, h_now)
-            h = max(proposal, h) if h_now < h and not rejected_before else proposal
+            h = next_step(h, h_now, error, last_error, rejected_before)
             last_error = error
             rejected_before = False
             state[at.STEPS] += 1.0

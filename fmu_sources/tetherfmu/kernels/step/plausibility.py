@@ -29,7 +29,7 @@ from tetherfmu.runtime import plausibility as limits
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations import winch
-from ..equations.boundary import are_derived
+from ..equations.boundary import are_derived, distance_of_ends
 from ..equations.properties import chain_of, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, scale, sub, vector_at
 
@@ -68,8 +68,7 @@ def note_shape(n, parameters, state):
 def note_length(n, parameters, state):
     """Note by how much the length that a winch was told exceeds the distance of the ends [m] in the state (modified)."""
     if winch.follows_length(parameters):
-        x, _ = positions_and_velocities(n, state)
-        distance = norm(sub(get(x, n), get(x, 0)))
+        distance = distance_of_ends(n, state)
         excess = max(0.0, state[at.LENGTH] - distance)
         note(state, limits.WINCH_TOO_LONG, excess * excess, max(limits.LARGEST_EXCESS * distance, limits.NEARBY))
 
