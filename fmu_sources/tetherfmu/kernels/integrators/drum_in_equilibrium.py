@@ -30,6 +30,7 @@ TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece 
 MOST_PIECES = 2000  # of a communication step
 SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 MOST_EVALUATIONS = 80  # of the tension for one length
+MOST_FAILURES = 2  # shapes that are not found, each after the whole ladder of `equilibrium.solve`, until it is given up
 FARTHEST = 0.02  # change of the length, relative, between two of them: each shape is sought from the last one
 EXACT, ROUNDING = 1e-13, 3e-16  # of the forces; of the length
 NARROW = 1e-12  # interval of the length, relative, in which its tension jumps by rounding
@@ -70,11 +71,12 @@ def drum_at(settle, tension):
         stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
         forces = abs(force_at(drum, time)) + drum.friction
         search, length = secant.begin(drum.shortest, min(drum.longest, LONGEST), guess, inertia + stiffness / guess)
-        pull = 0.0
+        pull, failures = 0.0, 0
         for k in range(MOST_EVALUATIONS):
             status, pull = tension_with(n, parameters, length, state, work)
             if status != OK:
-                if k == 0:
+                failures += 1
+                if k == 0 or failures > MOST_FAILURES:
                     return length, 0.0, status
                 length = 0.5 * (length + search.last)
                 continue
@@ -147,6 +149,7 @@ def drum_at(settle, tension):
         direction = HELD
         beyond = 0.0  # time at which the next event is known to be over, 0 without
         is_new, is_held = True, False
+        failures = 0
         for _ in range(MOST_PIECES):
             if is_new:
                 direction = HELD if is_held else direction_of(drum, length, speed, pull, time)
@@ -160,7 +163,8 @@ def drum_at(settle, tension):
                 n, parameters, given, drum, direction, time, h_now, length, speed, state, work
             )
             if status != OK:
-                if drum.mass == 0.0 or h_now < SMALLEST_PIECE * duration:
+                failures += 1
+                if drum.mass == 0.0 or failures > MOST_FAILURES:
                     return status
                 h = 0.25 * h_now
                 continue
