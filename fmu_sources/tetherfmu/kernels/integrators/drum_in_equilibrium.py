@@ -61,10 +61,11 @@ def drum_at(settle, tension):
         put_ends(n, state, target(*given.ground, time), target(*given.kite, time))
 
     @kernel
-    def find(n, parameters, drum, direction, time, h, last_length, last_speed, guess, state, work):
+    def find(n, parameters, drum, direction, time, h, last_length, last_speed, guess, most, state, work):
         """Length [m] of a stage and the tension with it [N]; and a status.
 
         h : gamma times the length of the piece [s].  last_length, last_speed : L* [m], u* [m/s].  guess : a length [m].
+        most : iterations since the start, where the search is given up.
         The state (modified) has this length in the end. A length beyond a stop is that of the stop.
         """
         inertia = drum.mass / (h * h) + drum.damping / h
@@ -74,6 +75,8 @@ def drum_at(settle, tension):
         pull, failures = 0.0, 0
         for k in range(MOST_EVALUATIONS):
             status, pull = tension_with(n, parameters, length, state, work)
+            if state[at.ITERATIONS] > most:
+                return length, pull, STEP_BUDGET_SPENT
             if status != OK:
                 failures += 1
                 if k == 0 or failures > MOST_FAILURES:
@@ -101,7 +104,7 @@ def drum_at(settle, tension):
         return (drum.mass * last_speed + h * free) / (drum.mass + h * drum.damping)
 
     @kernel
-    def piece_with(n, parameters, given, drum, direction, time, h, length, speed, state, work):
+    def piece_with(n, parameters, given, drum, direction, time, h, length, speed, most, state, work):
         """A piece of h [s] from a length [m] and speed [m/s]: status, both at its end, tension [N], error [-]."""
         end = time + h
         if direction == HELD:
@@ -112,13 +115,13 @@ def drum_at(settle, tension):
             before = distance_of_ends(n, state)
             place(n, given, end, state)
             guess = length + distance_of_ends(n, state) - before
-            found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, guess, state, work)
+            found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, guess, most, state, work)
             return status, found, (found - length) / h, pull, 0.0
         part = STAGE * h
         place(n, given, time + part, state)
         guess = length + part * speed
         now = time + part
-        _, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, state, work)
+        _, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, most, state, work)
         if status != OK:
             return status, length, speed, pull, inf
         first_speed = speed_of(drum, direction, now, part, speed, pull)
@@ -126,7 +129,9 @@ def drum_at(settle, tension):
         last_length, last_speed = length + rest * first_speed, speed + rest * (first_speed - speed) / part
         place(n, given, end, state)
         guess = last_length + part * first_speed
-        found, pull, status = find(n, parameters, drum, direction, end, part, last_length, last_speed, guess, state, work)
+        found, pull, status = find(
+            n, parameters, drum, direction, end, part, last_length, last_speed, guess, most, state, work
+        )
         new_speed = speed_of(drum, direction, end, part, last_speed, pull)
         error = part * abs(new_speed - first_speed) / (TOLERANCE * length)
         return status, found, new_speed, pull, error
@@ -149,7 +154,7 @@ def drum_at(settle, tension):
         direction = HELD
         beyond = 0.0  # time at which the next event is known to be over, 0 without
         is_new, is_held = True, False
-        failures = 0
+        failures, most = 0, state[at.ITERATIONS] + at.ITERATION_BUDGET // n
         for _ in range(MOST_PIECES):
             if is_new:
                 direction = HELD if is_held else direction_of(drum, length, speed, pull, time)
@@ -160,11 +165,11 @@ def drum_at(settle, tension):
             h_now = min(h, piece, rest)
             end = duration if h_now == rest else time + h_now
             status, new_length, new_speed, new_pull, error = piece_with(
-                n, parameters, given, drum, direction, time, h_now, length, speed, state, work
+                n, parameters, given, drum, direction, time, h_now, length, speed, most, state, work
             )
             if status != OK:
                 failures += 1
-                if drum.mass == 0.0 or failures > MOST_FAILURES:
+                if drum.mass == 0.0 or failures > MOST_FAILURES or state[at.ITERATIONS] > most:
                     return status
                 h = 0.25 * h_now
                 continue
