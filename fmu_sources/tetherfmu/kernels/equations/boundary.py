@@ -23,6 +23,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, sub, vector_at
+from . import segment
 from .continuation import given_derivatives, is_continued
 from .end_motion import (
     between_middles,
@@ -35,7 +36,7 @@ from .end_motion import (
     turning_accelerations,
     velocity_at,
 )
-from .properties import chain_at
+from .properties import chain_at, chain_of, rest_length
 from .winch import (
     force_rate,
     length_at,
@@ -187,6 +188,20 @@ def distance_of_ends(n, state):
     """Distance of the ends [m] in a state."""
     x, _ = positions_and_velocities(n, state)
     return norm(sub(get(x, n), get(x, 0)))
+
+
+@kernel
+def spring_at_ground(n, parameters, state):
+    """Tension of the spring of the first segment [N] in a state, or that at the ground which the state keeps."""
+    held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
+    if held > 0.0:
+        return held
+    x, _ = positions_and_velocities(n, state)
+    chain = chain_of(n, parameters, state)
+    length, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
+    rest = rest_length(chain, 0)
+    k, _ = segment.stiffness(chain, 0, length - rest, rest)
+    return k * (length - rest)
 
 
 # --- the step as a whole

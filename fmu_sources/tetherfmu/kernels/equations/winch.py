@@ -87,10 +87,16 @@ def first_length(parameters, inputs):
 
 
 @kernel
+def rate_of(inputs, place, last, recent, step, state):
+    """Rate of an input [unit/s] for a step [s], from its place and those of its last value and rate in the state."""
+    change = inputs[place] - state[last]
+    return estimated_rate(change, state[recent], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
+
+
+@kernel
 def reel_rate(inputs, step, state):
     """Rate [m/s2] of the reel-out speed, estimated for a step [s]."""
-    change = inputs[at.REEL_OUT_SPEED] - state[at.LAST_REEL_OUT_SPEED]
-    return estimated_rate(change, state[at.RECENT_REEL_ACCELERATION], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
+    return rate_of(inputs, at.REEL_OUT_SPEED, at.LAST_REEL_OUT_SPEED, at.RECENT_REEL_ACCELERATION, step, state)
 
 
 @kernel
@@ -119,8 +125,7 @@ def winch_acceleration(inputs, step, state):
 @kernel
 def rate_of_force(inputs, step, state):
     """Rate [N/s] of the force of the winch, estimated for a step [s]."""
-    change = inputs[at.WINCH_FORCE] - state[at.LAST_WINCH_FORCE]
-    return estimated_rate(change, state[at.RECENT_WINCH_FORCE_RATE], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
+    return rate_of(inputs, at.WINCH_FORCE, at.LAST_WINCH_FORCE, at.RECENT_WINCH_FORCE_RATE, step, state)
 
 
 @kernel

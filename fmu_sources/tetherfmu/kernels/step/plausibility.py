@@ -29,9 +29,9 @@ from tetherfmu.runtime import plausibility as limits
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations import winch
-from ..equations.boundary import are_derived, distance_of_ends
+from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.properties import chain_of, property_of, rest_length
-from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
 
@@ -74,26 +74,13 @@ def note_length(n, parameters, state):
 
 
 @kernel
-def ground_tension(n, parameters, state):
-    """Tension of the first segment [N] without its damping; of the catenary that at the ground."""
-    held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
-    if held > 0.0:
-        return held
-    x, _ = positions_and_velocities(n, state)
-    chain = chain_of(n, parameters, state)
-    elongation = norm(sub(get(x, 1), get(x, 0))) / rest_length(chain, 0) - 1.0
-    return property_of(chain, 0, at.STIFFNESS) * max(0.0, elongation)
-
-
-@kernel
 def note_slack_winch(n, parameters, state):
     """Note the force [N] of a winch with mass that reels in a slack tether against little, in the state (modified)."""
     if winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
-        x, _ = positions_and_velocities(n, state)
         force = state[at.LAST_WINCH_FORCE]
         drive = force - parameters[at.WINCH_FRICTION]
-        is_slack = norm(sub(get(x, n), get(x, 0))) < limits.SLACK * state[at.LENGTH]
-        if is_slack and ground_tension(n, parameters, state) < limits.LEAST_RESISTANCE * drive:
+        is_slack = distance_of_ends(n, state) < limits.SLACK * state[at.LENGTH]
+        if is_slack and max(0.0, spring_at_ground(n, parameters, state)) < limits.LEAST_RESISTANCE * drive:
             note(state, limits.WINCH_REELS_IN_SLACK, force * force, 0.0)
 
 

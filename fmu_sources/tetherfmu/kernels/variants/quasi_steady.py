@@ -10,13 +10,13 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..equations import segment, winch
-from ..equations.boundary import move_ends
+from ..equations import winch
+from ..equations.boundary import move_ends, spring_at_ground
 from ..equations.properties import chain_of
 from ..equilibrium import end_tensions, newton, solve
-from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring, spring_tensions
+from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
 from ..integrators.drum_in_equilibrium import drum_at
-from ..linear_algebra.vectors import add_scaled, get, norm, put, scale, sub, vector_at
+from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..step.outputs import outputs_of_chain
 
 work_size = newton.workspace_size
@@ -62,19 +62,7 @@ def settle(n, parameters, state, work):
     return settle_from(n, parameters, state, True, newton.workspace(n, work))
 
 
-@kernel
-def ground_tension(n, parameters, state):
-    """Tension of the first segment [N] of a state in equilibrium."""
-    held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
-    if held > 0.0:
-        return held
-    x, _ = positions_and_velocities(n, state)
-    length, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
-    elongation, k = spring(chain_of(n, parameters, state), 0, length, False)
-    return k * elongation
-
-
-advance_drum = drum_at(settle, ground_tension)
+advance_drum = drum_at(settle, spring_at_ground)
 
 
 @kernel
