@@ -12,6 +12,7 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, OF_THE_WHOLE_CHAIN, QUANTITIES_OF_TETHER
 from tetherfmu.runtime.status import (
+    GROUND_WITHOUT_GRAVITY,
     NOT_THE_SAME_IN_SERIES,
     OK,
     PARAMETER_NOT_WHOLE,
@@ -42,6 +43,7 @@ SEGMENTS, LENGTH, DIAMETER, DENSITY = map(_NAMES.index, ("segments", "initial_le
 STIFFNESS, DAMPING, DRAG = map(_NAMES.index, ("axial_stiffness", "axial_damping", "drag_coefficient"))
 PROFILE, HEIGHT = map(_NAMES.index, ("wind_profile", "wind_reference_height"))
 ROUGHNESS = _NAMES.index("surface_roughness")
+GRAVITY, CONTACT = map(_NAMES.index, ("gravity", "ground_contact"))
 SHORTEST, LONGEST = map(_NAMES.index, ("shortest_length", "longest_length"))
 KITE_MASS = _NAMES.index("kite_mass")
 
@@ -109,6 +111,8 @@ def check(tethers, kites, quantities, has_nodes):
     is_logarithmic = profile == at.LOGARITHMIC or profile == at.EXPLOG
     if is_logarithmic and quantities[shift + ROUGHNESS] >= quantities[shift + HEIGHT]:
         return refused(ROUGHNESS_TOO_LARGE, shift + ROUGHNESS)
+    if quantities[shift + CONTACT] == at.FLAT and quantities[shift + GRAVITY] == 0.0:
+        return refused(GROUND_WITHOUT_GRAVITY, shift + CONTACT)
     if 0.0 < quantities[shift + LONGEST] <= quantities[shift + SHORTEST]:
         return refused(STOPS_CROSSED, shift + SHORTEST)
     return check_series(tethers, quantities, has_nodes)

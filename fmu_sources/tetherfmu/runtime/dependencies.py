@@ -15,7 +15,8 @@ AIR = (
     *("diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
 )
-FORM = (*STRETCH, *AIR, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
+GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
+FORM = (*STRETCH, *AIR, *GROUND, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 

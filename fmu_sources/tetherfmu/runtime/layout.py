@@ -51,8 +51,12 @@ WINCH_DAMPING = 21
 WINCH_FRICTION = 22
 SHORTEST_LENGTH = 23  # unstretched [m], where the drum stops
 LONGEST_LENGTH = 24  # the same [m]; NO_STOP for none
+GROUND_CONTACT = 25
+GROUND_HEIGHT = 26
+GROUND_FRICTION = 27
+GROUND_SINK = 28
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 25
+PARAMETER_SCALARS = 29
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -71,7 +75,7 @@ for _name, _place in outputs.PLACES.items():
 SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities
-WARNING_KINDS = 10
+WARNING_KINDS = 12
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -119,6 +123,7 @@ STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
 WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
+NO_GROUND, FLAT = 1, 2
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 

@@ -87,6 +87,9 @@ class Outputs(NamedTuple):
         NOT_NEGATIVE,
     )
     winch_speed: float = output("m/s", "present reel-out speed, whatever controls the winch", REELING)
+    grounded_length: float = output(
+        "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE
+    )
     wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE)
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
     solver_steps: int = output("", "internal steps of the solver since the start", (), COUNTED)

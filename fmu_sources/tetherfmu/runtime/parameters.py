@@ -17,6 +17,7 @@ OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_l
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
 )
+GROUND_WITHOUT_GRAVITY = "ground_contact is flat; it needs a gravity above 0, for ground_sink is a depth under weight"
 STOPS_CROSSED = "shortest_length is {shortest_stop!r} m; it must be less than longest_length ({longest_stop!r} m)"
 
 
@@ -85,7 +86,7 @@ def diameter_in_doubt(diameter):
 @documented
 @dataclass(frozen=True)
 class Environment:
-    """Air, wind profile and gravity. ValueError if a number is out of range.
+    """Air, wind profile, gravity and ground. ValueError if a number is out of range.
 
     >>> Environment(wind_profile="power_law", gravity=9.82).wind_profile
     2
@@ -105,12 +106,25 @@ class Environment:
     wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
     wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", 0.0, 2.0)
     surface_roughness: float = quantity(0.0002, "m", "roughness z0 of the logarithmic law of the wind", 1e-9, 100.0)
+    ground_contact: int = quantity(
+        1,
+        "",
+        "ground under the tether: none; flat (the tether and a free kite cannot sink below ground_height)",
+        choices=("none", "flat"),
+    )
+    ground_height: float = quantity(0.0, "m", "z of the ground", -1e5, 1e5)
+    ground_friction: float = quantity(0.5, "", "friction coefficient of the tether on the ground", 0.0, 10.0)
+    ground_sink: float = quantity(
+        0.002, "m", "how deep the tether sinks into the ground under its own weight; sets its stiffness", 1e-6, 1.0
+    )
 
     def __post_init__(self):
         check(self)
         if self.wind_profile in (at.LOGARITHMIC, at.EXPLOG) and self.surface_roughness >= self.wind_reference_height:
             roughness, height = self.surface_roughness, self.wind_reference_height
             raise ValueError(ROUGHNESS_TOO_LARGE.format(roughness=roughness, height=height))
+        if self.ground_contact == at.FLAT and self.gravity == 0.0:
+            raise ValueError(GROUND_WITHOUT_GRAVITY)
 
 
 @documented

@@ -14,11 +14,13 @@ LARGEST_RESIDUE = 0.5  # part of it that the velocities need not account for [-]
 SLACK = 0.99  # distance of the ends over the length, below which a tether is slack as a whole [-]
 LEAST_RESISTANCE = 0.1  # tension over the force of a winch that reels in, below which hardly more than inertia resists [-]
 LARGEST_EXCESS = 0.05  # of a length that the winch was told over the distance of the ends, part of the distance [-]
+SHALLOW = 0.01  # of the length: how far below the ground a tether without ground contact may hang [-]
+UNDER = 0.1  # how far below the ground a driven end may be where there is ground contact [m]
 NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
 STATE_IMPOSSIBLE = "contains impossible numbers"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(7)
-STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG = range(7, at.WARNING_KINDS)
+STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG, GROUND_IGNORED, END_UNDER_GROUND = range(7, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -54,6 +56,14 @@ SENTENCES = {
         "the winch was told a length that is {value:.3g} m longer than the distance of the ends, by more than {excess:.3g} "
         "%; unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the "
         "positions of the ends for wrong units and offsets"
+    ),
+    GROUND_IGNORED: (
+        "the tether hangs {value:.3g} m below ground_height with both ends above it; set ground_contact to 2 (flat) to let it "
+        "lie on the ground, or ground_height to where the ground is"
+    ),
+    END_UNDER_GROUND: (
+        "a driven end of the tether is {value:.3g} m below ground_height, where the ground does not hold it; check "
+        "kite_position, ground_position and ground_height"
     ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}

@@ -28,6 +28,8 @@ STOPS_CROSSED = 17
 START_BEYOND_STOP = 18
 WINCH_PUSHES = 19
 NO_LENGTH = 20
+# of the ground
+GROUND_WITHOUT_GRAVITY = 21
 
 SENTENCES = {
     OK: "done",
@@ -75,6 +77,7 @@ SENTENCES = {
         "(tether_length {length} m); give the length that the winch should have paid out, or use fewer segments"
     ),
     STOPS_CROSSED: parameters.STOPS_CROSSED,
+    GROUND_WITHOUT_GRAVITY: parameters.GROUND_WITHOUT_GRAVITY,
     START_BEYOND_STOP: (
         "the unstretched length is {length} m at the start, beyond a stop of the winch; give an initial_length between "
         "{shortest_stop:.6g} m and {longest_stop:.6g} m, or another shortest_length or longest_length"

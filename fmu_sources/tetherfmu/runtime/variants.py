@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
-from .dependencies import AIR, LENGTH, POSITIONS, STRETCH
+from .dependencies import AIR, GROUND, LENGTH, POSITIONS, STRETCH
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,10 @@ _IGNORED_WITHOUT_NODES = {
     "slack_stiffness_ratio": "no part of this tether is in compression",
     "segments": "this tether has no nodes",
 }
+_IGNORED_BY_A_STRAIGHT_LINE = {
+    **_IGNORED_WITHOUT_NODES,
+    **dict.fromkeys(GROUND, "this tether ignores the ground: it never hangs below its ends"),
+}
 _NO_WAVES = {
     "kite_damping": "axial damping of the tether at the kite end: 0, this tether has none",
     "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
@@ -62,9 +66,10 @@ STRAIGHT = Variant(
     compile_seconds=3,
     colour="orange",
     evidence_deviation=1e-6,
-    ignored=_IGNORED_WITHOUT_NODES,
+    ignored=_IGNORED_BY_A_STRAIGHT_LINE,
     meanings={
         **_ONE_LINE,
+        "grounded_length": "unstretched length that touches the ground: 0, this tether ignores it",
         "ground_tension": f"force along the tether at the ground end{_AND_WEIGHT}",
         "kite_tension": f"force along the tether at the kite end{_AND_WEIGHT}",
         "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
@@ -78,6 +83,7 @@ STRAIGHT = Variant(
         "ground_azimuth": tuple(f"{end}[{i}]" for end in POSITIONS for i in (1, 2)),
         "slack_segments": _SLACK,
         "kite_damping": (),
+        "grounded_length": (),
         "wave_time": STRETCH,
         "sag": (),
         "solver_iterations": (),
