@@ -1,6 +1,6 @@
 """Energy of a chain and the powers that change it: a diagnostic, no part of a step.
 
-    d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - damping loss - drag loss
+    d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - losses (damping, drag, ground)
 
 Every term is written out in docs/models/theory.md, "Energy", and computed in `kernels/step/power_balance.py`. What the
 powers do not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
@@ -32,7 +32,7 @@ class Energy:
     elastic : float
         Of the springs.
     potential : float
-        Weight times height over z = 0, with both half particles.
+        Weight times height over z = 0, with both half particles; and what the ground stores under free nodes.
     ground_power : float
         What the holder of the end puts into the tether, - end force . end velocity.
     kite_power : float
@@ -56,6 +56,10 @@ class Energy:
         What the motor puts into the drum, - winch_force . speed.
     friction_loss : float
         Heat of the friction of the drum; at least 0.
+    contact_loss : float
+        Heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`.
+    sliding_loss : float
+        Heat of the friction on the ground; at least 0.
 
     Examples
     --------
@@ -80,6 +84,8 @@ class Energy:
     drum_power: float
     motor_power: float
     friction_loss: float
+    contact_loss: float
+    sliding_loss: float
 
     @property
     def total(self) -> float:
@@ -90,7 +96,7 @@ class Energy:
     def power(self) -> float:
         """Sum of the powers minus the losses [W]: the rate at which `total` has to change."""
         gains = self.ground_power + self.kite_power + self.winch_power + self.material_power + self.wind_power
-        return gains - self.damping_loss - self.drag_loss
+        return gains - self.damping_loss - self.drag_loss - self.contact_loss - self.sliding_loss
 
 
 POWERS = tuple(field.name for field in fields(Energy) if field.name.endswith(("_power", "_loss")))

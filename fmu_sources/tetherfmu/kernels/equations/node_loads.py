@@ -12,6 +12,7 @@ from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, symmetric
 from ..linear_algebra.pairs import broadcast
 from ..linear_algebra.vectors import dot, scale
+from .ground import ground_of, has_ground, specific_energy
 
 
 @kernel
@@ -45,15 +46,12 @@ def free_acceleration(chain):
 
 
 @kernel
-def specific_potential(chain, x):
-    """Potential energy of what is proportional to the mass of a node at x [m], per mass: [J/kg]."""
-    return chain.gravity * x[2]
-
-
-@kernel
-def potential(chain, mass, x):
-    """Potential energy of the loads of a node of this mass [kg] at x [m]: [J]."""
-    return mass * specific_potential(chain, x)
+def specific_potential(chain, x, is_free):
+    """Potential energy of the loads of a node at x [m] over its mass [J/kg]; the ground does not carry a driven end."""
+    specific = chain.gravity * x[2]
+    if is_free and has_ground(chain.parameters):
+        specific += specific_energy(ground_of(chain.parameters), x)
+    return specific
 
 
 @kernel

@@ -6,6 +6,7 @@ The positions x after a step of h make the incremental potential as small as a b
     y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
     s = (b l - e . r0)/h,  b = 1 - h (dl0/dt)/l0          the rate that the damper sees; r0: r before the step
     drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
+    and of the nodes on the ground `equations/ground.py`: int m a_n dd + h mu m a_n0 sqrt(|v_t|^2 + v_r^2)
 
 Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
 Euler. Its matrix is made positive definite (no negative tension across a segment), so that iterations descend; one that
@@ -14,7 +15,7 @@ A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken aga
 not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS` (all three in `runtime/limits.py`).
 
 k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
-at the start of the iteration. A driven end is where its curve is; its old position counts as x - h v, so that the damper
+at the start of the iteration; the friction on the ground is that of the old depth. A driven end is where its curve is; its old position counts as x - h v, so that the damper
 sees its exact velocity.
 
 Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and
@@ -30,7 +31,7 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, part, view
-from ..equations import node_loads, segment
+from ..equations import ground, node_loads, segment
 from ..equations.assembly import longest_part, node_masses
 from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
 from ..equations.properties import property_of, rest_length, stiffest
@@ -122,14 +123,28 @@ def velocity_change(attempt, s, x, w):
 
 
 @kernel
+def add_ground(attempt, x, w):
+    """Add the ground to the matrix of the iteration and minus its part of the gradient to w.move (both modified)."""
+    of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h)
+        put(w.move, i, add_scaled(get(w.move, i), w.mass[i], force))
+        block = get_matrix(diagonal, 9 * i)
+        put_matrix(diagonal, 9 * i, subtract(block, scale_matrix(w.mass[i], by_position)))
+
+
+@kernel
 def potential(attempt, x, w):
     """Phi [J] at the positions x [m], and its error of rounding [J]."""
     h, b = attempt.h, shrinkage(attempt)
+    on_ground, of_ground = ground.has_ground(attempt.chain.parameters), ground.ground_of(attempt.chain.parameters)
     total = 0.0
     size = 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
         away = sub(get(x, i), get(w.free, i))
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
+        if on_ground:
+            total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), h)
     for s in range(attempt.chain.n):
         length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, w)
         total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c / b * rate * rate
@@ -168,6 +183,8 @@ def linearize(attempt, x, w):
         put_matrix(lower, 9 * s + 9, subtract(both, stiff))
         for i in (s, s + 1):
             put_matrix(diagonal, 9 * i, add_matrices(get_matrix(diagonal, 9 * i), add_matrices(stiff, both)))
+    if ground.has_ground(attempt.chain.parameters):
+        add_ground(attempt, x, w)
 
 
 @kernel

@@ -38,13 +38,14 @@ from ..equations.drum import (
     stop_ahead,
 )
 from ..equations.end_motion import acceleration_at, velocity_at
+from ..equations.ground import has_ground
 from ..equations.properties import chain_at, point_mass, property_of, rest_length, sees_reeling
 from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
-from ..linear_algebra.both_ends import interleave
+from ..linear_algebra.both_ends import get_node, interleave
 from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
-from . import rosenbrock, step_control
+from . import contact, rosenbrock, step_control
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
 
@@ -125,30 +126,24 @@ def first_tension(chain, x, v):
 
 
 @kernel
-def put_column(conditions, chain, d, x, b):
+def put_column(conditions, chain, d, x, v, b):
     """F_L and F_u of all nodes into b.by_length, b.by_speed, and F_u + d F_L into b.column (all modified).
 
     w.force holds F at the start of the step: the mass grows with the length, and F/m falls.
     """
     n, w = conditions.n, b.chain
-    assembly.rate_from_reeling(chain_with(conditions, chain.length, 1.0), w.records, b.by_length)
+    growing = chain_with(conditions, chain.length, 1.0)
+    assembly.rate_from_reeling(growing, w.records, b.by_length)
+    if has_ground(chain.parameters):
+        contact.add_rate(growing, x, v, w, b.by_length)
     for k in range(3 * (n + 1)):
         b.by_speed[k] = 0.0
     assembly.add_rate_from_acceleration(chain, 1.0, x, w.records, b.by_speed)
     for i in range(n + 1):
         share = (w.mass[i] - point_mass(chain, i)) / (w.mass[i] * chain.length)
-        inertia = scale(-share, node_force(n, i, w))
+        inertia = scale(-share, get_node(n, i, w.force))
         put(b.by_length, i, add(get(b.by_length, i), inertia))
         put(b.column, i, add_scaled(get(b.by_speed, i), d, get(b.by_length, i)))
-
-
-@kernel
-def node_force(n, i, w):
-    """Force on node i [N] in the interleaved array w.force."""
-    outer = min(i, n - i)
-    shift = 1 if i > n - i else 0
-    start = 6 * outer + shift
-    return w.force[start], w.force[start + 2], w.force[start + 4]
 
 
 @kernel
@@ -188,8 +183,7 @@ def prepare(conditions, chain, time, h, x, v, w):
         w.q[k] = 0.0
     rosenbrock.add_explicit_rates(conditions, time, w)
     interleave(conditions.n, w.q, w.force_rate)
-    d = GAMMA * h
-    assembly.assemble(conditions.n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
+    rosenbrock.assemble(conditions, chain, GAMMA * h, x, v, w)
     return conditions.first > conditions.last or factorize(conditions.first, conditions.last, w.matrix)
 
 
@@ -256,14 +250,14 @@ def step(conditions, drum, direction, time, h, length, speed, x, v, b):
             assembly.node_masses(chain, w.stage_mass)
         rosenbrock.stage_force(conditions, chain, now, w)
         if stage == 0:
-            put_column(conditions, chain, d, x, b)
+            put_column(conditions, chain, d, x, v, b)
             solve_chain(conditions, w, b.column)
             response = sub(get(b.column, 1), get(b.column, 0))
             pull = border.damper * dot(border.direction, response) + d * dot(border.turning, response)
             pivot = drum.mass / d - border.by_speed - d * border.by_length - pull
             if not 0.0 < pivot < inf:
                 return False, nothing
-        rosenbrock.right_hand_side(n, stage, h, w)
+        rosenbrock.right_hand_side(conditions, stage, h, w)
         for k in range(3 * (n + 1)):
             w.q[k] -= r * b.by_speed[k]
         solve_chain(conditions, w, w.q)

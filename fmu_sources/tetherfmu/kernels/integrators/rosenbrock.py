@@ -21,6 +21,7 @@ from ..compilation import kernel, part, view
 from ..equations import assembly, winch
 from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
+from ..equations.ground import has_ground
 from ..equations.properties import point_mass
 from ..linear_algebra.block_tridiagonal import Matrix, factorize, solve
 from ..linear_algebra.both_ends import (
@@ -35,12 +36,13 @@ from ..linear_algebra.both_ends import (
 )
 from ..linear_algebra.pairs import first, number_at, pair, second, select
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
+from . import contact
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
 Workspace = namedtuple(
     "Workspace",
     "x v q velocity_error start_x start_v stage_x stage_v r inertia_velocity force force_rate "
-    "velocities matrix segments records mass stage_mass modes",
+    "velocities matrix segments records mass stage_mass modes touching grip",
 )
 Workspace.__doc__ = """Scratch arrays of a step.
 
@@ -55,6 +57,7 @@ velocities : V of all stages [m/s], those of two nodes beside each other: number
 
 matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `assembly.find_segments`.
 stage_mass : node masses at the stage [kg], n + 1.  modes : n, which stiffness each segment has, see `segment.TAUT`.
+touching, grip : which nodes touch the ground, n + 1, and dF/dv of these [N s/m], 9 (n + 1); see `contact.py`.
 """
 NEUTRAL = (-0.0, -0.0, -0.0)  # to add -0 changes nothing, not even the sign of a zero
 
@@ -63,7 +66,7 @@ NEUTRAL = (-0.0, -0.0, -0.0)  # to add -0 changes nothing, not even the sign of 
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
     vectors = (8 + STAGES) * interleaved_size(n) + 4 * 3 * (n + 1)
-    return shared_size(n) + vectors + assembly.segments_size(n) + 2 * n + 1
+    return shared_size(n) + vectors + assembly.segments_size(n) + 12 * n + 11
 
 
 @view
@@ -78,8 +81,10 @@ def workspace(n, work):
     segments, room = part(room, 0, segments), behind(segments, room)
     x, v, q, room = split(flat, room)
     error, stage_mass, modes = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
+    room = behind(flat + 2 * n + 1, room)
+    on_ground = part(room, 0, n + 1), part(room, n + 1, 9 * (n + 1))
     vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, inertia_velocity, force, force_rate, velocities
-    return Workspace(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, modes)
+    return Workspace(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, modes, *on_ground)
 
 
 @kernel
@@ -109,9 +114,19 @@ def prepare(conditions, time, h, x, v, w):
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
     assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
     add_explicit_rates(conditions, time, w)
-    d = GAMMA * h
-    assembly.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
+    assemble(conditions, chain, GAMMA * h, x, v, w)
+    if has_ground(chain.parameters):
+        contact.add_rate(chain, x, v, w, w.q)
     return factorize(conditions.first, conditions.last, w.matrix)
+
+
+@kernel
+def assemble(conditions, chain, d, x, v, w):
+    """Matrix M/d - B - d K of a step from (x, v) into w.matrix, and which nodes touch the ground into w (both modified)."""
+    assembly.assemble(chain.n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
+    if has_ground(chain.parameters):
+        contact.find(conditions, chain, x, v, w)
+        contact.subtract_slopes(chain, d, x, v, w)
 
 
 @kernel
@@ -127,6 +142,8 @@ def stage_masses(conditions, stage, time, w):
 def stage_force(conditions, chain, time, w):
     """Forces at a stage [N] into w.force (modified), of the `Chain` at its time [s]."""
     assembly.node_forces(chain, w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
+    if has_ground(chain.parameters):
+        contact.add_forces(chain, w)
     put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL, load_during(conditions, time))))
 
 
@@ -242,8 +259,9 @@ def without_damping(n, stage, h, k, w):
 
 
 @kernel
-def right_hand_side(n, stage, h, w):
+def right_hand_side(conditions, stage, h, w):
     """`without_damping` - B r of all nodes [N] into w.q (modified), from both ends at once."""
+    n = conditions.n
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     r_p = get_interleaved(w.r, 0)
     for s in range((n + 1) // 2):  # a segment in the middle is met twice
@@ -256,16 +274,17 @@ def right_hand_side(n, stage, h, w):
     if n % 2 == 0:
         rest = first(without_damping(n, stage, h, n // 2, w))
         put(w.q, n // 2, add(rest, add(first(from_outside), second(from_outside))))
+    if has_ground(conditions.parameters):
+        contact.subtract_damping(n, w)
 
 
 @kernel
 def solve_stage(conditions, stage, h, w):
     """Solve for q into w.q and V into its place in w.velocities (both modified); w.force holds F."""
-    n = conditions.n
-    right_hand_side(n, stage, h, w)
+    right_hand_side(conditions, stage, h, w)
     solve(conditions.first, conditions.last, w.matrix, w.q)
     hold_ends(conditions, w.q)
-    take_velocities(n, stage, w)
+    take_velocities(conditions.n, stage, w)
 
 
 @kernel

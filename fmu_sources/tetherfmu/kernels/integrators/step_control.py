@@ -16,8 +16,10 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_during
+from ..equations.ground import has_ground
 from ..equations.properties import has_node_winds, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import dot, get, sub
+from . import contact
 from .rodas4p import GAMMA
 from .rosenbrock import step
 from .taut_slack import keep_energy, lighter_free_node, transition_error
@@ -179,6 +181,8 @@ def error_of_step(conditions, chain, h, v, w):
     transition = transition_error(conditions, chain, h, w) / velocity_scale
     if transition > 0.0:
         keep_energy(conditions, chain, w)
+    if has_ground(chain.parameters):
+        transition = max(transition, contact.transition_error(conditions, chain, h, w) / velocity_scale)
     if transition > 1.0:
         error = max(error, transition * transition)  # it falls with h^2, the other estimate with h^4
     return error

@@ -86,6 +86,23 @@ def next_interleaved(n, k, array):
 
 
 @kernel
+def get_node(n, i, array):
+    """Vector number i of n + 1 in an interleaved array."""
+    k = 6 * min(i, n - i) + (1 if 2 * i > n else 0)
+    return array[k], array[k + 2], array[k + 4]
+
+
+@kernel
+def add_to_node(n, i, a, array):
+    """Add a vector to number i of n + 1 in an interleaved array (modified), which has the one in the middle twice."""
+    k = 6 * min(i, n - i) + (1 if 2 * i > n else 0)
+    for j in range(3):
+        array[k + 2 * j] += a[j]
+        if 2 * i == n:
+            array[k + 2 * j + 1] += a[j]
+
+
+@kernel
 def interleave(n, flat, interleaved):
     """Copy the vectors of a flat array into an interleaved one (modified)."""
     for k in range(n // 2 + 1):

@@ -9,6 +9,7 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.assembly import end_force, node_masses
+from ..equations.ground import ground_of, has_ground, part_under
 from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, sub, vector_at
 
@@ -97,6 +98,17 @@ def write_shape(chain, x, shape_points, outputs):
 
 
 @kernel
+def grounded_length(chain, x):
+    """Unstretched length [m] of the chain with its nodes at x [m] that touches the ground."""
+    touching = 0.0
+    if has_ground(chain.parameters):
+        ground = ground_of(chain.parameters)
+        for s in range(chain.n):
+            touching += part_under(ground, get(x, s), get(x, s + 1)) * rest_length(chain, s)
+    return touching
+
+
+@kernel
 def missing_tension(chain, s, x, held):
     """What the spring of segment s lacks with its nodes at x [m]: as a vector, and in size [N].
 
@@ -144,6 +156,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
     outputs[at.TETHER_LENGTH] = chain.length
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
     outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
+    outputs[at.GROUNDED_LENGTH] = grounded_length(chain, x)
     write_segments(chain, x, v, outputs)
     correct_end_forces(chain, state, x, outputs)
     write_shape(chain, x, shape_points, outputs)

@@ -5,6 +5,8 @@
                    mean where H = h; in a short step after a long one the end still corrects the error of H, the long one
     speed          |v1| of the end
     slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
+    hanging deep   ground_height - z of the lowest node, without ground contact, while both ends are above the ground
+    under ground   ground_height - z of a driven end, with ground contact
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
     slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
     too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
@@ -30,6 +32,7 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel
 from ..equations import winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
+from ..equations.ground import has_ground
 from ..equations.properties import chain_of, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
@@ -62,6 +65,28 @@ def note_shape(n, parameters, state):
     note(state, limits.GROUND_SPEED, dot(ground_velocity, ground_velocity), limits.FASTEST)
     note(state, limits.KITE_SPEED, dot(kite_velocity, kite_velocity), limits.FASTEST)
     note_length(n, parameters, state)
+    note_ground(n, parameters, state)
+
+
+@kernel
+def note_ground(n, parameters, state):
+    """Note a tether that hangs below a ground which does not carry it, or a driven end under one that does [m].
+
+    In the state (modified).
+    """
+    x, _ = positions_and_velocities(n, state)
+    height = parameters[at.GROUND_HEIGHT]
+    ground_end, kite = height - get(x, 0)[2], height - get(x, n)[2]  # depths
+    if has_ground(parameters):
+        deepest = max(
+            0.0 if parameters[at.GROUND_IS_FREE] != 0.0 else ground_end, 0.0 if parameters[at.KITE_IS_FREE] != 0.0 else kite
+        )
+        note(state, limits.END_UNDER_GROUND, max(0.0, deepest) ** 2, limits.UNDER)
+    elif max(ground_end, kite) <= 0.0:
+        deepest = 0.0
+        for i in range(1, n):
+            deepest = max(deepest, height - get(x, i)[2])
+        note(state, limits.GROUND_IGNORED, deepest * deepest, limits.SHALLOW * state[at.LENGTH])
 
 
 @kernel

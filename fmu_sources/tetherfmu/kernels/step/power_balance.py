@@ -8,6 +8,7 @@ from ..compilation import kernel, part
 from ..equations import node_loads, segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.drum import drum_of
+from ..equations.ground import ground_of, has_ground, specific_losses
 from ..equations.properties import chain_at, point_mass, rest_length
 from ..equations.winch import follows_force
 from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
@@ -16,7 +17,8 @@ from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
 # of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
 DRUM, DRUM_POWER, MOTOR_POWER, FRICTION_LOSS = range(10, 14)
-ENERGIES = 14
+CONTACT_LOSS, SLIDING_LOSS = 14, 15
+ENERGIES = 16
 
 
 @kernel
@@ -51,7 +53,7 @@ def balance(n, parameters, state, v, inputs, energies, work):
     x, _ = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
     node_masses(chain, mass)
-    kinetic = potential = new_material = 0.0
+    kinetic = potential = new_material = contact_loss = sliding_loss = 0.0
     for i in range(n + 1):
         free = 1.0
         if i == 0:
@@ -61,8 +63,13 @@ def balance(n, parameters, state, v, inputs, energies, work):
         moving = 0.5 * free * dot(get(v, i), get(v, i))
         tether = mass[i] - point_mass(chain, i)
         kinetic += mass[i] * moving
-        potential += node_loads.potential(chain, tether + free * point_mass(chain, i), get(x, i))
-        new_material += tether * (moving + node_loads.specific_potential(chain, get(x, i)))
+        specific = node_loads.specific_potential(chain, get(x, i), free > 0.0)
+        potential += (tether + free * point_mass(chain, i)) * specific
+        new_material += tether * (moving + specific)
+        if free > 0.0 and has_ground(parameters):
+            contact, sliding = specific_losses(ground_of(parameters), get(x, i), get(v, i))
+            contact_loss += mass[i] * contact
+            sliding_loss += mass[i] * sliding
     elastic = winch = wind = damping = friction = 0.0
     for s in range(n):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
@@ -93,6 +100,8 @@ def balance(n, parameters, state, v, inputs, energies, work):
     energies[WIND] = wind
     energies[DAMPING_LOSS] = damping
     energies[DRAG_LOSS] = friction
+    energies[CONTACT_LOSS] = contact_loss
+    energies[SLIDING_LOSS] = sliding_loss
     balance_drum(parameters, state[at.REELING], energies[ENERGIES], inputs[at.WINCH_FORCE], energies)
     copy(v, part(energies, ENERGIES + n, 3 * (n + 1)))
     return OK

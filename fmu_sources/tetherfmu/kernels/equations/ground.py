@@ -1,0 +1,178 @@
+"""Ground under the tether: a flat half space that carries each lumped mass which sinks into it, with dry friction.
+
+All forces are in proportion to the mass of the node, so they are written as accelerations:
+
+    a_n = w2 d (1 - a v_z) >= 0,   d = ground_height - z > 0,   w2 = g/ground_sink,   a = 2/sqrt(g ground_sink)
+    a_t = -mu a_n v_t/sqrt(|v_t|^2 + v_r^2)
+
+At rest a node lies `ground_sink` deep; a motion about this depth is critically damped. The damper grows with the depth, so
+that the force is continuous where a node meets the ground, and a node that has hit it at any speed leaves it with less than
+1/a: it rises by no more than ground_sink/8. What lies still creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its
+friction F. Driven ends are held by what drives them, not by the ground.
+
+Source: Hunt and Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440;
+docs/models/theory.md, "Ground".
+"""
+
+from collections import namedtuple
+from math import sqrt
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel, view
+from ..linear_algebra.vectors import ZERO_VECTOR, scale, sub
+
+CREEP = 2e-4  # v_r [m/s]: under 98 % of its friction a lying tether creeps by less than 1 mm/s
+
+Ground = namedtuple("Ground", "height hardness damping friction")
+Ground.__doc__ = "Height [m], w2 [1/s2], a [s/m], friction coefficient mu [-]."
+
+
+@kernel
+def has_ground(parameters):
+    """Whether there is a ground that carries the tether."""
+    return parameters[at.GROUND_CONTACT] == at.FLAT
+
+
+@view
+def ground_of(parameters):
+    """The `Ground` of a tether; its numbers have a meaning only if `has_ground`."""
+    gravity, sink = parameters[at.GRAVITY], parameters[at.GROUND_SINK]
+    return Ground(parameters[at.GROUND_HEIGHT], gravity / sink, 2.0 / sqrt(gravity * sink), parameters[at.GROUND_FRICTION])
+
+
+@kernel
+def pressure(ground, x, v):
+    """a_n [m/s2] of a node at x [m] with the velocity v [m/s], as if it touched the ground."""
+    return ground.hardness * (ground.height - x[2]) * (1.0 - ground.damping * v[2])
+
+
+@kernel
+def touches(ground, x, v):
+    """Whether the ground presses at a node at x [m] with the velocity v [m/s]."""
+    return x[2] < ground.height and ground.damping * v[2] < 1.0
+
+
+@kernel
+def slip(v):
+    """Horizontal part of v/sqrt(|v_t|^2 + v_r^2) [-], and that root [m/s]."""
+    size = sqrt(v[0] * v[0] + v[1] * v[1] + CREEP * CREEP)
+    return (v[0] / size, v[1] / size, 0.0), size
+
+
+@kernel
+def acceleration(ground, x, v):
+    """What the ground does to a node that touches it, at x [m] with the velocity v [m/s]: [m/s2]."""
+    a = pressure(ground, x, v)
+    u, _ = slip(v)
+    return -ground.friction * a * u[0], -ground.friction * a * u[1], a
+
+
+@kernel
+def derivatives(ground, x, v):
+    """Of `acceleration`, by z [1/s2] and by the velocity [1/s], a matrix."""
+    a = pressure(ground, x, v)
+    u, size = slip(v)
+    mu = ground.friction
+    by_z = -ground.hardness * (1.0 - ground.damping * v[2])
+    by_speed = -ground.hardness * (ground.height - x[2]) * ground.damping
+    across = -mu * a / size
+    return (-mu * u[0] * by_z, -mu * u[1] * by_z, by_z), (
+        across * (1.0 - u[0] * u[0]),
+        -across * u[0] * u[1],
+        -mu * u[0] * by_speed,
+        -across * u[0] * u[1],
+        across * (1.0 - u[1] * u[1]),
+        -mu * u[1] * by_speed,
+        0.0,
+        0.0,
+        by_speed,
+    )
+
+
+@kernel
+def specific_energy(ground, x):
+    """Elastic energy of the ground under a node at x [m], over its mass [J/kg]."""
+    depth = max(ground.height - x[2], 0.0)
+    return 0.5 * ground.hardness * depth * depth
+
+
+@kernel
+def specific_losses(ground, x, v):
+    """Heat in the ground's damper and by friction, over the mass of a node at x [m] with the velocity v [m/s]: [W/kg]."""
+    depth = max(ground.height - x[2], 0.0)
+    pressing = acceleration(ground, x, v) if touches(ground, x, v) else ZERO_VECTOR
+    return (ground.hardness * depth - pressing[2]) * v[2], -pressing[0] * v[0] - pressing[1] * v[1]
+
+
+# --- a step of backward Euler, from z_0 to z in h, in which both are functions of the position after it:
+#     a_n = w2 d (1 + a (d - d_0)/h) where that is above 0, and friction with a_n = w2 d_0
+
+
+@kernel
+def least_depth(ground, before, h):
+    """Depth [m] above which the ground presses at a node after a step of h [s] from a depth [m]."""
+    return max(0.0, before - h / ground.damping)
+
+
+@kernel
+def depths(ground, old, new):
+    """Depths [m] of a node before and after a step, from its positions [m]; the first one is at least 0."""
+    return max(0.0, ground.height - old[2]), ground.height - new[2]
+
+
+@kernel
+def slide_of_step(old, new, h):
+    """Horizontal way [m] of a node in a step of h [s] as `slip`, and its size [m]."""
+    u, speed = slip(scale(1.0 / h, sub(new, old)))
+    return u, h * speed
+
+
+@kernel
+def potential_of_step(ground, old, new, h):
+    """Incremental potential of the ground over the mass of a node that goes from `old` to `new` [m] in h [s]: [J/kg]."""
+    before, depth = depths(ground, old, new)
+    least = least_depth(ground, before, h)
+    _, way = slide_of_step(old, new, h)
+    total = ground.friction * ground.hardness * before * way
+    if depth > least:
+        faster = ground.damping / h
+        squares, cubes = depth * depth - least * least, depth**3 - least**3
+        total += ground.hardness * (0.5 * (1.0 - faster * before) * squares + faster * cubes / 3.0)
+    return total
+
+
+@kernel
+def force_of_step(ground, old, new, h):
+    """Minus the derivative of `potential_of_step` by `new` [m/s2], and the derivative of that, a matrix [1/s2]."""
+    before, depth = depths(ground, old, new)
+    u, way = slide_of_step(old, new, h)
+    grip = ground.friction * ground.hardness * before
+    pressed = by_z = 0.0
+    if depth > least_depth(ground, before, h):
+        faster = ground.damping / h
+        pressed = ground.hardness * depth * (1.0 + faster * (depth - before))
+        by_z = -ground.hardness * (1.0 + faster * (2.0 * depth - before))
+    across = -grip / way
+    return (-grip * u[0], -grip * u[1], pressed), (
+        across * (1.0 - u[0] * u[0]),
+        -across * u[0] * u[1],
+        0.0,
+        -across * u[0] * u[1],
+        across * (1.0 - u[1] * u[1]),
+        0.0,
+        0.0,
+        0.0,
+        by_z,
+    )
+
+
+@kernel
+def part_under(ground, x_p, x_q):
+    """Part [-] of a straight piece between two points [m] that is not above the ground."""
+    p, q = ground.height - x_p[2], ground.height - x_q[2]  # depths
+    if p >= 0.0 and q >= 0.0:
+        return 1.0 if p + q > 0.0 else 0.0
+    if p <= 0.0 and q <= 0.0:
+        return 0.0
+    return max(p, q) / abs(p - q)
