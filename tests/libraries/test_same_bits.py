@@ -18,6 +18,7 @@ from tetherfmu import models
 from tetherfmu.kernels.arrays import outputs_size, positions_and_velocities
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.boundary import inputs_of_step
+from tetherfmu.kernels.equations.ground import without_ground
 from tetherfmu.kernels.equations.properties import chain_of
 from tetherfmu.kernels.equilibrium import end_tensions, newton
 from tetherfmu.kernels.equilibrium.first_guess import guess
@@ -101,7 +102,7 @@ class KernelByKernel:
         self.state, self.work = np.zeros(at.state_size(n)), np.zeros(dynamic.work_size(n))
         assert transaction.start(n, self.parameters, inputs, self.state) == status.OK
         x, v = positions_and_velocities(n, self.state)
-        body = Body(chain_of(n, self.parameters, self.state), *rigid_motion(n, x, v), x, v)
+        body = Body(chain_of(n, self.parameters, self.state), *rigid_motion(n, x, v), x, v, without_ground())
         ends = v.reshape(-1, 3)[[0, -1]]
         w = newton.workspace(n, self.work)
         assembly.node_masses(body.chain, w.mass)

@@ -58,8 +58,8 @@ SENTENCES = {
         "positions of the ends for wrong units and offsets"
     ),
     GROUND_IGNORED: (
-        "the tether hangs {value:.3g} m below ground_height with both ends above it; set ground_contact to 2 (flat) to let it "
-        "lie on the ground, or ground_height to where the ground is"
+        "the tether hangs {value:.3g} m below ground_height with both ends above it; set ground_contact to 2 (flat) to let "
+        "it lie on the ground, or ground_height to where the ground is"
     ),
     END_UNDER_GROUND: (
         "a driven end of the tether is {value:.3g} m below ground_height, where the ground does not hold it; check "

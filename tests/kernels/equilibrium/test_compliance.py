@@ -6,6 +6,7 @@ import pytest
 from kernels.packed import packed
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.kernels.equations import assembly
+from tetherfmu.kernels.equations.ground import without_ground
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.equilibrium import newton, rigid_body
 from tetherfmu.runtime.parameters import Environment, Tether
@@ -29,7 +30,7 @@ def linear_problem(axial_stiffness):
     assembly.node_masses(chain, w.mass)
     distances = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     w.tension[:] = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
-    return rigid_body.Body(chain, spin, extension_rate, x, np.zeros_like(x)), w
+    return rigid_body.Body(chain, spin, extension_rate, x, np.zeros_like(x), without_ground()), w
 
 
 @pytest.mark.parametrize("pseudo_damping", [0.0, 0.7])

@@ -20,9 +20,11 @@ from math import sqrt
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from ..linear_algebra.matrices import multiply
 from ..linear_algebra.vectors import ZERO_VECTOR, scale, sub
 
 CREEP = 2e-4  # v_r [m/s]: under 98 % of its friction a lying tether creeps by less than 1 mm/s
+SLIDING = 0.1  # v_r [m/s] of a tether in equilibrium, where friction has no memory: noise of the velocities is no sliding
 
 Ground = namedtuple("Ground", "height hardness damping friction")
 Ground.__doc__ = "Height [m], w2 [1/s2], a [s/m], friction coefficient mu [-]."
@@ -53,10 +55,28 @@ def touches(ground, x, v):
     return x[2] < ground.height and ground.damping * v[2] < 1.0
 
 
+@view
+def without_ground():
+    """The `Ground` that carries nothing."""
+    return Ground(0.0, 0.0, 0.0, 0.0)
+
+
+@view
+def under(parameters):
+    """The `Ground` under a tether with these parameters; `without_ground` if there is none."""
+    return softer(ground_of(parameters), 1.0 if has_ground(parameters) else 0.0)
+
+
+@view
+def softer(ground, factor):
+    """The `Ground` with `factor` times the stiffness."""
+    return Ground(ground.height, factor * ground.hardness, ground.damping, ground.friction)
+
+
 @kernel
-def slip(v):
-    """Horizontal part of v/sqrt(|v_t|^2 + v_r^2) [-], and that root [m/s]."""
-    size = sqrt(v[0] * v[0] + v[1] * v[1] + CREEP * CREEP)
+def slip(v, creep):
+    """Horizontal part of v/sqrt(|v_t|^2 + v_r^2) [-], and that root [m/s]; creep : v_r [m/s]."""
+    size = sqrt(v[0] * v[0] + v[1] * v[1] + creep * creep)
     return (v[0] / size, v[1] / size, 0.0), size
 
 
@@ -64,7 +84,7 @@ def slip(v):
 def acceleration(ground, x, v):
     """What the ground does to a node that touches it, at x [m] with the velocity v [m/s]: [m/s2]."""
     a = pressure(ground, x, v)
-    u, _ = slip(v)
+    u, _ = slip(v, CREEP)
     return -ground.friction * a * u[0], -ground.friction * a * u[1], a
 
 
@@ -72,7 +92,7 @@ def acceleration(ground, x, v):
 def derivatives(ground, x, v):
     """Of `acceleration`, by z [1/s2] and by the velocity [1/s], a matrix."""
     a = pressure(ground, x, v)
-    u, size = slip(v)
+    u, size = slip(v, CREEP)
     mu = ground.friction
     by_z = -ground.hardness * (1.0 - ground.damping * v[2])
     by_speed = -ground.hardness * (ground.height - x[2]) * ground.damping
@@ -105,6 +125,38 @@ def specific_losses(ground, x, v):
     return (ground.hardness * depth - pressing[2]) * v[2], -pressing[0] * v[0] - pressing[1] * v[1]
 
 
+# --- in equilibrium, where nodes slide but do not sink: a_n = w2 d
+
+
+@kernel
+def carries(ground, x):
+    """Whether the ground carries a node at x [m] of a chain in equilibrium."""
+    return ground.hardness > 0.0 and x[2] < ground.height
+
+
+@kernel
+def support(ground, x, v):
+    """What the ground does to a node that it carries at x [m], which slides with v [m/s]: [m/s2]."""
+    a = ground.hardness * (ground.height - x[2])
+    u, _ = slip(v, SLIDING)
+    return -ground.friction * a * u[0], -ground.friction * a * u[1], a
+
+
+@kernel
+def support_slope(ground, x, v, motion):
+    """Derivative of `support` by the position [1/s2], a matrix; motion : that of the velocity [1/s]."""
+    u, size = slip(v, SLIDING)
+    grip = ground.friction * ground.hardness
+    across = -grip * (ground.height - x[2]) / size
+    by_velocity = (
+        *(across * (1.0 - u[0] * u[0]), -across * u[0] * u[1], 0.0),
+        *(-across * u[0] * u[1], across * (1.0 - u[1] * u[1]), 0.0),
+        *(0.0, 0.0, 0.0),
+    )
+    m = multiply(by_velocity, motion)
+    return m[0], m[1], m[2] + grip * u[0], m[3], m[4], m[5] + grip * u[1], m[6], m[7], m[8] - ground.hardness
+
+
 # --- a step of backward Euler, from z_0 to z in h, in which both are functions of the position after it:
 #     a_n = w2 d (1 + a (d - d_0)/h) where that is above 0, and friction with a_n = w2 d_0
 
@@ -124,7 +176,7 @@ def depths(ground, old, new):
 @kernel
 def slide_of_step(old, new, h):
     """Horizontal way [m] of a node in a step of h [s] as `slip`, and its size [m]."""
-    u, speed = slip(scale(1.0 / h, sub(new, old)))
+    u, speed = slip(scale(1.0 / h, sub(new, old)), CREEP)
     return u, h * speed
 
 

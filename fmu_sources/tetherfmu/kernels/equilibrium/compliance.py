@@ -17,6 +17,7 @@ segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors
 from ..compilation import kernel
 from ..equations import node_loads, segment
 from ..equations.assembly import record_of
+from ..equations.ground import carries, support_slope
 from ..linear_algebra.block_tridiagonal import inverse
 from ..linear_algebra.matrices import (
     IDENTITY,
@@ -32,6 +33,7 @@ from ..linear_algebra.matrices import (
     symmetric,
 )
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale
+from .rigid_body import motion_of
 
 
 @kernel
@@ -77,6 +79,8 @@ def gather(body, pseudo_damping, w):
             return
         x, v = get(body.x, s + 1), get(body.v, s + 1)
         r = node_loads.slope(body.chain, w.mass[s + 1], x, v, body.spin, pseudo_damping)
+        if carries(body.ground, x):
+            r = add_matrices(r, scale_matrix(w.mass[s + 1], support_slope(body.ground, x, v, motion_of(body))))
         given = add_matrices(add_matrices(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
         z, _ = inverse(subtract(IDENTITY, given))
         y = add(add(get(w.force, s + 1), blown), add_scaled(apply(r, moved), 2.0, apply(h, m)))

@@ -28,14 +28,15 @@ from tetherfmu.runtime import layout as at
 from ..arrays import node_arrays, parameters_size, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
+from ..equations.ground import carries, support_slope
 from ..equations.properties import property_of, rest_length
 from ..linear_algebra import block_tridiagonal
 from ..linear_algebra.both_ends import get_two
-from ..linear_algebra.matrices import add_to_diagonal, multiply, outer, put_matrix, skew
+from ..linear_algebra.matrices import add_to_diagonal, get_matrix, multiply, outer, put_matrix, scale_matrix, subtract
 from ..linear_algebra.pairs import pair
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, scale, sub
 from . import compliance
-from .rigid_body import SPRINGS, TENSIONS, loads, spring
+from .rigid_body import SPRINGS, TENSIONS, loads, motion_of, spring
 
 MOST_ITERATIONS = 30  # warm it needs 2 or 3, cold about 6
 ROUNDING = 2.3e-16  # relative, of a 64-bit float
@@ -89,7 +90,7 @@ def linearize(body, w):
     K = (k - T/l) e e + T/l with the independent tensions T = w.tension [N]; the drag's A becomes A S; no damper.
     """
     chain, x, v = body.chain, body.x, body.v
-    motion = add_to_diagonal(skew(body.spin), body.extension_rate)
+    motion = motion_of(body)
     for s in range((chain.n + 1) // 2):  # a segment in the middle is met twice
         mirror = chain.n - 1 - s
         both = (s, mirror)
@@ -117,6 +118,11 @@ def factorize(body, pseudo_damping, w):
         for i in range(1, n):
             block = part(w.matrix.diagonal, 9 * i, 9)
             node_loads.subtract_slope(chain, w.mass[i], get(body.x, i), get(body.v, i), spin, pseudo_damping, block)
+    for i in range(1, n):
+        x, v = get(body.x, i), get(body.v, i)
+        if carries(body.ground, x):
+            slope = scale_matrix(w.mass[i], support_slope(body.ground, x, v, motion_of(body)))
+            put_matrix(w.matrix.diagonal, 9 * i, subtract(get_matrix(w.matrix.diagonal, 9 * i), slope))
     return block_tridiagonal.factorize(1, n - 1, w.matrix)
 
 

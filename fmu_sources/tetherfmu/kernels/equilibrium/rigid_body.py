@@ -13,16 +13,19 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import node_loads, segment
+from ..equations.ground import carries, support
 from ..equations.properties import property_of, rest_length
+from ..linear_algebra.matrices import add_to_diagonal, skew
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, put, scale, sub
 
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
 
-Body = namedtuple("Body", "chain spin extension_rate x v")
+Body = namedtuple("Body", "chain spin extension_rate x v ground")
 Body.__doc__ = """A chain that moves as a body about its ground end.
 
 chain : `Chain`.  spin : angular velocity omega [rad/s].  extension_rate : s [1/s].
 x, v : positions [m] and velocities [m/s] of all nodes; those of the ends are given, those of the inner nodes modified.
+ground : `Ground` that carries the inner nodes; `without_ground` where nothing does.
 """
 
 
@@ -84,8 +87,16 @@ def load_of(body, mass, x, v):
 
 
 @kernel
+def motion_of(body):
+    """Derivative of the velocity of a node of the body by its position [1/s], a matrix."""
+    return add_to_diagonal(skew(body.spin), body.extension_rate)
+
+
+@kernel
 def loads(body, pulls, tension, mass, load):
-    """Drag, weight and inertia f of all nodes [N] into `load` (modified); the body gets the velocities of its inner nodes.
+    """Drag, weight, inertia and support f of all nodes [N] into `load` (modified).
+
+    The body gets the velocities of its inner nodes.
 
     pulls : what is added to make `load` the residual: NO_PULL, that of the SPRINGS, or the TENSIONS [N].
     """
@@ -103,7 +114,10 @@ def loads(body, pulls, tension, mass, load):
             pull = scale(k * elongation, e)
         elif pulls == TENSIONS:
             pull = scale(tension[s], e)
-        put(load, s, add(add(from_below, load_of(body, mass[s], x_p, v_p)), add(drag, pull)))
+        total = add(add(from_below, load_of(body, mass[s], x_p, v_p)), add(drag, pull))
+        if s > 0 and carries(body.ground, x_p):
+            total = add_scaled(total, mass[s], support(body.ground, x_p, v_p))
+        put(load, s, total)
         from_below = sub(drag, pull)
         x_p, v_p = x_q, v_q
     put(load, chain.n, add(from_below, load_of(body, mass[chain.n], x_p, v_p)))

@@ -11,15 +11,17 @@
 8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
 9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
 
-Each method starts from the first guess, not from where the last one failed.
+Each method starts from the first guess, not from where the last one failed. All of them are without ground. Where the chain
+then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`).
 """
 
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
 from ..compilation import kernel
 from ..equations import air, assembly
+from ..equations.ground import without_ground
 from ..linear_algebra.vectors import get
-from . import calm_layer, chord_rotation, compressed_chain, load_continuation, newton, stiffening
+from . import calm_layer, chord_rotation, compressed_chain, load_continuation, lying_chain, newton, stiffening
 from .first_guess import guess, is_loaded
 
 FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
@@ -114,6 +116,20 @@ def by_stiffening(body, w):
 @kernel
 def find(body, w):
     """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
+
+    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
+    """
+    status, iterations = in_the_air(lying_chain.on(body, without_ground()), w)
+    if status == OK and body.ground.hardness > 0.0 and lying_chain.deepest(body) > 0.0:
+        found, more = lying_chain.find(body, w)
+        iterations += more
+        status = OK if found and is_stable(body) else NO_EQUILIBRIUM
+    return status, iterations
+
+
+@kernel
+def in_the_air(body, w):
+    """Stable equilibrium of the body without ground (positions and velocities of its inner nodes modified).
 
     Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """

@@ -123,6 +123,16 @@ def velocity_change(attempt, s, x, w):
 
 
 @kernel
+def ground_potential(attempt, x, w):
+    """What the ground adds to Phi at the positions x [m]: [J]."""
+    of_ground = ground.ground_of(attempt.chain.parameters)
+    total = 0.0
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h)
+    return total
+
+
+@kernel
 def add_ground(attempt, x, w):
     """Add the ground to the matrix of the iteration and minus its part of the gradient to w.move (both modified)."""
     of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
@@ -137,14 +147,11 @@ def add_ground(attempt, x, w):
 def potential(attempt, x, w):
     """Phi [J] at the positions x [m], and its error of rounding [J]."""
     h, b = attempt.h, shrinkage(attempt)
-    on_ground, of_ground = ground.has_ground(attempt.chain.parameters), ground.ground_of(attempt.chain.parameters)
     total = 0.0
     size = 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
         away = sub(get(x, i), get(w.free, i))
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
-        if on_ground:
-            total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), h)
     for s in range(attempt.chain.n):
         length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, w)
         total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c / b * rate * rate
@@ -153,6 +160,8 @@ def potential(attempt, x, w):
         work = dot(get(w.drag, s), moved(s, x, w))
         total += h * dot(u, apply(get_matrix(w.slope, 9 * s), u)) - work
         size += abs(work)
+    if ground.has_ground(attempt.chain.parameters):
+        total += ground_potential(attempt, x, w)
     return total, ROUNDING * (size + abs(total))
 
 

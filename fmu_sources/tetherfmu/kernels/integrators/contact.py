@@ -16,7 +16,10 @@ from .taut_slack import TRANSITION
 
 @kernel
 def find(conditions, chain, x, v, w):
-    """Which free nodes at x [m] with velocities v [m/s] touch the ground into w.touching, and m da/dv into w.grip (modified)."""
+    """Which free nodes touch the ground at x [m] with velocities v [m/s] into w.touching, and m da/dv into w.grip.
+
+    Both are modified.
+    """
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         w.touching[i] = 0.0

@@ -10,6 +10,7 @@ from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import conditions_of_chain, place_ends
+from ..equations.ground import under
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, straighten
@@ -41,7 +42,7 @@ def initialize(n, parameters, state, work):
     else:
         put(v, 0, ZERO_VECTOR)
         put(v, n, ZERO_VECTOR)
-    body = Body(chain, spin, extension_rate, x, v)
+    body = Body(chain, spin, extension_rate, x, v, under(parameters))
     w = newton.workspace(n, work)
     status, iterations = solve.find(body, w)
     state[at.ITERATIONS] = iterations

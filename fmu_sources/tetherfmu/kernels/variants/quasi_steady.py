@@ -12,6 +12,7 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import move_ends, spring_at_ground
+from ..equations.ground import under
 from ..equations.properties import chain_of
 from ..equilibrium import end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
@@ -26,7 +27,7 @@ work_size = newton.workspace_size
 def body_of(n, parameters, state, x, v):
     """The `Body` of node positions x [m] and velocities v [m/s] that turns about the ground end with the kite of a state."""
     spin, extension_rate = rigid_motion(n, x, v)
-    return Body(chain_of(n, parameters, state), spin, extension_rate, x, v)
+    return Body(chain_of(n, parameters, state), spin, extension_rate, x, v, under(parameters))
 
 
 @kernel
