@@ -102,7 +102,7 @@ class KernelByKernel:
         self.state, self.work = np.zeros(at.state_size(n)), np.zeros(dynamic.work_size(n))
         assert transaction.start(n, self.parameters, inputs, self.state) == status.OK
         x, v = positions_and_velocities(n, self.state)
-        body = Body(chain_of(n, self.parameters, self.state), *rigid_motion(n, x, v), x, v, without_ground())
+        body = Body(chain_of(n, self.parameters, self.state), *rigid_motion(n, x, v), x, v, without_ground(), x, False)
         ends = v.reshape(-1, 3)[[0, -1]]
         w = newton.workspace(n, self.work)
         assembly.node_masses(body.chain, w.mass)

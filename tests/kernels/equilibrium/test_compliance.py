@@ -30,7 +30,7 @@ def linear_problem(axial_stiffness):
     assembly.node_masses(chain, w.mass)
     distances = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     w.tension[:] = axial_stiffness * np.abs(distances * N / 60.0 - 1.0) + 5.0
-    return rigid_body.Body(chain, spin, extension_rate, x, np.zeros_like(x), without_ground()), w
+    return rigid_body.Body(chain, spin, extension_rate, x, np.zeros_like(x), without_ground(), x, False), w
 
 
 @pytest.mark.parametrize("pseudo_damping", [0.0, 0.7])

@@ -38,7 +38,7 @@ def in_layer(body, thickness, w):
     copy(chain.parameters, w.parameters)
     w.parameters[at.CALM_LAYER] = thickness
     other = chain_at(chain.n, w.parameters, chain.length, chain.reeling, chain.wind)
-    return Body(other, body.spin, body.extension_rate, body.x, body.v, body.ground)
+    return Body(other, body.spin, body.extension_rate, body.x, body.v, *body[5:])
 
 
 @kernel

@@ -17,7 +17,7 @@ segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors
 from ..compilation import kernel
 from ..equations import node_loads, segment
 from ..equations.assembly import record_of
-from ..equations.ground import carries, support_slope
+from ..equations.ground import carries
 from ..linear_algebra.block_tridiagonal import inverse
 from ..linear_algebra.matrices import (
     IDENTITY,
@@ -33,7 +33,7 @@ from ..linear_algebra.matrices import (
     symmetric,
 )
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale
-from .rigid_body import motion_of
+from .rigid_body import support_stiffness
 
 
 @kernel
@@ -80,7 +80,7 @@ def gather(body, pseudo_damping, w):
         x, v = get(body.x, s + 1), get(body.v, s + 1)
         r = node_loads.slope(body.chain, w.mass[s + 1], x, v, body.spin, pseudo_damping)
         if carries(body.ground, x):
-            r = add_matrices(r, scale_matrix(w.mass[s + 1], support_slope(body.ground, x, v, motion_of(body))))
+            r = add_matrices(r, support_stiffness(body, w.mass[s + 1], s + 1))
         given = add_matrices(add_matrices(felt, multiply(h, scale_matrix(2.0, m_matrix))), multiply(r, both))
         z, _ = inverse(subtract(IDENTITY, given))
         y = add(add(get(w.force, s + 1), blown), add_scaled(apply(r, moved), 2.0, apply(h, m)))

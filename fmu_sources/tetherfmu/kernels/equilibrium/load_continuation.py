@@ -29,7 +29,7 @@ def at_level(body, level):
     """The body in a wind and with a spin and an extension rate `level` times its own; wind that is given at nodes stays."""
     chain = body.chain
     slower = chain_at(chain.n, chain.parameters, chain.length, chain.reeling, scale(level, chain.wind))
-    return Body(slower, scale(level, body.spin), level * body.extension_rate, body.x, body.v, body.ground)
+    return Body(slower, scale(level, body.spin), level * body.extension_rate, body.x, body.v, *body[5:])
 
 
 @kernel

@@ -4,12 +4,12 @@ Ground continuation: from the equilibrium without ground over ever stiffer groun
 node sink to where it hangs, the last the ground itself. Each equilibrium is the start of the next one.
 
 A chain that is longer than its ends' heights and their horizontal distance together has no tension where it lies, and any
-curve on the ground is an equilibrium: the continuation then ends in a chain in compression, or nowhere. The first guess of
-`pile` hangs straight down from both ends, and lies in two straight legs between the two feet; pseudo-transient continuation
-from there leaves them alone. Source: docs/models/numerics.md, "Initial shape".
+curve on the ground is an equilibrium: the continuation then ends in a chain in compression, or nowhere. `pile` puts one of
+these equilibria together, and pseudo-transient continuation adapts it to the wind. Such a pile does not turn with the kite,
+and its friction holds it where it was put. Source: docs/models/numerics.md, "Initial shape".
 """
 
-from math import sqrt
+from math import pi, sqrt
 
 from tetherfmu.runtime import layout as at
 
@@ -17,21 +17,21 @@ from ..arrays import copy
 from ..compilation import kernel, view
 from ..equations import segment
 from ..equations.ground import softer
-from ..equations.properties import property_of
-from ..linear_algebra.vectors import get, put, sub
+from ..equations.properties import property_of, rest_length
+from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
 from . import newton
 from .rigid_body import Body, spring
 
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor from one stiffness of the ground to the next
 MOST_GROUNDS = 60  # that are tried; it needs 5 to 15
 PRESSED = 1e-3  # compression of a segment that lies over the weight of the chain, above which the chain is piled up
-TAUT = 1e-6  # strain of the legs of the first guess
+HALVINGS = 60  # of the interval in which the curvature of an arc is sought
 
 
 @view
 def on(body, ground):
     """The body on another `Ground`."""
-    return Body(body.chain, body.spin, body.extension_rate, body.x, body.v, ground)
+    return Body(body.chain, body.spin, body.extension_rate, body.x, body.v, ground, body.anchor, False)
 
 
 @kernel
@@ -109,49 +109,159 @@ def by_piling(body, w):
     """From the first guess of a chain with too much length: (found, iterations)."""
     if not pile(body, w):
         return False, 0
-    return newton.relax(body, False, True, weight_of(body, w) / body.chain.length, w)
+    copy(body.x, w.kept)
+    still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.kept, True)
+    return newton.relax(still, False, True, weight_of(body, w) / body.chain.length, w)
 
 
 @kernel
-def find(body, w):
-    """From the equilibrium without ground in the body (modified) to one on the ground: (found, Newton iterations)."""
-    found, iterations = by_ground_continuation(body, w)
-    if found and not is_pressed(body, w):
-        return True, iterations
+def find(body, hangs, w):
+    """An equilibrium on the ground: (found, Newton iterations); hangs : whether the body has that without ground."""
+    iterations = 0
+    if hangs:
+        found, iterations = by_ground_continuation(body, w)
+        if found and not is_pressed(body, w):
+            return True, iterations
     found, more = by_piling(body, w)
     return found, iterations + more
+
+
+@kernel
+def hanging_nodes(body, end, way, w):
+    """How many inner nodes hang straight down from an end, and the height [m] of the lowest of them, or of the end.
+
+    end : its node.  way : 1 from the ground end, -1 from the kite.
+    """
+    chain, top = body.chain, body.x[3 * end + 2] - body.ground.height
+    lowest, length = top, 0.0
+    count = 0
+    while count < chain.n - 1:
+        s = end + count if way > 0 else end - count - 1
+        length += rest_length(chain, s)
+        if top - length <= 0.0:
+            break
+        count += 1
+    while count > 0:
+        lowest = lower(body, end, way, count, w)
+        if lowest > 0.0:
+            break
+        count -= 1
+    return count, lowest if count > 0 else top
+
+
+@kernel
+def lower(body, end, way, count, w):
+    """Let so many inner nodes hang straight down from an end (modified): height [m] of the lowest above the ground."""
+    chain, x = body.chain, body.x
+    pull = 0.0
+    for k in range(count):
+        pull += w.mass[end + way * (k + 1)] * chain.gravity
+    below = get(x, end)
+    for k in range(count):
+        s = end + k if way > 0 else end - k - 1
+        w.tension[s] = pull
+        stretched = rest_length(chain, s) * (1.0 + pull / property_of(chain, s, at.STIFFNESS))
+        below = below[0], below[1], below[2] - stretched
+        put(x, end + way * (k + 1), below)
+        pull -= w.mass[end + way * (k + 1)] * chain.gravity
+    return below[2] - body.ground.height
+
+
+@kernel
+def turned(e, sine):
+    """Direction (x, y) turned to the right by an angle of at most pi/2 with this sine."""
+    cosine = sqrt(1.0 - sine * sine)
+    return cosine * e[0] + sine * e[1], cosine * e[1] - sine * e[0]
+
+
+@kernel
+def lay(body, first, last, curvature, e):
+    """Lay the nodes behind `first` up to `last` (modified) as a polygon in a circle of this curvature [1/m].
+
+    e : direction (x, y) in which the circle begins; it bends to the right. Returns the vector from the first to the last
+    node (x, y) [m], and whether the circle is more than closed.
+    """
+    chain, start = body.chain, get(body.x, first)
+    x = y = 0.0
+    now = e
+    turns_back = False
+    for s in range(first, last):
+        rest = rest_length(chain, s)
+        sine = min(1.0, 0.5 * rest * curvature)
+        now = turned(now, sine)
+        turns_back = turns_back or e[0] * now[1] - e[1] * now[0] > 0.0
+        x, y = x + rest * now[0], y + rest * now[1]
+        put(body.x, s + 1, (start[0] + x, start[1] + y, start[2]))
+        now = turned(now, sine)
+    return (x, y), turns_back and e[0] * now[1] - e[1] * now[0] < 0.0
+
+
+@kernel
+def lay_between(body, first, last):
+    """Lay the nodes between `first` and `last` (modified) on an arc of a circle that ends in these two, all unstretched."""
+    start, end = get(body.x, first), get(body.x, last)
+    goal = end[0] - start[0], end[1] - start[1]
+    chord = sqrt(goal[0] * goal[0] + goal[1] * goal[1])
+    arc = 0.0
+    for s in range(first, last):
+        arc += rest_length(body.chain, s)
+    low, high = 0.0, 2.0 * pi / arc
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        way, is_closed = lay(body, first, last, middle, (1.0, 0.0))
+        if is_closed or way[0] * way[0] + way[1] * way[1] < chord * chord:
+            high = middle
+        else:
+            low = middle
+    way, _ = lay(body, first, last, low, (1.0, 0.0))
+    square = way[0] * way[0] + way[1] * way[1]
+    if chord > 0.0 and square > 0.0:  # turn it to where it has to end
+        size = 1.0 / sqrt(square * chord * chord)
+        e = (way[0] * goal[0] + way[1] * goal[1]) * size, (way[0] * goal[1] - way[1] * goal[0]) * size
+        lay(body, first, last, low, e)
+    put(body.x, last, end)
+
+
+@kernel
+def foot(body, s, lowest, point, side):
+    """Position [m] of the first node on the ground at a vertical piece of the chain, which segment s joins to it.
+
+    lowest : height [m] of the end of that piece above the ground.  point : this end [m].  side : direction (x, y).
+    """
+    depth = body.chain.gravity / body.ground.hardness
+    rest = rest_length(body.chain, s)
+    away = sqrt(max(0.0, rest * rest - (lowest + depth) ** 2))
+    return point[0] + away * side[0], point[1] + away * side[1], body.ground.height - depth
 
 
 @kernel
 def pile(body, w):
     """First guess of a chain with too much length (positions and w.tension modified); False if it has not.
 
-    Straight down from the ends, and between the feet in two equal legs, to the left of the way to the kite.
+    Straight down from the ends, and on the ground on an arc of a circle, where it is unstretched: an equilibrium without
+    wind and motion. The arc lies to the left of the way to the kite.
     """
     chain, x = body.chain, body.x
-    height, weight = body.ground.height, chain.gravity * property_of(chain, 0, at.LINE_DENSITY)
-    start, end = get(x, 0), get(x, chain.n)
-    first, last = max(0.0, start[2] - height), max(0.0, end[2] - height)  # lengths that hang
-    across, along = sub(end, start), 0.0
-    chord = sqrt(across[0] * across[0] + across[1] * across[1])
-    lying = chain.length - first - last
-    if not lying > chord:
-        return False
-    e = (across[0] / chord, across[1] / chord) if chord > 0.0 else (1.0, 0.0)
-    aside = sqrt(lying * lying - chord * chord)
-    depth = chain.gravity / body.ground.hardness
     for s in range(chain.n):
-        along += property_of(chain, s, at.SHARE) * chain.length
-        from_end = chain.length - along
-        w.tension[s] = TAUT * weight
-        if s == chain.n - 1:
-            break
-        if along < first:
-            put(x, s + 1, (start[0], start[1], start[2] - along))
-        elif from_end < last:
-            put(x, s + 1, (end[0], end[1], end[2] - from_end))
-        else:
-            part = (1.0 + TAUT) * (along - first) / lying
-            forwards, left = part * chord, min(part, 1.0 - part) * aside
-            put(x, s + 1, (start[0] + forwards * e[0] - left * e[1], start[1] + forwards * e[1] + left * e[0], height - depth))
+        w.tension[s] = 0.0
+    low, bottom = hanging_nodes(body, 0, 1, w)
+    high, top = hanging_nodes(body, chain.n, -1, w)
+    first, last = low + 1, chain.n - high - 1  # nodes on the ground
+    if last < first:
+        return False
+    start, end = get(x, low), get(x, chain.n - high)
+    across = end[0] - start[0], end[1] - start[1]
+    chord = sqrt(across[0] * across[0] + across[1] * across[1])
+    side = (-across[1] / chord, across[0] / chord) if chord > 0.0 else (0.0, 1.0)
+    put(x, first, foot(body, low, bottom, start, side))
+    put(x, last, foot(body, last, top, end, side))
+    if last - first < 2:
+        return True
+    arc = 0.0
+    for s in range(first, last):
+        arc += rest_length(chain, s)
+    way = sub(get(x, last), get(x, first))
+    if arc * arc <= way[0] * way[0] + way[1] * way[1]:
+        return False
+    lay_between(body, first, last)
     return True

@@ -28,15 +28,15 @@ from tetherfmu.runtime import layout as at
 from ..arrays import node_arrays, parameters_size, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
-from ..equations.ground import carries, support_slope
+from ..equations.ground import carries
 from ..equations.properties import property_of, rest_length
 from ..linear_algebra import block_tridiagonal
 from ..linear_algebra.both_ends import get_two
-from ..linear_algebra.matrices import add_to_diagonal, get_matrix, multiply, outer, put_matrix, scale_matrix, subtract
+from ..linear_algebra.matrices import add_to_diagonal, get_matrix, multiply, outer, put_matrix, subtract
 from ..linear_algebra.pairs import pair
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, scale, sub
 from . import compliance
-from .rigid_body import SPRINGS, TENSIONS, loads, motion_of, spring
+from .rigid_body import SPRINGS, TENSIONS, loads, motion_of, spring, support_stiffness
 
 MOST_ITERATIONS = 30  # warm it needs 2 or 3, cold about 6
 ROUNDING = 2.3e-16  # relative, of a 64-bit float
@@ -48,6 +48,7 @@ MOST_PSEUDO_STEPS = 300
 LOOSEST = 1e-3  # tension over the load of a node above which a segment counts as taut, however short it is, if compliant
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the pseudo-damping changes
 LARGEST_PSEUDO_DAMPING = 100.0  # over that of the first iteration
+LEAST_ON_GROUND = 1e-6  # the same, at least, on the ground: a chain without tension has no stiffness there
 
 Workspace = namedtuple(
     "Workspace",
@@ -119,9 +120,8 @@ def factorize(body, pseudo_damping, w):
             block = part(w.matrix.diagonal, 9 * i, 9)
             node_loads.subtract_slope(chain, w.mass[i], get(body.x, i), get(body.v, i), spin, pseudo_damping, block)
     for i in range(1, n):
-        x, v = get(body.x, i), get(body.v, i)
-        if carries(body.ground, x):
-            slope = scale_matrix(w.mass[i], support_slope(body.ground, x, v, motion_of(body)))
+        if carries(body.ground, get(body.x, i)):
+            slope = support_stiffness(body, w.mass[i], i)
             put_matrix(w.matrix.diagonal, 9 * i, subtract(get_matrix(w.matrix.diagonal, 9 * i), slope))
     return block_tridiagonal.factorize(1, n - 1, w.matrix)
 
@@ -220,6 +220,7 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
     """
     most = MOST_PSEUDO_STEPS if pseudo_transient else MOST_ITERATIONS
     pseudo_damping = load_stiffness if pseudo_transient else 0.0
+    least = LEAST_ON_GROUND * pseudo_damping if body.ground.hardness > 0.0 else 0.0
     loosest = LOOSEST * load_stiffness * body.chain.length / body.chain.n
     last = 0.0
     fresh = False
@@ -245,7 +246,7 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
             step_by_stiffness(body, w)
         motion = apply_step(body, w)
         if motion < NEAR:
-            pseudo_damping *= 0.5
+            pseudo_damping = max(0.5 * pseudo_damping, least)
         elif motion > FAR:
             pseudo_damping = min(2.0 * pseudo_damping, LARGEST_PSEUDO_DAMPING * load_stiffness)
     return False, most

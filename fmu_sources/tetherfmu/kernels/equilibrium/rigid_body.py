@@ -13,19 +13,22 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import node_loads, segment
-from ..equations.ground import carries, support
+from ..equations.ground import SLIDING, carries, support, support_slope
 from ..equations.properties import property_of, rest_length
-from ..linear_algebra.matrices import add_to_diagonal, skew
+from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal, scale_matrix, skew
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, put, scale, sub
 
+GIVE = 0.01  # [m] by which the friction of a chain that is piled up gives way
 NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
 
-Body = namedtuple("Body", "chain spin extension_rate x v ground")
+Body = namedtuple("Body", "chain spin extension_rate x v ground anchor is_piled")
 Body.__doc__ = """A chain that moves as a body about its ground end.
 
 chain : `Chain`.  spin : angular velocity omega [rad/s].  extension_rate : s [1/s].
 x, v : positions [m] and velocities [m/s] of all nodes; those of the ends are given, those of the inner nodes modified.
 ground : `Ground` that carries the inner nodes; `without_ground` where nothing does.
+anchor, is_piled : positions [m] at which friction holds the nodes of a chain that is piled up, and whether it is; else nodes
+slide with their velocities.
 """
 
 
@@ -93,6 +96,23 @@ def motion_of(body):
 
 
 @kernel
+def sliding(body, i):
+    """Velocity [m/s] with which node i slides on the ground."""
+    if body.is_piled:
+        return scale(SLIDING / GIVE, sub(get(body.x, i), get(body.anchor, i)))
+    return get(body.v, i)
+
+
+@kernel
+def support_stiffness(body, mass, i):
+    """Derivative of the force of the ground on node i, of this mass [kg], by its position [N/m], a matrix."""
+    motion = motion_of(body)
+    if body.is_piled:
+        motion = add_to_diagonal(ZERO_MATRIX, SLIDING / GIVE)
+    return scale_matrix(mass, support_slope(body.ground, get(body.x, i), sliding(body, i), motion))
+
+
+@kernel
 def loads(body, pulls, tension, mass, load):
     """Drag, weight, inertia and support f of all nodes [N] into `load` (modified).
 
@@ -116,7 +136,7 @@ def loads(body, pulls, tension, mass, load):
             pull = scale(tension[s], e)
         total = add(add(from_below, load_of(body, mass[s], x_p, v_p)), add(drag, pull))
         if s > 0 and carries(body.ground, x_p):
-            total = add_scaled(total, mass[s], support(body.ground, x_p, v_p))
+            total = add_scaled(total, mass[s], support(body.ground, x_p, sliding(body, s)))
         put(load, s, total)
         from_below = sub(drag, pull)
         x_p, v_p = x_q, v_q

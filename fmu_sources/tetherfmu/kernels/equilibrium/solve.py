@@ -120,8 +120,8 @@ def find(body, w):
     Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
     status, iterations = in_the_air(lying_chain.on(body, without_ground()), w)
-    if status == OK and body.ground.hardness > 0.0 and lying_chain.deepest(body) > 0.0:
-        found, more = lying_chain.find(body, w)
+    if body.ground.hardness > 0.0 and (status != OK or lying_chain.deepest(body) > 0.0):
+        found, more = lying_chain.find(body, status == OK, w)
         iterations += more
         status = OK if found and is_stable(body) else NO_EQUILIBRIUM
     return status, iterations

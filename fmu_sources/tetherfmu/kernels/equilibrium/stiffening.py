@@ -39,7 +39,7 @@ def softened(body, factor, w):
     for s in range(chain.n):
         put_property(chain.n, at.STIFFNESS, s, factor * property_of(chain, s, at.STIFFNESS), w.parameters)
     other = chain_at(chain.n, w.parameters, chain.length, chain.reeling, chain.wind)
-    return Body(other, body.spin, body.extension_rate, body.x, body.v, body.ground)
+    return Body(other, body.spin, body.extension_rate, body.x, body.v, *body[5:])
 
 
 @kernel

@@ -15,8 +15,8 @@ A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken aga
 not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS` (all three in `runtime/limits.py`).
 
 k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
-at the start of the iteration; the friction on the ground is that of the old depth. A driven end is where its curve is; its old position counts as x - h v, so that the damper
-sees its exact velocity.
+at the start of the iteration; the friction on the ground is that of the old depth. A driven end is where its curve is; its
+old position counts as x - h v, so that the damper sees its exact velocity.
 
 Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and
 Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (incremental potential).

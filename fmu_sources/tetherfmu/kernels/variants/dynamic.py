@@ -42,7 +42,7 @@ def initialize(n, parameters, state, work):
     else:
         put(v, 0, ZERO_VECTOR)
         put(v, n, ZERO_VECTOR)
-    body = Body(chain, spin, extension_rate, x, v, under(parameters))
+    body = Body(chain, spin, extension_rate, x, v, under(parameters), x, False)
     w = newton.workspace(n, work)
     status, iterations = solve.find(body, w)
     state[at.ITERATIONS] = iterations

@@ -27,7 +27,7 @@ work_size = newton.workspace_size
 def body_of(n, parameters, state, x, v):
     """The `Body` of node positions x [m] and velocities v [m/s] that turns about the ground end with the kite of a state."""
     spin, extension_rate = rigid_motion(n, x, v)
-    return Body(chain_of(n, parameters, state), spin, extension_rate, x, v, under(parameters))
+    return Body(chain_of(n, parameters, state), spin, extension_rate, x, v, under(parameters), x, False)
 
 
 @kernel
