@@ -101,7 +101,16 @@ def by_ground_continuation(body, w):
             if reached == 0.0 or factor < SMALLEST_STEP:
                 break
         level = min(1.0, factor * reached)
-    return False, iterations
+    found, more = slowly(body, w)
+    return found, iterations + more
+
+
+@kernel
+def slowly(body, w):
+    """Pseudo-transient continuation from the shape in w.kept and w.kept_tension: (found, Newton iterations)."""
+    copy(w.kept, body.x)
+    copy(w.kept_tension, w.tension)
+    return newton.relax(body, False, True, weight_of(body, w) / body.chain.length, w)
 
 
 @kernel
@@ -223,15 +232,17 @@ def lay_between(body, first, last):
 
 
 @kernel
-def foot(body, s, lowest, point, side):
-    """Position [m] of the first node on the ground at a vertical piece of the chain, which segment s joins to it.
+def reach(body, s, lowest):
+    """How far [m] segment s reaches on the ground from a height [m] above it."""
+    rest, depth = rest_length(body.chain, s), body.chain.gravity / body.ground.hardness
+    return sqrt(max(0.0, rest * rest - (lowest + depth) ** 2))
 
-    lowest : height [m] of the end of that piece above the ground.  point : this end [m].  side : direction (x, y).
-    """
+
+@kernel
+def foot(body, point, away, e):
+    """Position [m] on the ground as far from a point above it [m] in the direction e (x, y) as `away` [m]."""
     depth = body.chain.gravity / body.ground.hardness
-    rest = rest_length(body.chain, s)
-    away = sqrt(max(0.0, rest * rest - (lowest + depth) ** 2))
-    return point[0] + away * side[0], point[1] + away * side[1], body.ground.height - depth
+    return point[0] + away * e[0], point[1] + away * e[1], body.ground.height - depth
 
 
 @kernel
@@ -252,9 +263,14 @@ def pile(body, w):
     start, end = get(x, low), get(x, chain.n - high)
     across = end[0] - start[0], end[1] - start[1]
     chord = sqrt(across[0] * across[0] + across[1] * across[1])
-    side = (-across[1] / chord, across[0] / chord) if chord > 0.0 else (0.0, 1.0)
-    put(x, first, foot(body, low, bottom, start, side))
-    put(x, last, foot(body, last, top, end, side))
+    from_start, from_end = reach(body, low, bottom), reach(body, last, top)
+    if from_start + from_end < chord:  # both reach towards each other, else to the same side
+        e = across[0] / chord, across[1] / chord
+        back = -e[0], -e[1]
+    else:
+        e = back = (-across[1] / chord, across[0] / chord) if chord > 0.0 else (0.0, 1.0)
+    put(x, first, foot(body, start, from_start, e))
+    put(x, last, foot(body, end, from_end, back))
     if last - first < 2:
         return True
     arc = 0.0

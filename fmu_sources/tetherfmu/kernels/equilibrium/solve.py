@@ -17,6 +17,7 @@ then hangs below the ground, its equilibrium on the ground is sought from there 
 
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
+from ..arrays import copy
 from ..compilation import kernel
 from ..equations import air, assembly
 from ..equations.ground import without_ground
@@ -87,7 +88,10 @@ def by_load_continuation(body, w):
 def by_calm_layer(body, w):
     """Step 8: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     thickness = calm_layer.thickest(body)
-    status, iterations = at_once(calm_layer.in_layer(body, thickness, w), w)
+    layered = calm_layer.in_layer(body, thickness, w)
+    status, iterations = at_once(lying_chain.on(layered, without_ground()), w)
+    status, more = on_ground(layered, status == OK, w)
+    iterations += more
     if status == OK:
         reached, more = calm_layer.thin(body, thickness, w)
         iterations += more
@@ -114,16 +118,26 @@ def by_stiffening(body, w):
 
 
 @kernel
+def on_ground(body, hangs, w):
+    """On from what was found without ground in the body (modified): a status and the number of Newton iterations."""
+    if body.ground.hardness == 0.0 or (hangs and lying_chain.deepest(body) == 0.0):
+        return OK if hangs else NO_EQUILIBRIUM, 0
+    found, iterations = lying_chain.find(body, hangs, w)
+    return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations
+
+
+@kernel
 def find(body, w):
     """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
     Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
     """
     status, iterations = in_the_air(lying_chain.on(body, without_ground()), w)
-    if body.ground.hardness > 0.0 and (status != OK or lying_chain.deepest(body) > 0.0):
-        found, more = lying_chain.find(body, status == OK, w)
+    status, more = on_ground(body, status == OK, w)
+    iterations += more
+    if status != OK and body.ground.hardness > 0.0 and air.is_sheared(body.chain.parameters):
+        status, more = by_calm_layer(body, w)
         iterations += more
-        status = OK if found and is_stable(body) else NO_EQUILIBRIUM
     return status, iterations
 
 
@@ -153,5 +167,12 @@ def in_the_air(body, w):
 def follow(body, w):
     """Stable equilibrium from positions [m] and w.tension [N] that are close (both modified): (found, iterations)."""
     assembly.node_masses(body.chain, w.mass)
+    on_ground = body.ground.hardness > 0.0
+    if on_ground:
+        copy(body.x, w.kept)
+        copy(w.tension, w.kept_tension)
     found, iterations = newton.relax(body, False, False, 0.0, w)
+    if on_ground and not found:
+        found, more = lying_chain.slowly(body, w)
+        iterations += more
     return found and is_stable(body), iterations
