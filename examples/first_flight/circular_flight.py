@@ -35,6 +35,7 @@ from shared.fmu_tools import find_fmu, running, variables_of
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
+GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
 
@@ -95,7 +96,7 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal(variables.of("initial_length"), [length])
+        fmu.setReal(variables.of("initial_length", "ground_height"), [length, GROUND])
         fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
         fmu.enterInitializationMode()
         if any(wind):

@@ -104,6 +104,11 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     for length in LENGTHS:
         host.set(winch_length=length)
         seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)
+    host.set(winch_control=1, initial_length=520.0, ground_contact=2, ground_height=5.0)  # part of it lies on the ground
+    for shape in SHAPES:
+        host.set(initial_shape=shape)
+        seen |= see_dependencies(host, knowns, outputs)
+    host.set(initial_shape=1, ground_contact=1)
     host.set(winch_control=2, initial_length=505.0, longest_length=600.0)  # a winch with its length between two stops
     seen |= see_dependencies(host, knowns, outputs)
     assert not seen - declared, sorted(seen - declared)

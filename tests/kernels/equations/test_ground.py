@@ -108,7 +108,8 @@ def test_pressure_is_continuous_and_never_pulls():
 
 
 @pytest.mark.parametrize(
-    ("p", "q", "part"), [(1.0, 2.0, 0.0), (-1.0, -2.0, 1.0), (-1.0, 3.0, 0.25), (3.0, -1.0, 0.25), (0.0, 0.0, 0.0), (0.0, -1.0, 1.0)]
+    ("p", "q", "part"),
+    [(1.0, 2.0, 0.0), (-1.0, -2.0, 1.0), (-1.0, 3.0, 0.25), (3.0, -1.0, 0.25), (0.0, 0.0, 0.0), (0.0, -1.0, 1.0)],
 )
 def test_part_of_a_segment_under_the_ground(p, q, part):
     points = ((0.0, 0.0, GROUND.height + p), (5.0, 0.0, GROUND.height + q))
