@@ -7,6 +7,7 @@ import math
 import pickle
 import shutil
 from functools import lru_cache
+from pathlib import Path
 from zipfile import is_zipfile
 
 import pytest
@@ -32,7 +33,7 @@ def of_every_flavour(argument, names=tuple(SLAVES)):
 @lru_cache
 def description_of(path):
     """Model description of an FMU, which FMPy validates while it reads; of those of the fixtures when they are extracted."""
-    kept = kept_description(path)
+    kept = kept_description(Path(path))
     return pickle.loads(kept.read_bytes()) if kept.exists() else read_model_description(str(path))
 
 
