@@ -2,7 +2,7 @@
 
 import pytest
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import STEP, Host, blob_of, count_of, every_flavour, of_every_flavour, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.runtime.variants import VARIANTS, class_name
@@ -87,7 +87,7 @@ def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
 
 @every_flavour
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 4096.0])
-@in_own_process
+@in_shared_process
 def test_a_forged_note_is_refused(fmu_folder, value):
     from tetherfmu.runtime import layout as at
     from tetherfmu.runtime.saved_state import from_bytes, to_bytes
