@@ -38,7 +38,7 @@ def settle(n, parameters, state, work):
 
     Where the tether lies on the ground, the force on the kite end and the length on the ground, too.
     """
-    line, ground, chord, distance = chord_of(parameters, state)
+    line, _, chord, distance = chord_of(parameters, state)
     stiffness = property_of(line, 0, at.STIFFNESS)
     load = uniform_load(line, state)
     if norm(load) * line.length <= LIGHTEST * stiffness:
@@ -53,7 +53,7 @@ def settle(n, parameters, state, work):
     state[at.ITERATIONS] += iterations
     put_at(state, at.GROUND_TENSION_VECTOR, tension)
     if parameters[at.GROUND_CONTACT] == at.FLAT:
-        rest_on_ground(line, ground, chord, load, state)
+        rest_on_ground(line, load, state)
     return OK
 
 
@@ -116,7 +116,7 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     outputs[at.MAX_TENSION] = max(norm(tension), norm(kite_force))
     outputs[at.KITE_END_MASS] = 0.0
     if lies:
-        write_lying(line, ground, chord, load, state, shape_points, outputs)
+        write_lying(line, chord, load, state, shape_points, outputs)
         return
     write_direction(tension, outputs)
     outputs[at.WAVE_TIME], outputs[at.SAG] = crossing_and_sag(line, ground, line.length, ground, chord, tension, load)

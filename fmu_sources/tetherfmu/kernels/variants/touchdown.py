@@ -10,11 +10,12 @@ from math import sqrt
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations.properties import property_of
 from ..equilibrium.elastic_catenary import point_in_space
 from ..equilibrium.grounded_catenary import hang_on_ground, lying_span, parts_with, scene_of
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, norm, put_at, sub, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put_at, sub, vector_at
 from ..step.outputs import away_from_chord, wave_time, write_direction
 from .curve import SAMPLES, crossing_and_sag
 
@@ -47,12 +48,10 @@ def lowest(ground, tension, load, length, stiffness):
 
 
 @kernel
-def rest_on_ground(line, ground, chord, load, state):
-    """Let a catenary that hangs below the ground lie on it, in the state (modified).
-
-    Its ground end [m], its chord [m], its load per unstretched length [N/m].
-    """
-    kite = ground[0] + chord[0], ground[1] + chord[1], ground[2] + chord[2]
+def rest_on_ground(line, load, state):
+    """Let a catenary that hangs below the ground lie on it, in the state (modified); load per unstretched length [N/m]."""
+    x, _ = positions_and_velocities(1, state)
+    ground, kite = get(x, 0), get(x, 1)
     stiffness, friction = property_of(line, 0, at.STIFFNESS), line.parameters[at.GROUND_FRICTION]
     plane = plane_of(line.parameters, ground, kite)
     state[at.LYING_LENGTH] = 0.0
@@ -70,9 +69,10 @@ def rest_on_ground(line, ground, chord, load, state):
 
 
 @view
-def lying_of(line, ground, chord, load, state):
-    """`Lying` of a state in which a part of the catenary lies on the ground; arguments as of `rest_on_ground`."""
-    kite = ground[0] + chord[0], ground[1] + chord[1], ground[2] + chord[2]
+def lying_of(line, load, state):
+    """`Lying` of a state in which a part of the catenary lies on the ground; load per unstretched length [N/m]."""
+    x, _ = positions_and_velocities(1, state)
+    ground, kite = get(x, 0), get(x, 1)
     stiffness, friction = property_of(line, 0, at.STIFFNESS), line.parameters[at.GROUND_FRICTION]
     plane, length = plane_of(line.parameters, ground, kite), state[at.LYING_LENGTH]
     ground_force, kite_force = vector_at(state, at.GROUND_TENSION_VECTOR), vector_at(state, at.KITE_TENSION_VECTOR)
@@ -101,7 +101,8 @@ def point_lying(lying, arc):
     """Point [m] of the part on the ground at an unstretched length `arc` [m] from its high side."""
     part = lying_span(lying.pull, lying.fall, arc, 1.0 / lying.stiffness)
     part /= lying_span(lying.pull, lying.fall, lying.length, 1.0 / lying.stiffness)
-    return add_scaled(lying.start, part, sub(lying.end, lying.start))
+    x, y, _ = add_scaled(lying.start, part, sub(lying.end, lying.start))
+    return x, y, lying.plane
 
 
 @kernel
@@ -146,9 +147,9 @@ def write_parts(line, lying, chord, outputs):
 
 
 @kernel
-def write_lying(line, ground, chord, load, state, shape_points, outputs):
-    """Write what is peculiar to a tether on the ground into the outputs (modified); arguments as of `rest_on_ground`."""
-    lying = lying_of(line, ground, chord, load, state)
+def write_lying(line, chord, load, state, shape_points, outputs):
+    """Write what is peculiar to a tether on the ground into the outputs (modified); chord [m], load [N/m]."""
+    lying = lying_of(line, load, state)
     outputs[at.GROUNDED_LENGTH] = lying.length
     leaving = lying.ground_force
     if norm(leaving) == 0.0:  # slack: in the direction in which it lies
