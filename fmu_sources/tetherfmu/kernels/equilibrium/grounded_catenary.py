@@ -1,11 +1,11 @@
 """Elastic catenary that lies on a flat, rigid ground with a part of its length: lengths in units of L, forces of q L.
 
 The load q per unstretched length is uniform: n down and g along the ground, n^2 + |g|^2 = 1. From the point where the tether
-touches the ground a part of length h hangs up to an end at the height z. Its tension vector at s from there is u - g s along
-the ground and n s up; its horizontal extent x and its height are
+touches the ground a part of length h hangs up to an end at the height z. Its tension at s from there is u - g s along the
+ground and n s up, together T. Its horizontal extent x and its height are, with c = u.g and e = q L/EA,
 
-    x = u J - g (T(h) - T(0) + u.g J) + e (u h - g h^2/2),   J = int ds/T = (asinh((h - u.g)/p) + asinh(u.g/p))/|q|
-    z = n (T(h) - T(0) + u.g J) + e n h^2/2,                 p^2 = |u|^2 - (u.g)^2,   e = q L/EA
+    x = u J - g K + e (u h - g h^2/2),   J = int ds/T = asinh((h - c)/p) + asinh(c/p),   p^2 = |u|^2 - c^2
+    z = n K + e n h^2/2,                 K = int s ds/T = T(h) - T(0) + c J
 
 The part on the ground, of length l = 1 - h_high - h_low, is straight. The ground carries n per length and holds what the
 load pulls sideways; by friction the tension falls from H at the side of the higher end to H_low at the other one:
