@@ -35,8 +35,10 @@ MOST_GROWTHS = 200  # of the first of them
 GROWTH = 4.0
 LEAST_TENSION = 1e-6  # that is tried first
 LARGEST_TURN = 1.0  # [rad]
-ROUNDING = 1e-16
-GREATEST_GAP = 1e-9  # of a solution
+ROUNDING = 1e-15
+EXACT = 1e-16  # of the length
+PATIENCE = 3  # steps of the Illinois method that do not halve the interval, before bisection
+GREATEST_GAP = 1e-9  # of the length, of a solution
 
 Grounded = namedtuple("Grounded", "dx dy low high gx gy n elasticity friction")
 Grounded.__doc__ = """What a tether on the ground is held by, in units of L and q L.
@@ -52,11 +54,11 @@ high, low, lying : lengths that hang from the ends and lie on the ground.  low_t
 vx, vy : v, what the part on the ground has to span.  spread : rate at which -v.d_across turns with the direction d.
 """
 
-Bracket = namedtuple("Bracket", "low f_low high f_high weight_low weight_high width slow")
+Bracket = namedtuple("Bracket", "low f_low high f_high weight side width slow")
 Bracket.__doc__ = """Interval in which a falling function changes its sign, for the Illinois method with bisection.
 
-weight_low, weight_high : by which the method reduces a value that stays.  width : of the interval some steps ago.
-slow : steps since then.
+weight : by which the method reduces the value at the end that stays.  side : of the last change, 1 below, -1 above, 0 none.
+width : of the interval some steps ago.  slow : steps since then.
 """
 
 
@@ -113,37 +115,35 @@ def hanging_length(ux, uy, height, load):
 
 
 @kernel
-def narrowed(bracket, at, value):
-    """A `Bracket` after a value within it."""
-    low, f_low, high, f_high, weight_low, weight_high, width, slow = bracket
-    if value > 0.0:
-        low, f_low, weight_low = at, value, 1.0
-        weight_high *= 0.5
-    else:
-        high, f_high, weight_high = at, value, 1.0
-        weight_low *= 0.5
-    slow += 1
-    if high - low < 0.5 * width:
-        width, slow = high - low, 0
-    return Bracket(low, f_low, high, f_high, weight_low, weight_high, width, slow)
+def bracket_of(low, f_low, high, f_high):
+    """A new `Bracket` between two places with their values."""
+    return Bracket(low, f_low, high, f_high, 1.0, 0, high - low, 0)
 
 
 @kernel
-def bracket_of(low, f_low, high, f_high):
-    """A new `Bracket` between two places with their values."""
-    return Bracket(low, f_low, high, f_high, 1.0, 1.0, high - low, 0)
+def narrowed(bracket, place, value):
+    """A `Bracket` after a value at a place within it."""
+    low, f_low, high, f_high, weight, side, width, slow = bracket
+    now = 1 if value > 0.0 else -1
+    if now > 0:
+        low, f_low = place, value
+    else:
+        high, f_high = place, value
+    weight = 0.5 * weight if now == side else 1.0
+    slow += 1
+    if high - low < 0.5 * width:
+        width, slow = high - low, 0
+    return Bracket(low, f_low, high, f_high, weight, now, width, slow)
 
 
 @kernel
 def next_in(bracket):
     """The next place to look at within a `Bracket`."""
     low, high = bracket.low, bracket.high
-    middle = 0.5 * (low + high)
-    if bracket.slow > 2:
-        return middle
-    below, above = bracket.f_low * bracket.weight_low, bracket.f_high * bracket.weight_high
+    below = bracket.f_low * (bracket.weight if bracket.side < 0 else 1.0)
+    above = bracket.f_high * (bracket.weight if bracket.side > 0 else 1.0)
     place = low + (high - low) * below / max(below - above, LEAST)
-    return place if low < place < high else middle
+    return place if bracket.slow < PATIENCE and low < place < high else 0.5 * (low + high)
 
 
 @kernel
@@ -231,7 +231,7 @@ def lie(load, guess):
         tension *= GROWTH
     bracket = bracket_of(bracket.low, bracket.f_low, tension, value)
     for _ in range(MOST_TENSIONS):
-        if abs(value) <= ROUNDING or bracket.high - bracket.low <= ROUNDING * bracket.high:
+        if abs(value) <= EXACT or bracket.high - bracket.low <= ROUNDING * bracket.high:
             break
         tension = next_in(bracket)
         ex, ey, parts = turned(tension, ex, ey, load)
