@@ -210,7 +210,7 @@ def turned(tension, ex, ey, load):
 
 @kernel
 def lie(load, guess):
-    """Tension on the ground at its high side, its direction, `Parts`, and whether the equations hold.
+    """Tension on the ground at its high side, its direction, `Parts`, and the number of tensions tried (-1: none found).
 
     load : `Grounded`.  guess : of the tension.
     """
@@ -218,11 +218,12 @@ def lie(load, guess):
     span = sqrt(parts.vx * parts.vx + parts.vy * parts.vy)
     ex, ey = (parts.vx / span, parts.vy / span) if span > 0.0 else (1.0, 0.0)
     if span <= parts.lying:
-        return 0.0, ex, ey, parts, True
+        return 0.0, ex, ey, parts, 0
     bracket = bracket_of(0.0, span - parts.lying, 0.0, 0.0)
     tension = max(guess, LEAST_TENSION)
-    value = 0.0
+    value, tried = 0.0, 0
     for _ in range(MOST_GROWTHS):
+        tried += 1
         ex, ey, parts = turned(tension, ex, ey, load)
         value = excess(tension, ex, ey, parts, load)
         if value <= 0.0:
@@ -233,13 +234,14 @@ def lie(load, guess):
     for _ in range(MOST_TENSIONS):
         if abs(value) <= EXACT or bracket.high - bracket.low <= ROUNDING * bracket.high:
             break
+        tried += 1
         tension = next_in(bracket)
         ex, ey, parts = turned(tension, ex, ey, load)
         value = excess(tension, ex, ey, parts, load)
         bracket = narrowed(bracket, tension, value)
     span = lying_span(tension, parts.friction, parts.lying, load.elasticity)
     missing = abs(parts.vx - span * ex) + abs(parts.vy - span * ey)
-    return tension, ex, ey, parts, missing <= GREATEST_GAP and parts.lying >= 0.0
+    return tension, ex, ey, parts, tried if missing <= GREATEST_GAP and parts.lying >= 0.0 else -1
 
 
 @kernel
@@ -268,16 +270,17 @@ def pull_of(ux, uy, h, unit, load):
 
 @kernel
 def hang_on_ground(ground, kite, load, length, axial_stiffness, friction, plane, guess):
-    """Forces of the tether on its ground end and on its kite end [N], length on the ground [m], whether they are found.
+    """Forces of the tether on its ground end and on its kite end [N], length on the ground [m], number of tensions tried.
 
-    guess : tension vector of the tether where it is lowest, without the ground [N].  The others : see `scene_of`.
+    guess : tension vector of the tether where it is lowest, without the ground [N].  The others : see `scene_of`. The number
+    is -1 if none is found.
     """
     scene, size, kite_is_low = scene_of(ground, kite, load, length, axial_stiffness, friction, plane)
     unit = size * length
-    tension, ex, ey, parts, found = lie(scene, norm(guess) / unit)
+    tension, ex, ey, parts, tried = lie(scene, norm(guess) / unit)
     behind = parts.low_tension
     high = pull_of(tension * ex, tension * ey, parts.high, unit, scene)
     low = pull_of(-behind * ex, -behind * ey, parts.low, unit, scene)
     if kite_is_low:
         low, high = high, low
-    return low, high, length * parts.lying, found
+    return low, high, length * parts.lying, tried

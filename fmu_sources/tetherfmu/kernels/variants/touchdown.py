@@ -59,10 +59,11 @@ def rest_on_ground(line, load, state):
     point, tension = lowest(ground, vector_at(state, at.GROUND_TENSION_VECTOR), load, line.length, stiffness)
     if point[2] >= plane:
         return
-    ground_force, kite_force, lying, found = hang_on_ground(
+    ground_force, kite_force, lying, tried = hang_on_ground(
         ground, kite, load, line.length, stiffness, friction, plane, tension
     )
-    if found and lying > 0.0:
+    state[at.ITERATIONS] += max(tried, 0)
+    if tried >= 0 and lying > 0.0:
         put_at(state, at.GROUND_TENSION_VECTOR, ground_force)
         put_at(state, at.KITE_TENSION_VECTOR, kite_force)
         state[at.LYING_LENGTH] = lying
