@@ -20,7 +20,10 @@ from tetherfmu import PlausibilityWarning
 from tetherfmu.models import TetherCatenary, TetherStraight
 from tetherfmu.runtime.parameters import Environment, Tether
 
-pytestmark = pytest.mark.filterwarnings("ignore:a segment is stretched")  # soft ropes, so that the stretch counts
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:a segment is stretched"),  # soft ropes, so that the stretch counts
+    pytest.mark.filterwarnings("ignore:the tether hangs"),  # free ones, to compare with
+]
 
 GRAVITY = 9.81
 ROPE = Tether(initial_length=100.0, axial_stiffness=1e5)
@@ -443,3 +446,40 @@ def test_every_tether_that_hangs_below_the_ground_is_laid_on_it():
         iterations.append(outputs.solver_iterations)
     assert count > 500
     assert max(iterations) < 40  # twice what the most difficult one takes here
+
+
+def test_sag_is_the_largest_distance_from_the_chord():
+    """Of 2001 points of the shape; it may lie between two of them, which are 5e-4 L apart but for the stretch."""
+    random, count = np.random.default_rng(11), 0
+    for _ in range(100):
+        tether, ground, kite, *_ = scene = random_scene(random)
+        outputs = held(*scene, points=2001)
+        chord = kite - ground
+        places = np.clip((outputs.shape - ground) @ chord / (chord @ chord), 0.0, 1.0)
+        distances = np.linalg.norm(outputs.shape - ground - np.outer(places, chord), axis=1)
+        assert -1e-9 < (outputs.sag - distances.max()) / tether.initial_length < 5e-4
+        count += outputs.grounded_length > 0.0
+    assert count > 50
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.parametrize("station", [0.0, 3.0])
+def test_wave_time_is_the_integral_over_the_three_parts(friction, station):
+    """sqrt(mu (1 + T/EA)/T) over the length; on the ground T falls evenly. 24 pieces of each part make 1e-3 of it."""
+    ground, kite, length = (0.0, 0.0, station), (92.0, 0.0, 20.0), 100.0
+    outputs = held(ROPE, ground, kite, friction)
+    load = np.array([0.0, 0.0, -WEIGHT])
+    assert outputs.ground_tension > 0.5
+    assert 5.0 < outputs.grounded_length < 0.9 * length
+    sizes = []
+    for force in (outputs.ground_force, outputs.kite_force):
+        arcs = (np.arange(10000) + 0.5) * force[2] / load[2] / 10000
+        sizes.append((force[2] / load[2], np.linalg.norm(force - arcs[:, None] * load, axis=1)))
+    on_ground = np.linspace(abs(outputs.ground_force[0]), abs(outputs.kite_force[0]), 10000)
+    sizes.append((outputs.grounded_length, on_ground))
+    slowness = [
+        part * np.mean(np.sqrt(line_density(ROPE) * (1.0 + size / ROPE.axial_stiffness) / size))
+        for part, size in sizes
+        if part > 0.0
+    ]
+    assert outputs.wave_time == pytest.approx(sum(slowness), rel=1e-3)
