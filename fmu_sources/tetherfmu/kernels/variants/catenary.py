@@ -58,7 +58,7 @@ def settle(n, parameters, state, work):
 
 
 @kernel
-def note_ground(parameters, state):
+def note_depth(parameters, state):
     """Note in the state (modified) how far a tether without ground contact hangs below the ground [m], its ends above it."""
     plane = parameters[at.GROUND_HEIGHT]
     if parameters[at.GROUND_CONTACT] == at.NO_GROUND and state[at.WARNED_VALUES + limits.GROUND_IGNORED] == 0.0:
@@ -75,7 +75,7 @@ def note_ground(parameters, state):
 def initialize(n, parameters, state, work):
     """Find the tension in a new state (modified); returns a status: OK or NO_EQUILIBRIUM. n is 1."""
     status = settle(n, parameters, state, work)
-    note_ground(parameters, state)
+    note_depth(parameters, state)
     return status
 
 
@@ -96,7 +96,7 @@ def advance(n, parameters, given, before, state, work):
     else:
         move_ends(n, given, state)
         status = settle(n, parameters, state, work)
-    note_ground(parameters, state)
+    note_depth(parameters, state)
     return status
 
 
