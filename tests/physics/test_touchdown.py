@@ -428,7 +428,7 @@ def test_a_winch_that_is_told_a_length_reels_the_tether_over_the_ground():
 
 
 def test_every_tether_that_hangs_below_the_ground_is_laid_on_it():
-    """In calm air and in storms that weigh up to 100 times as much as the tether, with a bounded number of iterations."""
+    """In calm air and in storms whose drag is hundreds of times the weight, with a bounded number of iterations."""
     random, count, iterations = np.random.default_rng(10), 0, []
     for _ in range(1500):
         tether, ground, kite, friction, wind, height = random_scene(random)
