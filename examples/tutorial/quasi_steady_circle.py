@@ -19,7 +19,7 @@ KITE = MovingEnd(lambda time: circle(time, RATE)[0], lambda time: circle(time, R
 
 def fly(model, every=1):
     """One turn, a `Flown` with a row for each `every` communication steps."""
-    tether = model(initial_length=LENGTH, initial_shape="quasi_steady")
+    tether = model(initial_length=LENGTH, initial_shape="quasi_steady", ground_height=-100.0)
     tether.initialize(*KITE.at(0.0))
     return tether.fly(inputs_along(STEPS, STEP, kite=KITE), STEP, every)
 

@@ -18,7 +18,13 @@ INPUTS = inputs_along(STEPS, STEP, kite=KITE)
 
 def run(model, segments):
     """Force on the kite [N] after each step, array (STEPS, 3), and the time of the flight [s]."""
-    tether = model(segments=int(segments), initial_length=LENGTH, initial_shape="quasi_steady", relative_tolerance=1e-6)
+    tether = model(
+        segments=int(segments),
+        initial_length=LENGTH,
+        initial_shape="quasi_steady",
+        ground_height=-100.0,
+        relative_tolerance=1e-6,
+    )
     tether.initialize(*KITE.at(0.0))
     return timed_from_here(tether, lambda tether: tether.fly(INPUTS, STEP).kite_force, repeats=4)
 
