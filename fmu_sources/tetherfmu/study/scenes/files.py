@@ -4,7 +4,7 @@ import hashlib
 import stat
 import sys
 import tomllib
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, make_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
 from tetherfmu.runtime.parameters import Environment, Tether, diameter_in_doubt
-from tetherfmu.runtime.plausibility import LARGEST_STRETCH
+from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .flights import KINDS
@@ -28,6 +29,7 @@ REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
     "wanted": ("allowed_error",),
+    "ground": ("contact",),
     "flight of kind series": ("file",),
 }
 
@@ -62,7 +64,18 @@ class Wanted:
     __post_init__ = check
 
 
-RECORDS = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}  # of a scene, by section
+def part_of(record, prefix):
+    """A record of the quantities of another one whose names begin with a prefix, which it leaves out."""
+    chosen = [each for each in fields(record) if each.name.startswith(prefix)]
+    found = [(each.name.removeprefix(prefix), each.type, field(default=each.default, metadata=each.metadata)) for each in chosen]
+    return make_dataclass(prefix.rstrip("_").title(), found, frozen=True, namespace={"__post_init__": check})
+
+
+GROUND = "ground_"  # begins the names of the quantities of an environment that have a table of their own
+Ground = part_of(Environment, GROUND)
+RECORDS = {"tether": Tether, "environment": Environment, "ground": Ground, "wind": Wind, "wanted": Wanted}  # by section
+# quantities that a table of a file does not have: the number of segments is advised, the ground has its own table
+LEFT_OUT = {"segments", *(GROUND + each.name for each in fields(Ground))}
 
 
 @dataclass(frozen=True)
@@ -97,6 +110,7 @@ class Scene:
         if doubt := diameter_in_doubt(self.tether.diameter):
             yield f"tether.{doubt}"
         if self.flight.kite_is_free or self.flight.has_force:
+            yield from self.doubts_on_ground()
             return
         motion = self.flight.motion(self.times)
         distance = np.linalg.norm(motion.kite - motion.ground, axis=-1)
@@ -107,6 +121,14 @@ class Scene:
                 f"the ends are {distance[k]:.6g} m apart at {self.times[k]:.6g} s, the tether is {length[k]:.6g} m long; "
                 "check tether.initial_length, and the unit m of the positions"
             )
+
+    def doubts_on_ground(self):
+        """A sentence on a free end that begins under the ground, which would throw it out."""
+        ground = self.environment
+        if self.flight.kite_is_free and ground.ground_contact == at.FLAT:
+            deep = ground.ground_height - self.flight.at_rest(self.tether, ground.gravity)[2]
+            if deep > max(UNDER, ground.ground_sink):
+                yield f"the free end begins {deep:.3g} m below ground.height; check tether.initial_length and flight.height"
 
     def inputs(self, step, exact=False):
         """Inputs of all communication steps, array (steps, INPUTS), in the order of `runtime.inputs`.
@@ -175,7 +197,8 @@ def read(table, folder, name):
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
-    records = {key: record(kind, table.get(key, {}), key) for key, kind in RECORDS.items()}
+    records = {key: record(kind, table[key], key) if key in table else kind() for key, kind in RECORDS.items()}
+    records["environment"] = on_ground(records["environment"], records.pop("ground"))
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
     records["wind"] = flight.wind or records["wind"]
@@ -190,6 +213,14 @@ def read(table, folder, name):
     return Scene(
         name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every, kite_is_free=flight.kite_is_free
     )
+
+
+def on_ground(environment, ground):
+    """The environment with a ground; ValueError if they do not go together."""
+    try:
+        return replace(environment, **{GROUND + name: value for name, value in vars(ground).items()})
+    except ValueError as error:
+        raise ValueError(str(error).replace(GROUND, "ground.")) from None
 
 
 def require(table, section, known):
@@ -224,8 +255,8 @@ def read_flight(table, folder):
 
 
 def record(kind, table, section):
-    """A record from a table of a file; ValueError names the key. The number of segments is no matter of a scene."""
-    require(table, section, [item.name for item in fields(kind) if item.name != "segments"])
+    """A record from a table of a file; ValueError names the key."""
+    require(table, section, [item.name for item in fields(kind) if item.name not in LEFT_OUT])
     given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
     try:
         return kind(**given)
