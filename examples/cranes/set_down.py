@@ -4,13 +4,12 @@
 
 500 kg on 40 m of wire hang 1 m above the deck, which is the ground of the tether (`ground_contact` = flat). The hoist lowers
 them until the wire is slack, waits, and hoists at the speed v before the wire is taut. The load stays on the deck until the
-wire carries its weight W = m g; then the hoist moves away from it at v, and the wire, a spring of the stiffness k = EA/L, pulls
-with
+wire carries its weight W = m g; then the hoist moves away from it at v, and the wire, a spring of stiffness k = EA/L, pulls with
 
     T = W + W_wire + v sqrt(k m)
 
-at most, if nothing damps it. The wire is not only a spring: a wave of v sqrt(EA mu) runs up and down in it, which is larger or
-smaller than that, by sqrt(m_wire/m) of the last term.
+at most, if nothing damps it. The wire is not only a spring: a wave of v sqrt(EA mu) runs up and down in it, sqrt(m_wire/m) of
+the last term, by which the tension may be larger or smaller.
 """
 
 import sys

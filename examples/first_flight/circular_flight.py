@@ -82,7 +82,9 @@ def co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed):
     return np.array(rows), perf_counter() - started
 
 
-def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady", ground=False):
+def fly(
+    fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady", *, ground=False
+):
     """Fly the circle with a tether FMU; returns the `Flight`.
 
     length [m] : of the tether, unstretched.  rate [rad/s] : of the turn.  wind [m/s].  step [s] : communication step.
@@ -226,8 +228,8 @@ def main(arguments=None, prog=None):
     flights = {}
     for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
         now(f"flying {fmu_file}")
-        scene = given.length, given.rate, given.wind, given.step, given.duration, given.start, given.ground
-        flight = fly(fmu_file, *scene)
+        scene = given.length, given.rate, given.wind, given.step, given.duration, given.start
+        flight = fly(fmu_file, *scene, ground=given.ground)
         report_missing(fmu_file, flight, given.html)
         flights[fmu_file.stem] = flight
         print(summary(fmu_file.stem, flight))

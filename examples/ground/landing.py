@@ -2,7 +2,7 @@
 
     python examples/ground/landing.py
 
-60 m of tether on a flat ground (`ground_contact` = flat) with the friction coefficient mu. Twice a kite comes down in a light
+60 m of tether on a flat ground (`ground_contact` = flat) with the friction coefficient mu. Twice a kite comes down in light
 cross wind. The first one follows a path (`TetherDynamic`), then somebody takes it, unhooks the tether at the winch and walks
 away with it. The second one is a mass that lands by itself (`TetherDynamicFree`), then the winch reels in kite and tether.
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.plausibility import GROUND_IGNORED, SENTENCES, UNDER
+from tetherfmu.study.measuring.tables import percent
 
 _, _, ANY_DEPTH = SENTENCES[GROUND_IGNORED].partition("}")  # what the sentence says of any depth
 
@@ -20,8 +21,8 @@ def lying(flown):
         return ""
     most = np.argmax(lies)
     return (
-        f"the tether lies on the ground during {np.mean(lies > 0.0):.0%} of the flight, with up to {lies[most]:.3g} m of its "
-        f"{lengths[most]:.3g} m"
+        f"the tether lies on the ground during {percent(np.mean(lies > 0.0))} of the flight, with up to {lies[most]:.3g} m "
+        f"of its {lengths[most]:.3g} m"
     )
 
 
@@ -34,6 +35,6 @@ def hanging(scene, flown):
     below = np.where((depth[:, [0, -1]] <= 0.0).all(axis=1), depth.max(axis=1), 0.0)
     if below.max() > UNDER:
         yield (
-            f"the tether hangs up to {below.max():.3g} m below ground.height, during {np.mean(below > 0.0):.0%} of the "
+            f"the tether hangs up to {below.max():.3g} m below ground.height, during {percent(np.mean(below > 0.0))} of the "
             'flight; with contact = "flat" in the table [ground] it lies on the ground'
         )

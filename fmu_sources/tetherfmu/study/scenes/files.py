@@ -67,7 +67,8 @@ class Wanted:
 def part_of(record, prefix):
     """A record of the quantities of another one whose names begin with a prefix, which it leaves out."""
     chosen = [each for each in fields(record) if each.name.startswith(prefix)]
-    found = [(each.name.removeprefix(prefix), each.type, field(default=each.default, metadata=each.metadata)) for each in chosen]
+    copies = [field(default=each.default, metadata=each.metadata) for each in chosen]
+    found = [(each.name.removeprefix(prefix), each.type, copy) for each, copy in zip(chosen, copies, strict=True)]
     return make_dataclass(prefix.rstrip("_").title(), found, frozen=True, namespace={"__post_init__": check})
 
 

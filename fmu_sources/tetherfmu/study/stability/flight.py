@@ -22,8 +22,8 @@ A free kite of mass m gets no faster than
 
     U_k = |v_0| + 2 |v_reel| + wind + sqrt(2 a (L + d)),   a = (F + (m + mu L) g + rho cd d L wind^2/2)/m
 
-and its eps is eps_0 + eps_slack + F_all/EA + U_k sqrt((m + mu L)/(EA L)): that of the start, of the force m a at rest, and of
-its kinetic energy in the tether. No node may be deeper in the ground than
+and its eps is eps_0 + eps_slack + F_all/EA + U_k sqrt((m + mu L)/(EA L)): that of the start, of the force m a at rest, and
+of its kinetic energy in the tether. No node may be deeper in the ground than
 
     AMPLIFICATION (s Q/(mu L g) + sqrt(V_n s sqrt(s/g)))
 

@@ -3,8 +3,8 @@
 A point is made from a seed and its number alone: the same point whatever the number of points. The path: a circle on the
 sphere around the ground station, whose radius follows the reeled length, so that slack stays.
 
-With ground, its height is below both ends wherever they are led; the tethers that ignore it give way to one with a free kite,
-which begins on the circle and is then pulled along the tether by a constant force, or by none.
+With ground, its height is below both ends wherever they are led; a tether with a free kite stands for those that ignore it.
+The kite begins on the circle and is then pulled along the tether by a constant force, or by none.
 """
 
 from collections import namedtuple
@@ -70,7 +70,7 @@ AXES = {
     "winch_damping": ("log", 0.1, 1e3, (0.5, 0.0)),
     "winch_friction": ("log", 0.1, 1e3, (0.5, 0.0)),
     "force_ratio": ("log", 0.5, 5.0),  # of the force to the tension at the start plus the weight
-    "ground_depth": ("choice", (0.0, 4.0), (0.5, 0.5)),  # below the lowest place of the ends; with ground, as all that follow
+    "ground_depth": ("choice", (0.0, 4.0), (0.5, 0.5)),  # below the ends; with ground, as all that follow
     "ground_friction": ("choice", (0.0, 0.5, 1.0), (0.25, 0.5, 0.25)),
     "ground_sink": ("log", 5e-4, 1e-2),
     "kite_mass": ("log", 0.1, 1e3),  # of a free kite
