@@ -52,6 +52,15 @@ def pytest_collection_modifyitems(items):
         item.add_marker(pytest.mark.xdist_group(group))
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item, nextitem):
+    """The cases of a test may share processes, until the last one of them."""
+    from isolation import end_shared
+
+    if getattr(nextitem, "function", None) is not getattr(item, "function", None):
+        end_shared()
+
+
 def pytest_collection_finish():
     """What was imported and collected stays: it need not be looked through each time when memory is freed."""
     gc.freeze()

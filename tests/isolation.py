@@ -1,15 +1,20 @@
 """Run code in a process of its own, so that a crash is a failed test and not a dead test run.
 
 Where the system can fork, the process is forked from one that has imported the packages and has loaded no FMU. It ends as
-every Python process does: exit handlers, finalization of the interpreter, exit handlers of C.
+every Python process does: exit handlers, finalization of the interpreter, exit handlers of C. This takes most of the time of
+a short test: cases of one test that differ in numbers can follow each other in one process (`in_shared_process`).
 """
 
+import contextlib
 import ctypes
 import functools
 import gc
 import importlib
 import multiprocessing
 import traceback
+from pathlib import Path
+
+from tetherfmu.export.archive import SLAVES
 
 TIMEOUT = 900.0  # seconds, for what hangs; the slowest test takes some ten of them, compilation half a minute
 FORKS = "forkserver" in multiprocessing.get_all_start_methods()
@@ -18,33 +23,58 @@ if FORKS:
     CONTEXT.set_forkserver_preload(["fmpy", "hypothesis.stateful", "lxml.etree", "pytest", "tetherfmu.export.archive"])
 
 
-def _child(connection, module, name, arguments):
+def _child(connection, module, name):
     gc.freeze()  # what was imported before the fork need not be looked through when this process ends
-    try:
-        function = getattr(importlib.import_module(module), name)
-        connection.send((None, getattr(function, "__wrapped__", function)(**arguments)))
-    except BaseException:
-        connection.send((traceback.format_exc(), None))
+    while arguments := connection.recv():
+        try:
+            function = getattr(importlib.import_module(module), name)
+            connection.send((None, getattr(function, "__wrapped__", function)(**arguments[0])))
+        except BaseException:
+            connection.send((traceback.format_exc(), None))
     if FORKS:
         ctypes.pythonapi.Py_Exit(0)  # what is forked would else end without finalizing anything
 
 
+class _Process:
+    """A new process that calls a function of a module, as often as it is asked to."""
+
+    def __init__(self, function):
+        self.connection, other = CONTEXT.Pipe()
+        self.process = CONTEXT.Process(target=_child, args=(other, function.__module__, function.__name__))
+        self.process.start()
+        other.close()
+
+    def call(self, arguments):
+        """What the function returns; a process that hangs or dies is no more."""
+        try:
+            self.connection.send((arguments,))
+            problem, result = self.connection.recv() if self.connection.poll(TIMEOUT) else ("the process hangs", None)
+        except (EOFError, OSError):
+            problem, result = "the process died", None
+        if problem == "the process hangs":
+            self.process.kill()
+        assert problem is None, problem
+        return result
+
+    def end(self):
+        """Let the process end, as it must: cleanly. Returns its exit code."""
+        with contextlib.suppress(OSError):
+            self.connection.send(None)
+        self.process.join(TIMEOUT)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
+        return self.process.exitcode
+
+
 def own_process(function, **arguments):
     """What a function of a module returns, called in a new process, which must also end cleanly."""
-    receiver, sender = CONTEXT.Pipe(duplex=False)
-    process = CONTEXT.Process(target=_child, args=(sender, function.__module__, function.__name__, arguments))
-    process.start()
-    sender.close()
+    process = _Process(function)
     try:
-        problem, result = receiver.recv() if receiver.poll(TIMEOUT) else ("the process hangs", None)
-    except EOFError:
-        problem = "the process died"
-    process.join(TIMEOUT if problem != "the process hangs" else 0.0)
-    if process.is_alive():
-        process.kill()
-        process.join()
-    assert problem is None, problem
-    assert process.exitcode == 0, f"the process ended with exit code {process.exitcode}"
+        result = process.call(arguments)
+    finally:
+        code = process.end()
+    assert code == 0, f"the process ended with exit code {code}"
     return result
 
 
@@ -56,3 +86,33 @@ def in_own_process(function):
         own_process(function, **arguments)
 
     return test
+
+
+_shared = {}  # processes of the test that runs now, by the FMU whose cases they run
+
+
+def in_shared_process(function):
+    """As `in_own_process`, for a test with many cases: those of one FMU follow each other in one process.
+
+    A case that fails ends it, and the next one gets a new process. `end_shared` asks whether the others ended cleanly.
+    """
+
+    @functools.wraps(function)
+    def test(**arguments):
+        fmu = tuple(str(each) for each in arguments.values() if isinstance(each, Path) or each in tuple(SLAVES))
+        process = _shared.pop(fmu, None) or _Process(function)
+        try:
+            process.call(arguments)
+        except BaseException:
+            process.end()
+            raise
+        _shared[fmu] = process
+
+    return test
+
+
+def end_shared():
+    """End the processes of a test after its last case; all must end cleanly."""
+    codes = {fmu: process.end() for fmu, process in _shared.items()}
+    _shared.clear()
+    assert not any(codes.values()), f"processes ended with exit codes {codes}"

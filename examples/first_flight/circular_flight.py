@@ -37,6 +37,7 @@ TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # th
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
 FLAT = 2  # `ground_contact`
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
+GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
 
@@ -100,7 +101,7 @@ def fly(
     references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal(variables.of("initial_length"), [length])
+        fmu.setReal(variables.of("initial_length", "ground_height"), [length, GROUND])
         fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
         if ground:
             fmu.setInteger(variables.of("ground_contact"), [FLAT])

@@ -12,7 +12,13 @@ from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
 
 ENDS, WIND, REEL_OUT, DURATION = np.array([[0.0, 0.0, 0.0], [-40.0, 0.0, -47.0]]), (2.0, 0.0, 0.0), 0.3, 30.0  # m, m/s, s
-TETHER = {"segments": 10, "initial_length": 70.0, "slack_stiffness_ratio": 0.01 / 1.01, "free_ends": (False, True)}
+TETHER = {
+    "segments": 10,
+    "initial_length": 70.0,
+    "ground_height": -100.0,
+    "slack_stiffness_ratio": 0.01 / 1.01,
+    "free_ends": (False, True),
+}
 SHOWN, EVERY = 501, 50  # rows, and rows between two shapes
 
 

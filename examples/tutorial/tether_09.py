@@ -17,7 +17,7 @@ SAG = 1.12  # length over distance
 
 def simulate():
     """Node positions [m], and the outputs, of a tether at rest."""
-    tether = TetherDynamic(segments=SEGMENTS, initial_length=SAG * np.linalg.norm(KITE))
+    tether = TetherDynamic(segments=SEGMENTS, initial_length=SAG * np.linalg.norm(KITE), ground_height=-100.0)
     outputs = tether.initialize(KITE)
     return tether.positions[:, [0, 2]], outputs
 

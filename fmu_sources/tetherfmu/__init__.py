@@ -13,7 +13,7 @@ _HOMES = {
     "results": ("Flown", "Outputs", "PlausibilityWarning", "StepRefused"),
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
     "materials": ("MATERIALS", "tether_of"),
-    "runtime.parameters": ("Tether", "Environment", "Solver", "Winch"),
+    "runtime.parameters": ("Tether", "Environment", "Solver", "Winch", "Ground"),
     "energy": ("Energy", "EnergyAudit"),
 }
 __all__ = ["__version__", *(name for names in _HOMES.values() for name in names)]

@@ -16,7 +16,7 @@ from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.packing import pack_records
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, Winch
+from tetherfmu.runtime.parameters import Environment, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
@@ -36,6 +36,7 @@ class TetherModel:
     environment : Environment
     solver : Solver
     winch : Winch
+    ground : Ground
     point_masses : dict
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
@@ -43,13 +44,13 @@ class TetherModel:
     kernels : runtime.kernel_library.Kernels or None
         Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
     **quantities
-        Any quantity of `Tether`, `Environment`, `Solver` and `Winch` by its name replaces that of the record, as in
-        ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
+        Any quantity of `Tether`, `Environment`, `Solver`, `Winch` and `Ground` by its name replaces that of the record, as
+        in ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
 
     Raises
     ------
     TypeError
-        If `tether`, `environment`, `solver` or `winch` is something else, or a quantity does not exist.
+        If `tether`, `environment`, `solver`, `winch` or `ground` is something else, or a quantity does not exist.
     ValueError
         If a parameter is out of range; the message names it, its value and what is allowed.
     RuntimeError
@@ -64,6 +65,7 @@ class TetherModel:
         environment: Environment = Environment(),  # noqa: B008
         solver: Solver = Solver(),  # noqa: B008
         winch: Winch = Winch(),  # noqa: B008
+        ground: Ground = Ground(),  # noqa: B008
         *,
         point_masses: Mapping[int, float] | None = None,
         shape_points: int | None = None,
@@ -74,7 +76,7 @@ class TetherModel:
     ):
         name, variant = type(self).__name__, BY_NAME[self.variant]
         tethers = arguments.tethers_of(name, tether)
-        kinds = {Environment: environment, Solver: solver, Winch: winch}
+        kinds = {Environment: environment, Solver: solver, Winch: winch, Ground: ground}
         records = [arguments.record_of(name, record, kind) for kind, record in kinds.items()]
         tethers, *records = arguments.with_quantities(name, quantities, tethers, *records)
         if not variant.has_nodes and (len(tethers) > 1 or point_masses):

@@ -65,11 +65,13 @@ def stopped(send, code, *arguments, begun, wait=0.0, cwd):
 def sessions(leader):
     """Numbers of the processes in the session of a process, and the names of their commands."""
     found = {}
-    listed = subprocess.run(["ps", "-ww", "-eo", "pid=,sid=,stat=,args="], capture_output=True, text=True, check=True)
-    for line in listed.stdout.splitlines():
-        number, session, state, command = line.split(None, 3)
-        if int(session) == leader and not state.startswith("Z"):
-            found[int(number)] = command
+    for number in filter(str.isdecimal, os.listdir("/proc")):
+        folder = Path("/proc", number)
+        try:
+            if os.getsid(int(number)) == leader and "\nState:\tZ" not in (folder / "status").read_text():
+                found[int(number)] = (folder / "cmdline").read_text().replace("\0", " ")
+        except (FileNotFoundError, ProcessLookupError):
+            pass  # it has ended since
     return found
 
 

@@ -1,33 +1,91 @@
 """Run the examples in processes of their own, and look at what they draw."""
 
+import atexit
+import json
 import os
+import select
+import signal
 import subprocess
 import sys
+import tempfile
+from functools import cache
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from tetherfmu.libraries.examples import EXAMPLES
 
+TIMEOUT = 900.0  # seconds, for what hangs
+
+
+def environment():
+    """That of Python with the rooms of the examples."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path])}
+
 
 def run_python(*arguments, cwd=None):
     """Run Python with the rooms of the examples, in a folder; the finished process."""
-    path = os.pathsep.join([str(EXAMPLES), *sys.path])
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path},
+        env=environment(),
         capture_output=True,
         text=True,
         check=False,
-        timeout=900,
+        timeout=TIMEOUT,
         cwd=cwd,
     )
+
+
+def run_code(code, *arguments, cwd=None):
+    """As `run_python` with `-c`; where the system can fork, the process is forked from one that has imported packages."""
+    if not hasattr(os, "fork"):
+        return run_python("-c", code, *arguments, cwd=cwd)
+    with tempfile.TemporaryDirectory() as folder:
+        printed, errors = Path(folder, "printed"), Path(folder, "errors")
+        request = {
+            "code": code,
+            "arguments": [*map(str, arguments)],
+            "folder": str(cwd or Path.cwd()),
+            "printed": str(printed),
+            "errors": str(errors),
+        }
+        status = answer(json.dumps(request))
+        said = (path.read_text(encoding="utf-8") for path in (printed, errors))
+        return subprocess.CompletedProcess(["-c", *request["arguments"]], status, *said)
+
+
+def answer(request):
+    """Exit status of the process that is forked for a request, see `forking`."""
+    server = forking()
+    server.stdin.write(f"{request}\n")
+    server.stdin.flush()
+    if not select.select([server.stdout], [], [], TIMEOUT)[0]:
+        os.killpg(server.pid, signal.SIGKILL)
+        forking.cache_clear()
+        raise subprocess.TimeoutExpired(request, TIMEOUT)
+    return int(server.stdout.readline())
+
+
+@cache
+def forking():
+    """The process of `forking`, which lives until the tests end."""
+    server = subprocess.Popen(
+        [sys.executable, Path(__file__).with_name("forking.py")],
+        env=environment(),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    atexit.register(server.communicate)  # it ends when nothing more can be asked
+    return server
 
 
 def run(fmu_folder, code):
     """What Python code prints that finds the FMUs of this test run; it must end cleanly."""
     find = f"fmu_tools.find_fmu = lambda name: {str(fmu_folder)!r} + f'/{{name}}.fmu'"
-    done = run_python("-c", f"from shared import fmu_tools\n{find}\nfrom first_flight import circular_flight\n{code}")
+    done = run_code(f"from shared import fmu_tools\n{find}\nfrom first_flight import circular_flight\n{code}")
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -5,7 +5,7 @@ import sys
 from importlib import import_module
 
 import pytest
-from running import EXAMPLES, run, run_python
+from running import EXAMPLES, run, run_code, run_python
 
 from study.scenes_of_tests import written
 from tetherfmu.commands.build import main as build
@@ -110,7 +110,7 @@ def test_fmi_3_gives_the_numbers_of_fmi_2(dist, native_folder, fmi3_folder, name
     said = []
     for folder in (native_folder, fmi3_folder):
         code = f"import sys; from {name} import main; sys.exit(main(sys.argv[1:]))"
-        done = run_python("-c", code, "--fmu", folder / f"{tether}.fmu", *options, cwd=dist.parent)
+        done = run_code(code, "--fmu", folder / f"{tether}.fmu", *options, cwd=dist.parent)
         assert done.returncode == 0, done.stderr
         said.append(re.sub(r"[\d.]+ times real time|\d+ ms for a second", "", done.stdout))
     assert said[0] == said[1]

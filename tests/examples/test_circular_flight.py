@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from running import EXAMPLES, run_python
+from running import EXAMPLES, run_code, run_python
 
 LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n(.+\n){3}"
 FIGURES = ("first_shape.png", "forces.png", "shapes.png")
@@ -74,7 +74,7 @@ assert np.abs(total - [0, 0, -weight]).max() < 0.01  # the equilibrium and a cra
 for number, plot in enumerate((plot_first_shape, plot_forces, plot_shapes)):
     plot(flights).savefig({str(tmp_path)!r} + f"/{{number}}.png")
 """
-    done = run_python("-c", code)
+    done = run_code(code)
     assert done.returncode == 0, done.stderr
     assert len(list(tmp_path.glob("*.png"))) == 3
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from mechanics import drags, line_density, node_masses
 from runtime.host import Host, blob_of, fly, names_of, restore, started
 from tetherfmu.export.archive import SLAVES
@@ -98,7 +98,7 @@ def test_differences_of_steps_that_are_done_again(native_folder, name):
 
 @pytest.mark.parametrize("mass", [0.0, 50.0], ids=["no drum", "drum"])
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_by_the_force_of_a_winch(native_folder, name, mass):
     """Without mass T = 2 W - W_last at the end of equal steps, so 2 of the tension; else by steps that are done again.
 
@@ -149,7 +149,7 @@ def test_formula_of_a_taut_straight_line(native_folder):
 
 @pytest.mark.parametrize("name", [name for name in SLAVES if not name.endswith("Free")])
 @pytest.mark.parametrize("step", [0.02, 0.001, 0.0001])
-@in_own_process
+@in_shared_process
 def test_by_positions_from_which_velocities_are_derived(native_folder, name, step):
     """A change d of the position changes the velocity by 2.5 d/h. By save, restore and other positions, extrapolated.
 
@@ -171,7 +171,7 @@ def test_by_positions_from_which_velocities_are_derived(native_folder, name, ste
 
 @pytest.mark.parametrize("stretch", [-6e-3, -2e-3, -1e-6, 0.0, 1e-6, 2e-3, 6e-3])
 @pytest.mark.parametrize("velocities", [1, 2])
-@in_own_process
+@in_shared_process
 def test_formula_of_a_straight_line_that_is_nearly_taut(native_folder, stretch, velocities):
     """K of the formula above on the taut side, also at its edge; 0 on the slack side. Positions alone move the end by 3 d.
 
@@ -403,7 +403,7 @@ WRONG = (
 
 
 @pytest.mark.parametrize(("unknown", "known", "seed", "words"), WRONG)
-@in_own_process
+@in_shared_process
 def test_refused_in_words(native_folder, unknown, known, seed, words):
     host, _ = flown(native_folder / "TetherStraight.fmu", 2)
     host.refuses(lambda: derivative(host, [unknown], [known], [seed]), words)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from native.flights import flown, give
 from runtime.host import Host, blob_of, restore
 from tetherfmu.export.archive import SLAVES
@@ -19,7 +19,7 @@ every_driven_fmu = pytest.mark.parametrize("name", [name for name in SLAVES if n
 
 @pytest.mark.parametrize("continuation", [1, 2], ids=["linear", "held"])
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_length(native_folder, name, continuation):
     """L grows by s h + a h^2/2, in the first step, too; the next step estimates again: its speed is that of before."""
     host = Host(native_folder / f"{name}.fmu").start(input_continuation=continuation)
@@ -33,7 +33,7 @@ def test_length(native_folder, name, continuation):
 
 @pytest.mark.parametrize("continuation", [1, 2], ids=["linear", "held"])
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_force_of_the_winch(native_folder, name, continuation):
     """A winch without mass holds W + h dW/dt at the end of the step; without a derivative what it estimates, or W."""
     host = Host(native_folder / f"{name}.fmu")
@@ -48,7 +48,7 @@ def test_force_of_the_winch(native_folder, name, continuation):
 
 @pytest.mark.parametrize("end_velocities", [1, 2], ids=["given", "derived"])
 @every_driven_fmu
-@in_own_process
+@in_shared_process
 def test_way_of_the_end(native_folder, name, end_velocities):
     """p + v h + a h^2/2; where velocities are derived from positions, v is the derivative of the position."""
     host = Host(native_folder / f"{name}.fmu").start(end_velocities=end_velocities, kite_velocity=VELOCITY)
@@ -151,7 +151,7 @@ WRONG = (
 
 
 @pytest.mark.parametrize(("variable", "order", "value", "words"), WRONG)
-@in_own_process
+@in_shared_process
 def test_refused_in_words_and_none_is_kept(native_folder, variable, order, value, words):
     host = Host(native_folder / "TetherStraight.fmu").start()
     references = [host.reference["reel_out_speed"], host.reference.get(variable, variable)]

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 from grounds import Chain, scene
 from mechanics import line_density
-from tetherfmu import EnergyAudit, Environment, Solver, Tether, TetherDynamic, TetherQuasiSteady
+from tetherfmu import EnergyAudit, Solver, Tether, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
 
 G, SINK, FRICTION = 9.81, 0.002, 0.5
@@ -19,18 +19,19 @@ FREE = {"free_ends": (True, True)}
 
 
 def ground(**changes):
-    return Environment(**{"air_density": 0.0, "ground_contact": "flat", **changes})
+    """Still air without drag above a flat ground."""
+    return {"air_density": 0.0, "ground_contact": "flat", **changes}
 
 
 @pytest.mark.parametrize("seed", [1, 5, 8, 9, 11])
 def test_against_an_independent_solver(seed):
     """Impacts, sliding, both friction and none, free ends and held ones. Its own tolerance is 1e-9; ours of a step 1e-8."""
     other, duration = scene(seed), 0.4
-    environment = ground(ground_friction=other.friction, ground_sink=other.sink)
+    place = ground(ground_friction=other.friction, ground_sink=other.sink)
     tether = Tether(segments=other.n, initial_length=other.length)
     masses = {other.n: other.kite_mass} if other.kite_mass else None
     solver = Solver(initial_shape=3, relative_tolerance=1e-8)
-    model = TetherDynamic(tether, environment, solver, free_ends=other.free, point_masses=masses)
+    model = TetherDynamic(tether, solver=solver, **place, free_ends=other.free, point_masses=masses)
     ends = {"kite_position": other.x[-1], "ground_position": other.x[0]}
     model.initialize(**ends, kite_velocity=other.v[-1], ground_velocity=other.v[0])
     for _ in range(20):
@@ -46,7 +47,7 @@ def fallen_chain(segments=80, length=10.0, tolerance=1e-6):
     tether = Tether(
         segments=segments, initial_length=length, diameter=0.01, slack_stiffness_ratio=0.0, slack_damping_ratio=0.0
     )
-    model = TetherDynamic(tether, ground(), Solver(initial_shape=3, relative_tolerance=tolerance), **FREE)
+    model = TetherDynamic(tether, solver=Solver(initial_shape=3, relative_tolerance=tolerance), **ground(), **FREE)
     model.initialize((0.0, 0.0, length), ground_position=(0.0, 0.0, 0.0))
     weight = line_density(tether) * length * G
     mass = np.full(segments + 1, weight / G / segments)
@@ -93,7 +94,9 @@ def test_nothing_bounces_and_no_energy_comes_from_nowhere():
 def test_a_mass_lands_slides_and_lies(fixed_step):
     """25 kg from 2 m, in any step: never pushed up again, at rest ground_sink deep."""
     tether = Tether(segments=4, initial_length=8.0)
-    model = TetherDynamic(tether, ground(), Solver(initial_shape=3, fixed_step=fixed_step), point_masses={4: 25.0}, **FREE)
+    model = TetherDynamic(
+        tether, solver=Solver(initial_shape=3, fixed_step=fixed_step), point_masses={4: 25.0}, **ground(), **FREE
+    )
     start = {"kite_velocity": (3.0, 0.0, 0.0), "ground_velocity": (3.0, 0.0, 0.0)}
     model.initialize((8.0, 0.0, 2.0), ground_position=(0.0, 0.0, 2.0), **start)
     highest = []
@@ -111,7 +114,7 @@ def test_a_mass_lands_slides_and_lies(fixed_step):
 @pytest.mark.parametrize("speed", [1.0, 30.0, 300.0])
 def test_short_segments_do_not_tunnel(speed):
     """Segments of 5 cm, driven down at 300 m/s: 6 m in a communication step."""
-    model = TetherDynamic(Tether(segments=20, initial_length=1.0), ground(), STRAIGHT, **FREE)
+    model = TetherDynamic(Tether(segments=20, initial_length=1.0), solver=STRAIGHT, **ground(), **FREE)
     down = (0.0, 0.0, -speed)
     model.initialize((1.0, 0.0, 3.0), down, ground_position=(0.0, 0.0, 3.0), ground_velocity=down)
     for _ in range(round(3.0 / speed / 0.02) + 100):
@@ -121,7 +124,7 @@ def test_short_segments_do_not_tunnel(speed):
 
 def lying(segments=20, length=20.0, **changes):
     tether = Tether(segments=segments, initial_length=length, diameter=0.01)
-    model = TetherDynamic(tether, ground(**changes), STRAIGHT, free_ends=(True, False))
+    model = TetherDynamic(tether, solver=STRAIGHT, **ground(**changes), free_ends=(True, False))
     model.initialize((length, 0.0, -SINK), ground_position=(0.0, 0.0, -SINK))
     return model, line_density(tether) * G
 
@@ -151,7 +154,7 @@ def test_a_lying_chain_is_pulled():
 def test_what_lies_under_less_than_its_friction_hardly_creeps(part):
     """v_r part/sqrt(1 - part^2), below 1 mm/s."""
     tether = Tether(segments=1, initial_length=1.0, diameter=0.001)
-    model = TetherDynamic(tether, ground(), STRAIGHT, point_masses={1: 10.0}, **FREE)
+    model = TetherDynamic(tether, solver=STRAIGHT, point_masses={1: 10.0}, **ground(), **FREE)
     model.initialize((1.0, 0.0, -SINK), ground_position=(0.0, 0.0, -SINK))
     friction = FRICTION * G * (10.0 + line_density(tether))
     for _ in range(50):
@@ -188,7 +191,7 @@ def test_chain_with_touchdown_is_second_order(model):
     horizontal, lies = touchdown(span, rise, length, load, stiffness)
     errors = []
     for n in (20, 40, 80):
-        chain = model(tether, ground(ground_sink=2e-5), segments=n)
+        chain = model(tether, **ground(ground_sink=2e-5), segments=n)
         out = chain.initialize((span, 0.0, rise))
         expected = -horizontal, -load * (length - lies)
         errors.append(np.abs((out.kite_force[[0, 2]] - expected) / expected))
@@ -206,7 +209,7 @@ def test_a_pile_hangs_straight_and_lies_without_tension(kite, excess):
     """More length than heights and distance: the kite carries what hangs below it, the ground the rest."""
     length = np.hypot(*kite[:2]) + kite[2] + excess
     tether = Tether(segments=40, initial_length=length, diameter=0.01)
-    model = TetherQuasiSteady(tether, ground())
+    model = TetherQuasiSteady(tether, **ground())
     out = model.initialize(kite)
     weight = line_density(tether) * G
     almost_none = 1e-3 * weight * length  # up to which the equilibrium may hold compression, `lying_chain.PRESSED`
@@ -226,7 +229,7 @@ def test_friction_of_a_steady_turn_holds_against_the_sliding():
     tether = Tether(segments=20, initial_length=20.0, diameter=0.01)
     weight = line_density(tether) * G
     for friction, speed in ((0.5, 1.0), (0.0, 1.0), (0.5, 0.0)):
-        model = TetherQuasiSteady(tether, ground(ground_friction=friction))
+        model = TetherQuasiSteady(tether, **ground(ground_friction=friction))
         out = model.initialize((19.9, 0.0, -SINK), (0.0, speed, 0.0))
         side = -out.kite_force[1] - out.ground_force[1]  # what pulls the tether around, less what holds its end
         torque = -19.9 * out.kite_force[1]
@@ -255,8 +258,8 @@ def test_a_ground_that_nothing_touches_changes_no_bit(model):
 def test_a_winch_that_holds_a_force_drags_a_lying_tether():
     """T = winch_force at every instant; beyond friction the tether comes home."""
     tether = Tether(segments=10, initial_length=20.0, diameter=0.01)
-    winch = {"winch_control": "force", "input_continuation": "held"}
-    model = TetherDynamic(tether, ground(), STRAIGHT, **winch, free_ends=(False, True), point_masses={10: 1.0})
+    winch = {"winch_control": "force", "input_continuation": "held", "initial_shape": "straight"}
+    model = TetherDynamic(tether, **ground(), **winch, free_ends=(False, True), point_masses={10: 1.0})
     model.initialize((20.0, 0.0, -SINK), ground_position=(0.0, 0.0, -SINK))
     friction = FRICTION * G * (1.0 + line_density(tether) * 19.0)
     for part, comes in ((0.8, False), (1.2, True)):
@@ -274,7 +277,7 @@ def test_powers_of_the_ground_are_the_rates_of_its_energy():
     soft = {"axial_stiffness": 1e3, "axial_damping": 0.0}
     velocities = random.normal(size=(7, 3)) * (1.0, 1.0, 0.05)
     other = Chain(nodes, velocities, 9.0, (True, True), stiffness=1e3, material=0.0)
-    model = TetherDynamic(Tether(segments=6, initial_length=9.0, **soft), ground(), STRAIGHT, **FREE)
+    model = TetherDynamic(Tether(segments=6, initial_length=9.0, **soft), solver=STRAIGHT, **ground(), **FREE)
     model.initialize((9.0, 0.0, 0.0))
 
     def energy(x, v):
@@ -297,7 +300,7 @@ def test_energy_balance_of_a_drag_over_the_ground():
     """With reeling, at steps of 1 ms; a node that begins to slide does so within less than a step."""
     step = 0.001
     tether = Tether(segments=6, initial_length=10.0, diameter=0.01)
-    model = TetherDynamic(tether, ground(), Solver(initial_shape=3, relative_tolerance=1e-8))
+    model = TetherDynamic(tether, solver=Solver(initial_shape=3, relative_tolerance=1e-8), **ground())
     model.initialize((9.9, 0.0, 0.3), ground_position=(0.0, 0.0, 0.2))
     for _ in range(1000):  # it falls and comes to rest first: impacts are far shorter than a step
         model.step(step, (9.9, 0.0, 0.3), ground_position=(0.0, 0.0, 0.2))

@@ -28,7 +28,7 @@ def step_along(tether, positions=POSITIONS):
 
 @every_model
 def test_once_and_again_after_a_new_start(model):
-    tether = model(initial_length=525.0)
+    tether = model(initial_length=525.0, ground_height=-100.0)
     for _ in range(2):
         assert warnings_of(lambda: tether.initialize(POSITIONS[0])) == []
         assert tether.implausible == []

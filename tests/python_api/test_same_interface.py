@@ -163,11 +163,12 @@ def test_fmu_says_what_it_ignores(fmu_folder, variant):
     ignored = {each.name for each in described(fmu_folder, variant) if "ignored: " in each.description}
     waves = {"axial_damping", "slack_damping_ratio", "damping_law", "relative_tolerance", "fixed_step", "initial_shape"}
     nodes = {"segments", "slack_stiffness_ratio"}
+    ground = {"ground_contact", "ground_height", "ground_friction", "ground_sink"}
     expected = {
         "TetherDynamic": set(),
         "TetherQuasiSteady": waves,
-        "TetherCatenary": waves | nodes,
-        "TetherStraight": waves | nodes,
+        "TetherCatenary": waves | nodes | {"ground_sink"},
+        "TetherStraight": waves | nodes | ground,
     }
     assert ignored == expected[variant]
 

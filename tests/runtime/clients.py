@@ -18,10 +18,11 @@ from pathlib import Path
 from threading import Lock
 
 import numpy as np
-from fmpy import extract, read_model_description, simulate_fmu
+from fmpy import extract, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
 from isolation import own_process
+from runtime import host
 from scenes import circle, kite_at_start, kite_inputs
 
 STEP, STEPS = 0.02, 500  # 10 s, a twelfth of the turn
@@ -67,7 +68,7 @@ def difference(found, expected):
 def description_of(path):
     """Model description of an FMU. One thread at a time: lxml, which validates it, now and then hangs in several."""
     with ONE_AT_A_TIME:
-        return read_model_description(str(path))
+        return host.description_of(path)
 
 
 def variables(path):
@@ -239,8 +240,9 @@ def c_host(program, path, folder, plan, end="finalize", preloaded=(), under=()):
     For an FMU that needs it, the library of Python is preloaded.  under : command that runs the program, such as valgrind.
     """
     references, reals, integers = variables(path)
-    description = read_model_description(str(path))
-    extracted = Path(extract(str(path), unzipdir=str(folder / path.stem)))
+    description = description_of(path)
+    shared = host.shared_folder(path)
+    extracted = shared if shared.is_dir() else Path(extract(str(path), unzipdir=str(folder / path.stem)))
     scenario = folder / f"{path.stem}.txt"
     _write_scenario(scenario, path, references, reals, integers)
     library = extracted / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"

@@ -4,8 +4,10 @@ import atexit
 import compileall
 import functools
 import math
+import pickle
 import shutil
 from functools import lru_cache
+from pathlib import Path
 from zipfile import is_zipfile
 
 import pytest
@@ -30,8 +32,9 @@ def of_every_flavour(argument, names=tuple(SLAVES)):
 
 @lru_cache
 def description_of(path):
-    """Model description of an FMU, which FMPy validates while it reads; many instances of a test share it."""
-    return read_model_description(str(path))
+    """Model description of an FMU, which FMPy validates while it reads; of those of the fixtures when they are extracted."""
+    kept = kept_description(Path(path))
+    return pickle.loads(kept.read_bytes()) if kept.exists() else read_model_description(str(path))
 
 
 def shared_folder(path):
@@ -39,10 +42,16 @@ def shared_folder(path):
     return path.parent / "extracted" / path.stem
 
 
+def kept_description(path):
+    """File with what FMPy has read of the model description of an FMU of the fixtures."""
+    return path.parent / "extracted" / f"{path.stem}.pickle"
+
+
 def extract_all(folder):
-    """Extract all FMUs of a folder and compile what is Python in them, which would take half of the start of each test."""
+    """Extract and read all FMUs of a folder, and compile their Python: it would take most of the start of each test."""
     for path in folder.glob("*.fmu"):
         extract(str(path), unzipdir=str(shared_folder(path)))
+        kept_description(path).write_bytes(pickle.dumps(read_model_description(str(path))))
     compileall.compile_dir(folder / "extracted", quiet=1)
 
 

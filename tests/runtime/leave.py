@@ -1,22 +1,22 @@
-"""Do a step with FMPy and let the process end: `python leave.py FMU END`.
+"""Do a step with FMPy and let the process end: `python leave.py FOLDER END`.
 
-END: nothing (the instance lives on), free (the instance is freed, the library stays loaded), unload (as `freeInstance` of
-FMPy does) or handler (nothing but the exit handler of docs/contributors/fmus.md).
+FOLDER: where an FMU was extracted. END: nothing (the instance lives on), free (the instance is freed, the library stays
+loaded), unload (as `freeInstance` of FMPy does) or handler (nothing but the exit handler of docs/contributors/fmus.md).
 """
 
 import atexit
 import sys
 
-from fmpy import extract, read_model_description
+from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 
-def main(path, end):
+def main(folder, end):
     """Instantiate, step, and leave in one of four ways."""
-    description = read_model_description(path)
+    description = read_model_description(folder)
     fmu = FMU2Slave(
         guid=description.guid,
-        unzipDirectory=extract(path),
+        unzipDirectory=folder,
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName="tether",
     )

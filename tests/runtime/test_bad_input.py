@@ -5,7 +5,7 @@ import math
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import Host, every_flavour, names_of, of_every_flavour
 
 
@@ -74,7 +74,7 @@ def test_steps_that_are_not_positive(fmu_folder, fmu):
         ("winch_friction", math.inf, "at most 1e+09 N"),
     ],
 )
-@in_own_process
+@in_shared_process
 def test_parameters_out_of_range(fmu_folder, name, value, allowed):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     said = refused(host, lambda: host.start(**{name: value}))
@@ -127,7 +127,7 @@ STOPS = (
 
 @of_every_flavour("fmu")
 @pytest.mark.parametrize(("stops", "words"), STOPS)
-@in_own_process
+@in_shared_process
 def test_stops_of_a_winch(fmu_folder, fmu, stops, words):
     """0 is no stop; with nodes the shortest length is that of the shortest segments."""
     if words.endswith("400 m") and fmu in ("TetherStraight", "TetherCatenary"):

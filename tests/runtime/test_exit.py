@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from runtime import clients
+from runtime.host import shared_folder
 from tetherfmu.export.archive import SLAVES
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
@@ -19,7 +20,7 @@ every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 @every_fmu
 @pytest.mark.parametrize("end", ["handler", "nothing", "free", "unload"])
 def test_python_host(poison, fmu_folder, name, end):
-    command = [sys.executable, Path(__file__).parent / "leave.py", fmu_folder / f"{name}.fmu", end]
+    command = [sys.executable, Path(__file__).parent / "leave.py", shared_folder(fmu_folder / f"{name}.fmu"), end]
     done = subprocess.run(
         command, env={**os.environ, "LD_PRELOAD": str(poison)}, capture_output=True, text=True, check=False
     )

@@ -7,7 +7,7 @@ import zlib
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import Host, blob_of, every_flavour, of_every_flavour, restore
 from runtime.test_hostile_input import ALLOWED, COUNTERS, watched
 from tetherfmu.runtime.layout import WORK_BUDGET
@@ -82,7 +82,7 @@ def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
         *((TIME, value, f"has the time {value} s; it must be a finite number") for value in (math.inf, -math.inf)),
     ],
 )
-@in_own_process
+@in_shared_process
 def test_tolerance_and_time(fmu_folder, place, value, words):
     host, good = flying(fmu_folder / "TetherDynamic.fmu")
     host.refuses(lambda: restore(host, forged(good, place, value)), f"the FMU state that was set {words}")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import Host, blob_of, count_of, restore
 from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
 from tetherfmu.runtime.saved_state import from_bytes, to_bytes
@@ -74,7 +74,7 @@ def test_a_load_that_is_no_number_is_refused(fmu_folder, value):
         ("initial_kite_velocity[1]", -1e10, "at least -1e+09 m/s"),
     ],
 )
-@in_own_process
+@in_shared_process
 def test_parameters_out_of_range(fmu_folder, name, value, allowed):
     host = Host(fmu_folder / FMU)
     with pytest.raises(FMICallException):

@@ -19,7 +19,7 @@ SCALARS = {
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("winch_speed", "solver_steps", "solver_rejections", "solver_iterations"),
+        *("winch_speed", "grounded_length", "solver_steps", "solver_rejections", "solver_iterations"),
     ],
 }
 PARAMETERS = {  # name: (start, unit), as the page says
@@ -51,6 +51,10 @@ PARAMETERS = {  # name: (start, unit), as the page says
     "winch_friction": ("0", "N"),
     "shortest_length": ("0", "m"),
     "longest_length": ("0", "m"),
+    "ground_contact": ("1", None),
+    "ground_height": ("0", "m"),
+    "ground_friction": ("0.5", None),
+    "ground_sink": ("0.002", "m"),
 }
 
 PARAMETERS_OF_A_FREE_KITE = {
@@ -115,7 +119,16 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
             assert float(variable.nominal) > 0.0
     displayed = {each: variable.displayUnit for each, variable in variables.items() if variable.displayUnit}
     assert displayed == {"diameter": "mm", "ground_elevation": "deg", "ground_azimuth": "deg"}
-    not_negative = ("tether_length", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag", "slack_segments")
+    not_negative = (
+        "tether_length",
+        "kite_end_mass",
+        "kite_stiffness",
+        "kite_damping",
+        "wave_time",
+        "sag",
+        "grounded_length",
+        "slack_segments",
+    )
     assert {variables[each].min for each in not_negative} == {"0"}
     assert float(variables["ground_azimuth"].max) == -float(variables["ground_azimuth"].min) == math.pi
     assert float(variables["ground_elevation"].max) == -float(variables["ground_elevation"].min) == math.pi / 2.0

@@ -7,7 +7,7 @@ from contextlib import suppress
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import STEP, Host, blob_of, count_of, every_flavour, fly, of_every_flavour, restore, started
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.saved_state import from_bytes, to_bytes
@@ -101,16 +101,16 @@ def test_before_and_during_initialization(fmu_folder, fmu):
 @every_flavour
 @in_own_process
 def test_size_of_a_state(fmu_folder):
-    """Header 56 bytes, all values, 95 numbers of the tether and 6 of each node."""
+    """Header 56 bytes, all values, 97 numbers of the tether and 6 of each node."""
     host = started(fmu_folder / "TetherDynamic.fmu")
     values = len({v.valueReference for v in host.description.modelVariables})
     kite_load, kite_motion = 3, 6  # have places among the inputs and the outputs but no variables in this FMU
-    assert len(blob_of(host)) == 56 + 8 * (values + kite_load + kite_motion + 95 + 6 * 21)
+    assert len(blob_of(host)) == 56 + 8 * (values + kite_load + kite_motion + 97 + 6 * 21)
 
 
 @every_flavour
 @pytest.mark.parametrize("kept", [0, 7, 16, 55, 56, 500, -8, -1])
-@in_own_process
+@in_shared_process
 def test_truncated_state(fmu_folder, kept):
     host = started(fmu_folder / "TetherDynamic.fmu")
     before = host.all_outputs()
@@ -145,7 +145,7 @@ def forged(host, place, value):
 
 @every_flavour
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e300, 0.5])
-@in_own_process
+@in_shared_process
 def test_forged_outputs_are_computed_anew(fmu_folder, value):
     """Outputs follow from the state: what is stored of them does not count, also not of Integer ones."""
     host, twin = (started(fmu_folder / "TetherDynamic.fmu") for _ in range(2))
@@ -164,7 +164,7 @@ SETS = {"warnings": at.WARNINGS - at.state_size(20), "given derivatives": at.GIV
 @every_flavour
 @pytest.mark.parametrize("name", ["a node", "segments", "damping_law", *SETS])
 @pytest.mark.parametrize("value", [math.nan, 1e300])
-@in_own_process
+@in_shared_process
 def test_forged_states_are_refused(fmu_folder, name, value):
     """Positions that no tether has, and integers and sets of bits that are none; the state of before continues."""
     host, twin = (started(fmu_folder / "TetherDynamic.fmu") for _ in range(2))

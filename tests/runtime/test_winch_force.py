@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import STEP, Host, blob_of, every_flavour, of_every_flavour, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
@@ -74,7 +74,7 @@ def test_the_flight_of_the_python_api(fmu_folder, name):
 
 @of_every_flavour("name")
 @pytest.mark.parametrize("winch", ["no drum", "drum that stops", "drum, fixed steps"])
-@in_own_process
+@in_shared_process
 def test_a_state_continues_bit_for_bit(fmu_folder, name, winch):
     """From any communication point, in another instance, and after a step that was refused."""
     path = fmu_folder / f"{name}.fmu"

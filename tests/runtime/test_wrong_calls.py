@@ -5,7 +5,7 @@ import math
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import kite_at_start, kite_inputs
 
@@ -30,7 +30,7 @@ def test_getters_before_initialization(fmu_folder, fmu):
 
 @every_flavour
 @pytest.mark.parametrize(("fmu", "kind"), [("TetherDynamic", k) for k in ("Real", "Integer", "Boolean", "String")])
-@in_own_process
+@in_shared_process
 def test_unknown_value_references(fmu_folder, fmu, kind):
     host, twin = Host(fmu_folder / f"{fmu}.fmu").start(), Host(fmu_folder / f"{fmu}.fmu").start()
     host.refuses(lambda: getattr(host.fmu, f"get{kind}")([4711]), "4711")
@@ -148,7 +148,7 @@ def test_reeled_in_to_zero(fmu_folder, fmu):
         (-math.inf, 1.0, "the start time is -inf"),
     ],
 )
-@in_own_process
+@in_shared_process
 def test_times_of_the_experiment(fmu_folder, start, stop, words):
     """Said when the experiment is set up, not with the first step; then it can be set up well."""
     host = Host(fmu_folder / "TetherDynamic.fmu")

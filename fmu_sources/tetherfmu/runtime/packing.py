@@ -5,7 +5,7 @@ from array import array
 from . import layout as at
 from . import status
 from .instance import address, zeros
-from .parameters import QUANTITIES_OF_TETHER, Winch, numbers_of
+from .parameters import QUANTITIES_OF_TETHER, Ground, Winch, numbers_of
 from .variables import PARAMETERS
 
 _NAMES = [each.name for each in PARAMETERS]
@@ -30,14 +30,24 @@ def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
     return segments, parameters
 
 
-def pack_records(kernels, tethers, environment, solver, winch=Winch(), *, point_masses=(), free_ends=(False, False)):  # noqa: B008
+def pack_records(
+    kernels,
+    tethers,
+    environment,
+    solver,
+    winch=Winch(),  # noqa: B008 (a constant record)
+    ground=Ground(),  # noqa: B008
+    *,
+    point_masses=(),
+    free_ends=(False, False),
+):
     """As `pack`, of records.
 
     tethers : in series from the ground to the kite; all reel in proportion to their lengths.  point_masses : pairs
     (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends : whether the ground end and the kite end move
     freely.
     """
-    segments, parameters = pack(kernels, numbers_of(tethers, environment, solver, winch), len(tethers))
+    segments, parameters = pack(kernels, numbers_of(tethers, environment, solver, winch, ground), len(tethers))
     parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE] = free_ends
     for node, mass in point_masses:
         parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass

@@ -86,7 +86,7 @@ def diameter_in_doubt(diameter):
 @documented
 @dataclass(frozen=True)
 class Environment:
-    """Air, wind profile, gravity and ground. ValueError if a number is out of range.
+    """Air, wind profile and gravity. ValueError if a number is out of range.
 
     >>> Environment(wind_profile="power_law", gravity=9.82).wind_profile
     2
@@ -106,25 +106,12 @@ class Environment:
     wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
     wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", 0.0, 2.0)
     surface_roughness: float = quantity(0.0002, "m", "roughness z0 of the logarithmic law of the wind", 1e-9, 100.0)
-    ground_contact: int = quantity(
-        1,
-        "",
-        "ground under the tether: none; flat (the tether and a free kite cannot sink below ground_height)",
-        choices=("none", "flat"),
-    )
-    ground_height: float = quantity(0.0, "m", "z of the ground", -1e5, 1e5)
-    ground_friction: float = quantity(0.5, "", "friction coefficient of the tether on the ground", 0.0, 10.0)
-    ground_sink: float = quantity(
-        0.002, "m", "how deep the tether sinks into the ground under its own weight; sets its stiffness", 1e-6, 1.0
-    )
 
     def __post_init__(self):
         check(self)
         if self.wind_profile in (at.LOGARITHMIC, at.EXPLOG) and self.surface_roughness >= self.wind_reference_height:
             roughness, height = self.surface_roughness, self.wind_reference_height
             raise ValueError(ROUGHNESS_TOO_LARGE.format(roughness=roughness, height=height))
-        if self.ground_contact == at.FLAT and self.gravity == 0.0:
-            raise ValueError(GROUND_WITHOUT_GRAVITY)
 
 
 @documented
@@ -206,6 +193,31 @@ class Winch:
 
 @documented
 @dataclass(frozen=True)
+class Ground:
+    """The ground under a tether. ValueError if a number is out of range.
+
+    >>> Ground(ground_contact="flat", ground_height=-4.0).ground_contact
+    2
+    """
+
+    ground_contact: int = quantity(
+        1,
+        "",
+        "ground under the tether: none; flat (the tether and a free kite cannot sink below ground_height)",
+        choices=("none", "flat"),
+    )
+    ground_height: float = quantity(0.0, "m", "z of the ground", -1e5, 1e5)
+    ground_friction: float = quantity(0.5, "", "friction coefficient of the tether on the ground", 0.0, 10.0)
+    ground_sink: float = quantity(
+        0.002, "m", "how deep the tether sinks into the ground under its own weight; sets its stiffness", 1e-6, 1.0
+    )
+
+    def __post_init__(self):
+        check(self)
+
+
+@documented
+@dataclass(frozen=True)
 class FreeKite:
     """The mass at a free kite end. ValueError if a number is out of range.
 
@@ -222,6 +234,8 @@ class FreeKite:
 QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 
-def numbers_of(tethers, environment, solver, winch=Winch()):
+def numbers_of(tethers, environment, solver, winch=Winch(), ground=Ground()):
     """The quantities of records in the order in which the kernel `pack` takes them, a list."""
-    return [getattr(record, name) for record in (*tethers, environment, solver, winch) for name, _ in quantities(record)]
+    return [
+        getattr(record, name) for record in (*tethers, environment, solver, winch, ground) for name, _ in quantities(record)
+    ]

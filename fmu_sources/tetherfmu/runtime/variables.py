@@ -14,12 +14,12 @@ from . import layout as at
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, components, inputs_of
 from .outputs import ARRAY_ORDER, SCALAR, VECTOR
-from .parameters import Environment, FreeKite, Solver, Tether, Winch
+from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from .quantities import Quantity, quantities
 from .variants import BY_NAME
 
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
-RECORDS = (Tether, Environment, Solver, Winch)
+RECORDS = (Tether, Environment, Solver, Winch, Ground)
 
 
 @dataclass(frozen=True)

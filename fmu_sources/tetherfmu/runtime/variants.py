@@ -40,6 +40,7 @@ _IGNORED_BY_A_STRAIGHT_LINE = {
     **_IGNORED_WITHOUT_NODES,
     **dict.fromkeys(GROUND, "this tether ignores the ground: it never hangs below its ends"),
 }
+_IGNORED_BY_A_CATENARY = {**_IGNORED_WITHOUT_NODES, "ground_sink": "the ground is rigid under this tether"}
 _NO_WAVES = {
     "kite_damping": "axial damping of the tether at the kite end: 0, this tether has none",
     "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
@@ -98,7 +99,7 @@ CATENARY = Variant(
     colour="green",
     evidence_deviation=1e-6,
     has_kink=False,
-    ignored=_IGNORED_WITHOUT_NODES,
+    ignored=_IGNORED_BY_A_CATENARY,
     meanings=_ONE_LINE,
     depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": ()},
 )

@@ -92,7 +92,7 @@ def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():
     u = np.random.default_rng(6).normal(size=3 * (n + 1))
     w.r[:] = interleaved(u)
     w.stage_mass[:] = w.mass
-    rosenbrock.right_hand_side(n, 0, 1.0, w)  # force, force_rate and inertia_velocity are 0
+    rosenbrock.right_hand_side(problem.conditions, 0, 1.0, w)  # force, force_rate and inertia_velocity are 0
     np.testing.assert_allclose(w.q, -damping @ u, rtol=1e-12, atol=1e-9)
 
 

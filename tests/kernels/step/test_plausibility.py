@@ -3,7 +3,9 @@
 Stretch l/l0 > 1.05; acceleration 2 |x1 - x0 - v0 h|/(h H) > 9810 m/s2; speed > 340 m/s; twice in a row, on 0.5 m of an end,
 its velocities leave more than half of the way unexplained. A winch with mass that reels in a tether 1 % longer than the
 distance of its ends, whose tension is below a tenth of what drives the winch; a length that a winch was told, more than 5 %
-and 10 m above the distance of the ends. The limits are those of runtime/plausibility.py, written here once more.
+and 10 m above the distance of the ends. A tether without ground contact that hangs deeper under the ground than 1 % of its
+length, both ends above it; a driven end more than 0.1 m under a ground with contact. The limits are those of
+runtime/plausibility.py, written here once more.
 """
 
 import numpy as np
@@ -27,6 +29,7 @@ def noted(model):
     """Values that were noted, by kind."""
     state = model.get_state()
     kinds = plausibility.kinds(state)
+    kinds &= ~(1 << plausibility.GROUND_IGNORED)  # has tests of its own: the station is at z = 0, and slack tethers hang
     return {k: state[at.WARNED_VALUES + k] for k in range(at.WARNING_KINDS) if kinds >> k & 1}
 
 
@@ -343,3 +346,39 @@ def test_a_few_metres_to_spare_near_the_winch(model):
     tether = model(winch_control="length", segments=4)
     tether.initialize((0.0, 0.0, 2.0), winch_length=12.5)
     assert set(noted(tether)) == {plausibility.WINCH_TOO_LONG}
+
+
+def hanging(state):
+    kind = plausibility.GROUND_IGNORED
+    return state[at.WARNED_VALUES + kind] if plausibility.kinds(state) >> kind & 1 else None
+
+
+@pytest.mark.parametrize("model", [TetherQuasiSteady, TetherDynamic], ids=lambda model: model.variant)
+def test_a_tether_that_hangs_below_the_ground(model):
+    """Not above it, not if an end is below it, not with ground contact; with the depth that it was noted with."""
+    ends = {"kite_position": (60.0, 0.0, 30.0), "ground_position": (0.0, 0.0, 0.0)}
+    for changes, told in (
+        ({}, True),
+        ({"ground_height": -15.0}, True),
+        ({"ground_height": -60.0}, False),
+        ({"ground_height": 1.0}, False),
+        ({"ground_contact": "flat"}, False),
+    ):
+        tether = model(initial_length=100.0, **changes)
+        tether.initialize(**ends)
+        depth = changes.get("ground_height", 0.0) - tether.positions[:, 2].min()
+        assert hanging(tether.get_state()) == (pytest.approx(depth) if told else None), changes
+        assert noted(tether) == {}
+
+
+@every_model
+def test_a_driven_end_under_the_ground(model):
+    """0.1 m is allowed: logged positions are not exact. A line without ground says nothing of it."""
+    for depth, told in ((0.09, False), (0.5, True)):
+        for end in ("kite", "ground"):
+            ends = {"kite_position": (30.0, 0.0, 0.0), "ground_position": (0.0, 0.0, 0.0)}
+            ends[f"{end}_position"] = (ends[f"{end}_position"][0], 0.0, -depth)
+            tether = model(initial_length=30.1, ground_contact="flat")
+            tether.initialize(**ends)
+            expected = {plausibility.END_UNDER_GROUND: pytest.approx(depth)} if told else {}
+            assert noted(tether) == expected

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
-from functools import partial
+from operator import methodcaller
 
 import pytest
 from pebble import ProcessExpired
@@ -66,39 +66,58 @@ def wait_for(condition, process):
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("command", ["tradeoff", "stability"])
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a cluster that nothing befalls; its worker has a nanny, as `dask worker` starts it."""
+    with started(tmp_path_factory.mktemp("cluster")) as (address, *_):
+        yield address
+
+
+def end_of(folder, command, address, event):
+    """Status of a command, and what it said, after an event; event : function of its process, called after three points."""
+    file = folder / "points.jsonl"
+    given = {
+        "tradeoff": ["tradeoff", str(written(folder)), "--out", str(folder)],
+        "stability": ["stability", "--points", "1000", "--out", str(folder), "--results", str(file)],
+    }[command]
+    call = [sys.executable, "-c", IMPATIENT, *given, "--dask", address]
+    process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
+    wait_for(lambda: file.exists() and file.read_bytes().count(b"\n") >= 3, process)
+    event(process)
+    said = process.communicate(timeout=TIMEOUT)[1]
+    return process.returncode, said.splitlines()
+
+
+EACH_COMMAND = pytest.mark.parametrize("command", ["tradeoff", "stability"])
+
+
+@EACH_COMMAND
+def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, command, cluster):
+    interrupt = methodcaller("send_signal", signal.SIGINT)
+    assert end_of(tmp_path, command, cluster, interrupt) == (130, [f"stopped; {KEPT}"])
+
+
+@EACH_COMMAND
 @pytest.mark.parametrize(
-    ("event", "status", "words"),
+    ("lost", "words"),
     [
-        ("Ctrl-C", 130, "stopped"),
-        ("scheduler", 1, "the Dask scheduler at {} is lost"),
-        ("worker", 1, "the Dask scheduler at {} has had no worker for 2 s"),
+        ("scheduler", "the Dask scheduler at {} is lost"),
+        ("worker", "the Dask scheduler at {} has had no worker for 2 s"),
     ],
 )
-def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, command, event, status, words):
-    file = tmp_path / "points.jsonl"
-    given = {
-        "tradeoff": ["tradeoff", str(written(tmp_path)), "--out", str(tmp_path)],
-        "stability": ["stability", "--points", "3000", "--out", str(tmp_path), "--results", str(file)],
-    }[command]
+def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, command, lost, words):
     with started(tmp_path, "--no-nanny") as (address, scheduler, worker):
-        call = [sys.executable, "-c", IMPATIENT, *given, "--dask", address]
-        process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
-        wait_for(lambda: file.exists() and file.read_bytes().count(b"\n") >= 3, process)
-        ends = {"Ctrl-C": partial(process.send_signal, signal.SIGINT), "scheduler": scheduler.kill, "worker": worker.kill}
-        ends[event]()
-        said = process.communicate(timeout=TIMEOUT)[1]
-    assert process.returncode == status, said
-    assert said.splitlines() == [f"{words.format(address)}; {KEPT}"]
+        kill = {"scheduler": scheduler, "worker": worker}[lost].kill
+        assert end_of(tmp_path, command, address, lambda _: kill()) == (1, [f"{words.format(address)}; {KEPT}"])
 
 
 def end(status):
     os._exit(status)
 
 
-def test_a_crash_and_a_hang_on_a_worker_cost_one_point(tmp_path):
-    """Also on a worker with a nanny, as `dask worker` starts it, which may have no children otherwise."""
-    with started(tmp_path) as (address, *_), isolated(address) as begun:
+def test_a_crash_and_a_hang_on_a_worker_cost_one_point(cluster):
+    """Also on a worker with a nanny, which may have no children otherwise."""
+    with isolated(cluster) as begun:
         calls = [(abs, -1, 60.0), (end, 3, 60.0), (time.sleep, 3600.0, 1.0), (abs, -2, 60.0)]
         futures = [begun(*call) for call in calls]
         found = [future.exception(TIMEOUT) for future in futures]
@@ -106,11 +125,10 @@ def test_a_crash_and_a_hang_on_a_worker_cost_one_point(tmp_path):
         assert (futures[0].result(), futures[3].result()) == (1, 2)
 
 
-def test_a_cluster_gives_the_same_map(tmp_path):
+def test_a_cluster_gives_the_same_map(tmp_path, cluster):
     points = [point(1, number) for number in range(12)]
     here = judge_all(points, tmp_path / "here.jsonl", 1)
-    with started(tmp_path) as (address, *_):
-        there = judge_all(points, tmp_path / "there.jsonl", dask=address)
+    there = judge_all(points, tmp_path / "there.jsonl", dask=cluster)
     assert here.drop(columns="longest").equals(there.drop(columns="longest"))
 
 

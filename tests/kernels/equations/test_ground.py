@@ -1,0 +1,116 @@
+"""The law of the ground: derivatives against central differences, and what it promises of rebounds and steps."""
+
+import numpy as np
+import pytest
+
+from tetherfmu.kernels.equations import ground as earth
+
+GROUND = earth.Ground(-1.0, 9.81 / 0.002, 2.0 / np.sqrt(9.81 * 0.002), 0.5)
+STEP = 1e-7
+# central differences at 1e-7: truncation 1e-14 f''' and rounding 1e-16 f/1e-7 are both far below 1e-6 of the largest entry
+TOLERANCE = 1e-6
+under_ground = pytest.mark.parametrize("depth", [1e-4, 0.002, 0.05])
+sliding = pytest.mark.parametrize("speed", [0.0, 1e-4, 0.3])
+
+
+def differences(function, point):
+    columns = [
+        (np.array(function(tuple(point + shift))) - np.array(function(tuple(point - shift)))) / (2.0 * STEP)
+        for shift in STEP * np.eye(3)
+    ]
+    return np.array(columns).T
+
+
+def close(found, expected):
+    np.testing.assert_allclose(found, expected, rtol=0, atol=TOLERANCE * np.abs(expected).max())
+
+
+@under_ground
+@sliding
+def test_derivatives_of_contact(depth, speed):
+    x, v = (3.0, -2.0, GROUND.height - depth), (0.8 * speed, -0.6 * speed, 0.02)
+    by_z, by_velocity = earth.derivatives(GROUND, x, v)
+    by_position = differences(lambda x: earth.acceleration(GROUND, x, v), np.array(x))
+    close(by_z, by_position[:, 2])
+    assert np.abs(by_position[:, :2]).max() == 0.0
+    scale = min(1.0, max(speed, earth.CREEP) / STEP * 1e-4)  # the friction turns over within v_r
+    assert scale <= 1.0
+    with_finer_steps = differences_of_velocity(x, np.array(v))
+    close(np.reshape(by_velocity, (3, 3)), with_finer_steps)
+
+
+def differences_of_velocity(x, v, step=1e-9):
+    columns = [
+        (np.array(earth.acceleration(GROUND, x, tuple(v + d))) - np.array(earth.acceleration(GROUND, x, tuple(v - d))))
+        / (2.0 * step)
+        for d in step * np.eye(3)
+    ]
+    return np.array(columns).T
+
+
+@under_ground
+@sliding
+def test_derivatives_of_support(depth, speed):
+    """Of a chain in equilibrium, whose velocities follow its positions: v = v_0 + S x."""
+    x = np.array((3.0, -2.0, GROUND.height - depth))
+    motion = np.random.default_rng(2).normal(size=(3, 3))
+    v = np.array((0.8, -0.6, 0.1)) * speed
+    found = earth.support_slope(GROUND, tuple(x), tuple(v), tuple(motion.ravel()))
+    close(np.reshape(found, (3, 3)), differences(lambda y: earth.support(GROUND, y, tuple(v + motion @ (y - x))), x))
+
+
+@pytest.mark.parametrize("before", [-0.02, 0.0, 0.001, 0.05])
+@pytest.mark.parametrize("after", [-0.01, 0.0004, 0.03, 0.2])
+def test_step_of_backward_euler(before, after):
+    """The force is minus the gradient of a potential that is convex: its iteration has somewhere to go down to."""
+    h, old = 0.004, (0.0, 0.0, GROUND.height - before)
+    new = np.array((1e-4, -3e-4, GROUND.height - after))
+    force, slope = earth.force_of_step(GROUND, old, tuple(new), h)
+
+    def minus_potential(x):
+        return (-earth.potential_of_step(GROUND, old, x, h),)
+
+    gradient = differences(minus_potential, new)[0]
+    scale = np.abs(force).max() + 1e-12
+    np.testing.assert_allclose(force, gradient, rtol=0, atol=1e-5 * scale + 1e-7)
+    slope = np.reshape(slope, (3, 3))
+    close_slope = differences(lambda x: earth.force_of_step(GROUND, old, x, h)[0], new)
+    np.testing.assert_allclose(slope, close_slope, rtol=0, atol=TOLERANCE * np.abs(slope).max() + 1e-6)
+    np.testing.assert_array_equal(slope, slope.T)
+    assert np.linalg.eigvalsh(slope).max() <= 0.0
+
+
+def test_step_of_backward_euler_presses_with_the_velocity_at_its_end():
+    h, before, after = 0.004, 0.01, 0.012
+    force, _ = earth.force_of_step(GROUND, (0.0, 0.0, -1.0 - before), (0.0, 0.0, -1.0 - after), h)
+    assert force[2] == pytest.approx(earth.pressure(GROUND, (0.0, 0.0, -1.0 - after), (0.0, 0.0, (before - after) / h)))
+
+
+@pytest.mark.parametrize("speed", [0.1, 3.0, 100.0])
+def test_a_node_leaves_the_ground_slower_than_one_over_a(speed):
+    """v dv/dd = - w2 d (1 + a v), without weight, v downwards: integrated over an impact. Height g sink/8 at most."""
+    depth, velocity, dt = 0.0, speed, 1e-7
+    while velocity > 0.0 or depth > 0.0:
+        pressed = earth.pressure(GROUND, (0.0, 0.0, GROUND.height - depth), (0.0, 0.0, -velocity))
+        velocity -= pressed * dt
+        depth += velocity * dt
+    assert -velocity < 1.0 / GROUND.damping
+    assert velocity**2 / (2.0 * 9.81) < 0.002 / 8.0
+
+
+def test_pressure_is_continuous_and_never_pulls():
+    v = (0.0, 0.0, -5.0)
+    assert earth.pressure(GROUND, (0.0, 0.0, GROUND.height), v) == 0.0
+    assert earth.touches(GROUND, (0.0, 0.0, GROUND.height - 1e-9), v)
+    assert not earth.touches(GROUND, (0.0, 0.0, GROUND.height + 1e-9), v)
+    leaving = (0.0, 0.0, 1.01 / GROUND.damping)  # faster than the ground can follow
+    assert not earth.touches(GROUND, (0.0, 0.0, GROUND.height - 0.01), leaving)
+
+
+@pytest.mark.parametrize(
+    ("p", "q", "part"),
+    [(1.0, 2.0, 0.0), (-1.0, -2.0, 1.0), (-1.0, 3.0, 0.25), (3.0, -1.0, 0.25), (0.0, 0.0, 0.0), (0.0, -1.0, 1.0)],
+)
+def test_part_of_a_segment_under_the_ground(p, q, part):
+    points = ((0.0, 0.0, GROUND.height + p), (5.0, 0.0, GROUND.height + q))
+    assert earth.part_under(GROUND, *points) == part
