@@ -4,12 +4,13 @@
 
 500 kg on 40 m of wire hang 1 m above the deck, which is the ground of the tether (`ground_contact` = flat). The hoist lowers
 them until the wire is slack, waits, and hoists at the speed v before the wire is taut. The load stays on the deck until the
-wire carries its weight W = m g; then the hoist moves away from it at v, and the wire, a spring of stiffness k = EA/L, pulls with
+wire carries its weight W = m g. Then the hoist moves away from it at v, and the wire, a spring of stiffness k = EA/L, pulls
+with
 
     T = W + W_wire + v sqrt(k m)
 
-at most, if nothing damps it. The wire is not only a spring: a wave of v sqrt(EA mu) runs up and down in it, sqrt(m_wire/m) of
-the last term, by which the tension may be larger or smaller.
+at most, if nothing damps it. The wire is not only a spring: a wave of v sqrt(EA mu) runs up and down in it,
+sqrt(m_wire/m) of the last term, by which the tension may be larger or smaller.
 """
 
 import sys
@@ -18,22 +19,22 @@ from pathlib import Path
 
 import numpy as np
 
-from tetherfmu import Environment, TetherDynamicFree, tether_of
+from tetherfmu import Ground, TetherDynamicFree, tether_of
 from tetherfmu.console.colours import BLACK, OTHERS
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
-LOAD, LENGTH, ABOVE, STEP = 500.0, 40.0, 1.0, 0.01  # kg, m, m above the deck, s
+LOAD, LENGTH, ABOVE, STEP, GRAVITY = 500.0, 40.0, 1.0, 0.01, 9.81  # kg, m, m above the deck, s, m/s2
 LOWERED, LOWERING, RAMP = 1.2, 0.25, 0.5  # wire paid out [m], at [m/s], which is reached in [s]
 BEGIN, TAKE_UP, START_UP, DURATION = 1.0, 12.0, 0.05, 16.0  # of lowering, of hoisting [s]; to speed in [s]; in all [s]
 SPEEDS = (0.1, 0.25, 0.5, 1.0)  # of the hoist [m/s]
 SEGMENTS, DAMPING_RATIO = 20, 0.01  # of the wire; of the load that bounces on it, over critical damping
-DECK = Environment(ground_contact="flat", ground_height=0.0)
+DECK = Ground(ground_contact="flat", ground_height=0.0)
 WIRE = tether_of("steel", 0.012, initial_length=LENGTH)
 WIRE = replace(WIRE, segments=SEGMENTS, axial_damping=2.0 * DAMPING_RATIO * np.sqrt(LOAD * LENGTH * WIRE.axial_stiffness))
-WEIGHT, OF_WIRE = LOAD * DECK.gravity, WIRE.mass_per_meter * LENGTH * DECK.gravity  # [N]
+WEIGHT, OF_WIRE = LOAD * GRAVITY, WIRE.mass_per_meter * LENGTH * GRAVITY  # [N]
 STIFFNESS = WIRE.axial_stiffness / LENGTH  # [N/m]
 
 
@@ -58,7 +59,7 @@ def wave(speed):
 def fly(speed):
     """After each step: time [s], height of the load [m], tension at the winch [N], what the deck carries at rest [N]."""
     stretch = (WEIGHT + 0.5 * OF_WIRE) / STIFFNESS
-    crane = TetherDynamicFree(WIRE, DECK, kite_mass=LOAD, input_continuation="held")
+    crane = TetherDynamicFree(WIRE, ground=DECK, kite_mass=LOAD, input_continuation="held")
     crane.initialize((0.0, 0.0, ABOVE), ground_position=(0.0, 0.0, ABOVE + LENGTH + stretch))
     rows = []
     for t in STEP * np.arange(round(DURATION / STEP)):

@@ -35,7 +35,7 @@ from shared.fmu_tools import find_fmu, running, variables_of
 
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
-FLAT = 2  # `ground_contact`
+FLAT, STATION = 2, 0.0  # `ground_contact`, height of the ground with it [m]
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
@@ -101,7 +101,7 @@ def fly(
     references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal(variables.of("initial_length", "ground_height"), [length, GROUND])
+        fmu.setReal(variables.of("initial_length", "ground_height"), [length, STATION if ground else GROUND])
         fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
         if ground:
             fmu.setInteger(variables.of("ground_contact"), [FLAT])
@@ -236,7 +236,7 @@ def main(arguments=None, prog=None):
         print(summary(fmu_file.stem, flight))
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")
-    ground = 0.0 if given.ground else None  # of the ground station
+    ground = STATION if given.ground else None
     written = write_figures(flights, given.out, ground)
     if given.html:
         written.append(given.out / "circular_flight.html")

@@ -16,21 +16,21 @@ from pathlib import Path
 
 import numpy as np
 
-from tetherfmu import Environment, MovingEnd, Tether, TetherDynamic, TetherDynamicFree, inputs_along
+from tetherfmu import Ground, MovingEnd, Tether, TetherDynamic, TetherDynamicFree, inputs_along
 from tetherfmu.console.colours import BLACK, BLUE, GREY, ORANGE
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
-FRICTION, LENGTH, SEGMENTS, STEP = 0.5, 60.0, 30, 0.02  # -, m, -, s
+FRICTION, LENGTH, SEGMENTS, STEP, GRAVITY = 0.5, 60.0, 30, 0.02, 9.81  # -, m, -, s, m/s2
 ABOVE, AT_LANDING, LANDED = (45.0, 0.0, 30.0), (57.0, 0.0, 0.0), 15.0  # kite [m], [m], after a time [s]
 SETTLED, WALK, SPEED, SPEED_UP = 20.0, 20.0, 1.0, 4.0  # until [s], for [s], at [m/s], which is reached within [s]
 MASS, SINKING, GRIP, REELING, REEL_TIME = 3.0, 1.6, 15.0, 0.5, 40.0  # kite [kg], [m/s], of its flight control [N s/m], ...
 WIND = (0.0, 1.5, 0.0)  # [m/s]
-GROUND = Environment(ground_contact="flat", ground_friction=FRICTION)
+GROUND = Ground(ground_contact="flat", ground_friction=FRICTION)
 TETHER = Tether(initial_length=LENGTH, segments=SEGMENTS)
-WEIGHT = TETHER.mass_per_meter * LENGTH * GROUND.gravity  # of the tether [N]
+WEIGHT = TETHER.mass_per_meter * LENGTH * GRAVITY  # of the tether [N]
 
 
 def ramp(u):
@@ -52,7 +52,7 @@ def walk(t):
 
 def land():
     """A kite on its path comes down and the tether lies down: the tether as it is then, and the flight, a `Flown`."""
-    tether = TetherDynamic(TETHER, GROUND)
+    tether = TetherDynamic(TETHER, ground=GROUND)
     tether.initialize(ABOVE, wind_velocity=WIND)
     return tether, tether.fly(inputs_along(round(SETTLED / STEP), STEP, MovingEnd(descent), wind_velocity=WIND), STEP)
 
@@ -64,7 +64,7 @@ def carried(flown):
 
 def drag(lying):
     """Walk away with the kite end of a tether that lies on the ground; the `Flown`."""
-    tether = TetherDynamic(TETHER, GROUND, free_ends=(True, False))
+    tether = TetherDynamic(TETHER, ground=GROUND, free_ends=(True, False))
     tether.initialize(positions=lying.positions, velocities=lying.velocities, wind_velocity=WIND)
     return tether.fly(inputs_along(round(WALK / STEP), STEP, MovingEnd(walk), wind_velocity=WIND), STEP)
 
@@ -74,11 +74,11 @@ def land_freely():
 
     Its control carries it and lets it sink along the way to `AT_LANDING`, until it touches the ground.
     """
-    tether = TetherDynamicFree(TETHER, GROUND, kite_mass=MASS)
+    tether = TetherDynamicFree(TETHER, ground=GROUND, kite_mass=MASS)
     found, rows = tether.initialize(ABOVE, wind_velocity=WIND), []
     glide = SINKING / ABOVE[2] * np.subtract(AT_LANDING, ABOVE)
     for t in STEP * np.arange(round((SETTLED + REEL_TIME) / STEP)):
-        control = (0.0, 0.0, MASS * GROUND.gravity) + GRIP * (glide * ramp(t / 3.0) - found.kite_velocity)
+        control = (0.0, 0.0, MASS * GRAVITY) + GRIP * (glide * ramp(t / 3.0) - found.kite_velocity)
         load = control if found.kite_position[2] > 0.0 else np.zeros(3)
         found = tether.step(STEP, kite_load=load, reel_out_speed=-REELING * ramp((t - SETTLED) / SPEED_UP))
         rows.append((t + STEP, found.kite_position[2], found.ground_tension, found.tether_length))
@@ -92,7 +92,7 @@ def expected_of_walk():
 
 def expected_of_reeling(length):
     """Pull at the winch that drags kite and tether [N], with so much tether paid out [m]."""
-    return FRICTION * (MASS * GROUND.gravity + WEIGHT * length / LENGTH * (1.0 - 0.5 / SEGMENTS))
+    return FRICTION * (MASS * GRAVITY + WEIGHT * length / LENGTH * (1.0 - 0.5 / SEGMENTS))
 
 
 def draw(landed, walked, reeled):

@@ -28,10 +28,9 @@ def lying(flown):
 
 def hanging(scene, flown):
     """Sentences on a tether that hangs below a ground without contact while both of its ends are above."""
-    environment = scene.environment
-    if environment.ground_contact == at.FLAT:
+    if scene.ground.ground_contact == at.FLAT:
         return
-    depth = environment.ground_height - flown.shape[..., 2]
+    depth = scene.ground.ground_height - flown.shape[..., 2]
     below = np.where((depth[:, [0, -1]] <= 0.0).all(axis=1), depth.max(axis=1), 0.0)
     if below.max() > UNDER:
         yield (

@@ -11,7 +11,7 @@ from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import factor, page, percent
-from tetherfmu.study.scenes.files import LEFT_OUT, OUTPUTS, RECORDS, Scene, load, spellings
+from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.standard import SEED, random_scenes
 
@@ -102,7 +102,7 @@ def declared():
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
     rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
     facts = {"thresholds": rows, "records": {"": Scene} | RECORDS, "flights": KINDS, "outputs": OUTPUTS}
-    facts |= {"left_out": LEFT_OUT, "names": NAMES, "seed": SEED, "budget": BUDGET, "fast_budget": FAST_BUDGET}
+    facts |= {"names": NAMES, "seed": SEED, "budget": BUDGET, "fast_budget": FAST_BUDGET}
     return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 
 

@@ -4,7 +4,7 @@ import hashlib
 import stat
 import sys
 import tomllib
-from dataclasses import dataclass, field, fields, make_dataclass, replace
+from dataclasses import dataclass, field, fields, make_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import pandas as pd
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.parameters import Environment, Tether, diameter_in_doubt
+from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Environment, Ground, Tether, diameter_in_doubt
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
@@ -64,19 +64,22 @@ class Wanted:
     __post_init__ = check
 
 
-def part_of(record, prefix):
-    """A record of the quantities of another one whose names begin with a prefix, which it leaves out."""
-    chosen = [each for each in fields(record) if each.name.startswith(prefix)]
-    copies = [field(default=each.default, metadata=each.metadata) for each in chosen]
-    found = [(each.name.removeprefix(prefix), each.type, copy) for each, copy in zip(chosen, copies, strict=True)]
-    return make_dataclass(prefix.rstrip("_").title(), found, frozen=True, namespace={"__post_init__": check})
+def without(prefix, record):
+    """A record like another one, the names of whose quantities all begin with a prefix, without it."""
+    copies = [(each, field(default=each.default, metadata=each.metadata)) for each in fields(record)]
+    named = [(each.name.removeprefix(prefix), each.type, copy) for each, copy in copies]
+    return make_dataclass(record.__name__, named, frozen=True, namespace={"__post_init__": check})
 
 
-GROUND = "ground_"  # begins the names of the quantities of an environment that have a table of their own
-Ground = part_of(Environment, GROUND)
-RECORDS = {"tether": Tether, "environment": Environment, "ground": Ground, "wind": Wind, "wanted": Wanted}  # by section
-# quantities that a table of a file does not have: the number of segments is advised, the ground has its own table
-LEFT_OUT = {"segments", *(GROUND + each.name for each in fields(Ground))}
+GROUND = "ground_"  # begins the names of the quantities of a `Ground`
+TABLE_OF_GROUND = without(GROUND, Ground)
+RECORDS = {  # of a scene, by section
+    "tether": Tether,
+    "environment": Environment,
+    "ground": TABLE_OF_GROUND,
+    "wind": Wind,
+    "wanted": Wanted,
+}
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,7 @@ class Scene:
     flight: Any = None
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
+    ground: Ground = field(default_factory=Ground)
     wind: Any = Wind()  # a function of times [s], at the reference height
     wanted: Wanted = Wanted()
     digest: str = ""
@@ -125,9 +129,9 @@ class Scene:
 
     def doubts_on_ground(self):
         """A sentence on a free end that begins under the ground, which would throw it out."""
-        ground = self.environment
+        ground = self.ground
         if self.flight.kite_is_free and ground.ground_contact == at.FLAT:
-            deep = ground.ground_height - self.flight.at_rest(self.tether, ground.gravity)[2]
+            deep = ground.ground_height - self.flight.at_rest(self.tether, self.environment.gravity)[2]
             if deep > max(UNDER, ground.ground_sink):
                 yield f"the free end begins {deep:.3g} m below ground.height; check tether.initial_length and flight.height"
 
@@ -199,7 +203,7 @@ def read(table, folder, name):
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
     records = {key: record(kind, table[key], key) if key in table else kind() for key, kind in RECORDS.items()}
-    records["environment"] = on_ground(records["environment"], records.pop("ground"))
+    records["ground"] = ground_of(records["ground"], records["environment"])
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
     records["wind"] = flight.wind or records["wind"]
@@ -216,12 +220,12 @@ def read(table, folder, name):
     )
 
 
-def on_ground(environment, ground):
-    """The environment with a ground; ValueError if they do not go together."""
-    try:
-        return replace(environment, **{GROUND + name: value for name, value in vars(ground).items()})
-    except ValueError as error:
-        raise ValueError(str(error).replace(GROUND, "ground.")) from None
+def ground_of(table, environment):
+    """The `Ground` of a table of a file; ValueError if it does not go with the environment."""
+    ground = Ground(**{GROUND + name: value for name, value in vars(table).items()})
+    if ground.ground_contact == at.FLAT and environment.gravity == 0.0:
+        raise ValueError(GROUND_WITHOUT_GRAVITY.replace(GROUND, "ground."))
+    return ground
 
 
 def require(table, section, known):
@@ -256,8 +260,8 @@ def read_flight(table, folder):
 
 
 def record(kind, table, section):
-    """A record from a table of a file; ValueError names the key."""
-    require(table, section, [item.name for item in fields(kind) if item.name not in LEFT_OUT])
+    """A record from a table of a file; ValueError names the key. The number of segments is no matter of a scene."""
+    require(table, section, [item.name for item in fields(kind) if item.name != "segments"])
     given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
     try:
         return kind(**given)

@@ -3,8 +3,8 @@
 A point is made from a seed and its number alone: the same point whatever the number of points. The path: a circle on the
 sphere around the ground station, whose radius follows the reeled length, so that slack stays.
 
-With ground, its height is below both ends wherever they are led; a tether with a free kite stands for those that ignore it.
-The kite begins on the circle and is then pulled along the tether by a constant force, or by none.
+With ground, its height is below both ends wherever they are led; a tether with a free kite stands for the straight one,
+which ignores it: the kite begins on the circle and is then pulled along the tether by a constant force, or by none.
 """
 
 from collections import namedtuple
@@ -21,7 +21,7 @@ MOST_REELED = 0.5  # of the length during a flight
 LONGEST_SEGMENT = 1000.0  # [m]
 VARIANTS = ("dynamic", "dynamic_fixed_step", "quasi_steady", "catenary", "straight")
 FREE = "dynamic_free"
-VARIANTS_ON_GROUND = ("dynamic", "dynamic_fixed_step", FREE, "quasi_steady")
+VARIANTS_ON_GROUND = ("dynamic", "dynamic_fixed_step", FREE, "quasi_steady", "catenary")
 EARTH = 9.81  # [m/s2] where there is ground but no gravity
 
 

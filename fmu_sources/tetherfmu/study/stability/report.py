@@ -23,7 +23,7 @@ from .points import VARIANTS, VARIANTS_ON_GROUND, MapPoint, point
 QUICK = 60  # points
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
 WORST = QUANTITIES.worst.dropna().to_dict()
-ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, STATIC[0]), strict=True))  # names for people
+ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, *STATIC[:2]), strict=True))  # names for people
 OVER = dict(zip(VARIANTS, (*DYNAMIC, *STATIC), strict=True))
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
 REGIONS = QUANTITIES.dropna(subset="bands")
