@@ -237,7 +237,7 @@ def parse(arguments, prog, about):
     option = parser.add_argument
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)")
     option("--show", action="store_true", help="open figure and animation in windows")
-    option("--animate", action="store_true", help="write the animation as GIF (of 05, 06, 08 and 11)")
+    option("--animate", action="store_true", help="write the animation as GIF (of 05, 06, 08, 11 and 12)")
     option("--save-frames", action="store_true", help="write the animation as HTML page with its frames in a folder")
     return parser.parse_args(arguments)
 

@@ -107,7 +107,7 @@ def test_fast_command_tells_what_to_use(tmp_path, capsys):
 
 
 def test_a_number_is_a_reason_only_beyond_its_limit():
-    """Else it says what came of the flights: without ground the landing can be flown with a catenary; two segments cost less."""
+    """Else it says what came of the flights: a catenary can do without ground, but two segments cost less."""
     landing = replace(load(SCENES / "landing.toml"), ground=Ground())
     asked = replace(landing, wanted=replace(landing.wanted, allowed_error=0.1))
     said = explain(asked, advise(asked, FAST_BUDGET))
@@ -130,7 +130,7 @@ def test_the_advice_says_how_much_lies_on_the_ground():
 
 
 def test_the_advice_says_how_far_a_tether_hangs_below_the_ground():
-    """Without contact; at most the sag of a parabola of 76 m over 70 m, sqrt(3/8 s d). Said once, not in the kernel's words, too."""
+    """Without contact; at most the sag of a parabola of 76 m over 70 m, sqrt(3/8 s d). It is said once."""
     landing = replace(load(SCENES / "landing.toml"), ground=Ground())
     said = explain(landing, advise(landing, FAST_BUDGET))
     (depth,) = re.findall(r"hangs up to (\S+) m below ground.height", said)
