@@ -1,8 +1,8 @@
 """What does a tether do that falls on the ground, and how hard is it to drag it away?
 
-20 m of tether are held straight, 2 m above the ground. One end is let go, and it falls: with `ground_contact="flat"` a ground
-carries what reaches it, and nothing bounces. Then the other end is laid down, and pulls the tether over the ground at 1 m/s,
-against the friction mu m g. Half a segment stays in the hand that pulls. What falls into folds must not push:
+20 m of tether are held straight, 2 m above the ground. One end is let go, and it falls; with `ground_contact="flat"` the
+ground carries what reaches it, and nothing bounces. Then the other end is laid down, and drags the tether at 1 m/s, against
+the friction mu m g. Half a segment stays in the hand that pulls. What falls into folds must not push:
 `slack_stiffness_ratio` and `slack_damping_ratio` are 0.
 """
 
