@@ -83,6 +83,15 @@ driven back. It starts with `initial_length` and `reel_out_speed`; `winch_force`
 linearly within a step as the reel-out speed does. Only a drum with mass can push the tether out: without mass `winch_force`
 must be at least minus `winch_friction`.
 
+## The ground
+
+Without more, a tether hangs wherever its weight takes it, also below the station. With `ground_contact` = 2 (flat) it lies
+on a plane at `ground_height`, with the friction `ground_friction`; a free kite lands on it with its mass. At rest a tether
+sinks `ground_sink` deep, which sets how hard the ground is; the catenary has a rigid one, and the straight line ignores it.
+`grounded_length` says how much of the tether lies there. The ends are where the inputs say, also below the ground, and no
+force of the ground is in their forces: what it carries is missing from them. A tether that hangs below `ground_height`
+without ground contact, both ends above it, says so once. The equations: [Ground](../models/theory.md#ground).
+
 ## Coupling by force
 
 A kite model that integrates its motion from `kite_force` gets it one step late, which is destabilizing along a taut tether

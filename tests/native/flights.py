@@ -64,6 +64,9 @@ MISUSES = (  # start values, values of a step, its size
     ({"winch_control": 2, "initial_length": 490.0}, {"winch_force": 1e9}, STEP),
     ({"winch_control": 2, "winch_mass": 1e-3, "initial_length": 700.0}, {"winch_force": 2e3}, 0.1),
     ({"winch_control": 3, "initial_length": 551.3}, {}, STEP),
+    ({"ground_contact": 2, "gravity": 0.0}, {}, STEP),
+    ({"ground_sink": 1e-7}, {}, STEP),
+    ({"initial_length": 560.0}, {}, STEP),
 )
 
 

@@ -35,8 +35,9 @@ POINTS, WEIGHTS = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS  # on 0 .. 1
 
 def held(tether, ground, kite, friction=0.0, wind=(0.0, 0.0, 0.0), height=0.0, points=0, model=TetherCatenary):
     """Outputs of a tether that lies on a ground at a height [m] between two ends [m]."""
-    air = Environment(ground_contact="flat", ground_friction=friction, ground_height=height)
-    return model(tether, air, shape_points=points).initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
+    place = {"ground_contact": "flat", "ground_friction": friction, "ground_height": height}
+    started = model(tether, **place, shape_points=points)
+    return started.initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
 
 
 def of_case(case):

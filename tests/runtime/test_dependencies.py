@@ -29,10 +29,10 @@ SCENE = {  # nothing at zero, nothing along an axis, all that a wind profile rea
 }
 # taut; 2 mm less than the distance of the ends, 499.418 m, and more; slack
 LENGTHS = (495.0, 499.416, 499.5, 520.0)
-ON_GROUND = {"ground_contact": 2, "ground_height": 3.0, "ground_friction": 0.2, "longest_length": 0.0}
-LENGTHS_ON_GROUND = (630.0, 650.0, 700.0)  # the tether touches it
+ON_GROUND = {"ground_contact": 2, "ground_friction": 0.2, "longest_length": 0.0}
+LENGTHS_ON_GROUND = (630.0, 650.0, 700.0, 800.0)  # the tether touches it, of chains the last one
 SHAPES, LAWS = (1, 2, 3), (1, 2)
-STEADY = ("ground_elevation", "ground_azimuth", "sag", "shape")
+STEADY = ("ground_elevation", "ground_azimuth", "sag", "shape", "grounded_length")
 CHAINS = ("TetherQuasiSteady", "TetherDynamic", "TetherDynamicFree")
 
 
@@ -106,16 +106,12 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     for length in LENGTHS:
         host.set(winch_length=length)
         seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)
-    host.set(winch_control=1, initial_length=520.0, ground_contact=2, ground_height=5.0)  # part of it lies on the ground
-    for shape in SHAPES:
-        host.set(initial_shape=shape)
-        seen |= see_dependencies(host, knowns, outputs)
-    host.set(initial_shape=1, ground_contact=1)
     host.set(winch_control=2, initial_length=505.0, longest_length=600.0)  # a winch with its length between two stops
     seen |= see_dependencies(host, knowns, outputs)
     host.set(**ON_GROUND)
-    for length, control in product(LENGTHS_ON_GROUND, (1, 3)):
-        host.set(initial_length=length, winch_length=length + 5.0, winch_control=control)
+    for length, control, shape in product(LENGTHS_ON_GROUND, (1, 3), (1, 2)):
+        host.set(ground_height=4.9 if length == LENGTHS_ON_GROUND[-1] else 3.0)
+        host.set(initial_shape=shape, initial_length=length, winch_length=length + 5.0, winch_control=control)
         seen |= see_dependencies(host, knowns, outputs)
     assert not seen - declared, sorted(seen - declared)
     unseen = sorted(pair for pair in declared - seen if not not_seen(fmu, *pair))
