@@ -52,7 +52,7 @@ def lesson():
     below.set(xlabel="time [s]", ylabel="pull [N]", ylim=(0.0, 3.0), title="Dragged: dashed is friction times weight")
     above.set(ylabel="height [m]", xlabel="")
     answer = f"with friction 0.5 it takes {simulate(0.5)[1][-1]:.3f} N to drag it, by the formula {sliding(0.5):.3f} N"
-    return Lesson(answer, figure, DURATION, seconds, Movie(positions, "Falling, then dragged"))
+    return Lesson(answer, figure, DURATION, seconds, Movie(positions, "Falling, then dragged", ground=0.0))
 
 
 main = command_line(lesson)
