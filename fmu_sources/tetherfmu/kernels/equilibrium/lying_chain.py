@@ -5,8 +5,8 @@ node sink to where it hangs, the last the ground itself. Each equilibrium is the
 
 A chain that is longer than its ends' heights and their horizontal distance together has no tension where it lies, and any
 curve on the ground is an equilibrium: the continuation then ends in a chain in compression, or nowhere. `pile` puts one of
-these equilibria together, and pseudo-transient continuation adapts it to the wind. Such a pile does not turn with the kite,
-and its friction holds it where it was put. Source: docs/models/numerics.md, "Initial shape".
+these equilibria together, and load continuation adapts it to the wind. Such a pile does not turn with the kite, and its
+friction holds it where it was put. Source: docs/models/numerics.md, "Initial shape".
 """
 
 from math import pi, sqrt
@@ -19,7 +19,7 @@ from ..equations import segment
 from ..equations.ground import softer
 from ..equations.properties import property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
-from . import newton
+from . import load_continuation, newton
 from .rigid_body import Body, spring
 
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor from one stiffness of the ground to the next
@@ -118,21 +118,31 @@ def by_piling(body, w):
     """From the first guess of a chain with too much length: (found, iterations)."""
     if not pile(body, w):
         return False, 0
-    copy(body.x, w.kept)
-    still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.kept, True)
-    return newton.relax(still, False, True, weight_of(body, w) / body.chain.length, w)
+    copy(body.x, w.anchor)
+    still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.anchor, True)
+    ground, kite = get(body.v, 0), get(body.v, body.chain.n)
+    load_continuation.put_end_velocities(body, load_continuation.LOWEST, ground, kite)
+    calm = load_continuation.at_level(still, load_continuation.LOWEST)
+    found, iterations = newton.relax(calm, False, True, weight_of(body, w) / body.chain.length, w)
+    if found:
+        reached, more = load_continuation.raise_level(still, load_continuation.LOWEST, ground, kite, w)
+        found, iterations = reached == 1.0, iterations + more
+    load_continuation.put_end_velocities(body, 1.0, ground, kite)
+    return found, iterations
 
 
 @kernel
 def find(body, hangs, w):
     """An equilibrium on the ground: (found, Newton iterations); hangs : whether the body has that without ground."""
-    iterations = 0
-    if hangs:
-        found, iterations = by_ground_continuation(body, w)
-        if found and not is_pressed(body, w):
-            return True, iterations
-    found, more = by_piling(body, w)
-    return found, iterations + more
+    copy(body.x, w.hung)
+    copy(w.tension, w.hung_tension)
+    found, iterations = by_piling(body, w)
+    if found or not hangs:
+        return found, iterations
+    copy(w.hung, body.x)
+    copy(w.hung_tension, w.tension)
+    found, more = by_ground_continuation(body, w)
+    return found and not is_pressed(body, w), iterations + more
 
 
 @kernel

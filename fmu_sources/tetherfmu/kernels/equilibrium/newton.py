@@ -25,7 +25,7 @@ from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import node_arrays, parameters_size, shared_arrays, shared_size
+from ..arrays import behind, node_arrays, parameters_size, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
 from ..equations.ground import carries
@@ -52,13 +52,15 @@ LEAST_ON_GROUND = 1e-6  # the same, at least, on the ground: a chain without ten
 
 Workspace = namedtuple(
     "Workspace",
-    "load force move offset share tension aim change kept kept_tension parameters matrix response transfer records mass",
+    "load force move offset share tension aim change kept kept_tension hung hung_tension anchor parameters "
+    "matrix response transfer records mass",
 )
 Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
 
 load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
 kept, kept_tension : an equilibrium to continue from, positions [m] and tensions [N], n.
+hung, hung_tension : the same without ground.  anchor : where friction holds the nodes of a pile [m].
 parameters : of the chain in other air, see `arrays.parameters_size`.
 response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
 blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
@@ -68,7 +70,7 @@ blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 7 * 3 * (n + 1) + n + parameters_size(n)
+    return shared_size(n) + 9 * 3 * (n + 1) + 2 * n + parameters_size(n)
 
 
 @view
@@ -78,10 +80,12 @@ def workspace(n, work):
     load, force, move, offset, share, tensions, room = node_arrays(n, room)
     matrix = block_tridiagonal.Matrix(*blocks)
     three = part(tensions, 0, n), part(tensions, n, n), part(tensions, 2 * n, n)
-    kept = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), n)
-    other = part(room, 3 * (n + 1) + n, parameters_size(n))
+    flat = 3 * (n + 1)
+    kept, room = (part(room, 0, flat), part(room, flat, n)), behind(flat + n, room)
+    hung, room = (part(room, 0, flat), part(room, flat, n)), behind(flat + n, room)
+    anchor, other = part(room, 0, flat), part(room, flat, parameters_size(n))
     blocks = matrix, matrix.diagonal, matrix.lower
-    return Workspace(load, force, move, offset, share, *three, *kept, other, *blocks, records, mass)
+    return Workspace(load, force, move, offset, share, *three, *kept, *hung, anchor, other, *blocks, records, mass)
 
 
 @kernel
