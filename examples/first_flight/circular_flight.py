@@ -18,6 +18,7 @@ the jolt, 274 N at the ground in still air instead of 46 N, is damped out within
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -34,6 +35,7 @@ from shared.fmu_tools import find_fmu, running, variables_of
 
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
+FLAT, STATION = 2, 0.0  # `ground_contact`, height of the ground with it [m]
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
@@ -81,11 +83,14 @@ def co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed):
     return np.array(rows), perf_counter() - started
 
 
-def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady"):
+def fly(
+    fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady", *, ground=False
+):
     """Fly the circle with a tether FMU; returns the `Flight`.
 
     length [m] : of the tether, unstretched.  rate [rad/s] : of the turn.  wind [m/s].  step [s] : communication step.
     duration [s] : None for one turn.  start : a key of `STARTS`, how the tether is at the start.
+    ground : whether a flat ground at the height of the ground station carries the tether.
     """
     duration = duration or 2.0 * np.pi / rate
     count = round(duration / step)
@@ -96,8 +101,10 @@ def fly(fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, dura
     references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        fmu.setReal(variables.of("initial_length", "ground_height"), [length, GROUND])
+        fmu.setReal(variables.of("initial_length", "ground_height"), [length, STATION if ground else GROUND])
         fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
+        if ground:
+            fmu.setInteger(variables.of("ground_contact"), [FLAT])
         fmu.enterInitializationMode()
         if any(wind):
             fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays
@@ -172,6 +179,7 @@ def parse(arguments, prog):
     option(
         "--start", choices=STARTS, default="quasi_steady", help="shape of the tether at the start (default: quasi_steady)"
     )
+    option("--ground", action="store_true", help="a flat ground at the height of the ground station carries the tether")
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
     return parser.parse_args(arguments)
@@ -186,14 +194,21 @@ def report_missing(fmu_file, flight, html):
         print(f"{fmu_file} has no output {' and no '.join(missing)}: not shown", file=sys.stderr)
 
 
-def write_figures(flights, folder):
-    """Write three figures to a folder; returns their paths, none if matplotlib is missing."""
+def write_figures(flights, folder, ground=None):
+    """Write three figures to a folder; returns their paths, none if matplotlib is missing.
+
+    ground : its height [m], where there is one.
+    """
     try:
         from shared.flight_figures import plot_first_shape, plot_forces, plot_shapes
     except ImportError:
         print("no figures: they need matplotlib (pip install matplotlib)", file=sys.stderr)
         return []
-    drawn = {"first_shape": plot_first_shape, "forces": plot_forces, "shapes": plot_shapes}
+    drawn = {
+        "first_shape": partial(plot_first_shape, ground=ground),
+        "forces": plot_forces,
+        "shapes": partial(plot_shapes, ground=ground),
+    }
     if any(flight.shape is None for flight in flights.values()):
         del drawn["first_shape"], drawn["shapes"]
     if all(flight.kite_force is None and flight.ground_force is None for flight in flights.values()):
@@ -214,16 +229,18 @@ def main(arguments=None, prog=None):
     flights = {}
     for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
         now(f"flying {fmu_file}")
-        flight = fly(fmu_file, given.length, given.rate, given.wind, given.step, given.duration, given.start)
+        scene = given.length, given.rate, given.wind, given.step, given.duration, given.start
+        flight = fly(fmu_file, *scene, ground=given.ground)
         report_missing(fmu_file, flight, given.html)
         flights[fmu_file.stem] = flight
         print(summary(fmu_file.stem, flight))
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")
-    written = write_figures(flights, given.out)
+    ground = STATION if given.ground else None
+    written = write_figures(flights, given.out, ground)
     if given.html:
         written.append(given.out / "circular_flight.html")
-        write_page(flights, written[-1], next(iter(flights.values())).shape[:, -1])
+        write_page(flights, written[-1], next(iter(flights.values())).shape[:, -1], ground=ground)
     for path in written:
         print(path)
 

@@ -10,7 +10,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from tetherfmu.console.colours import BLACK, COMPONENTS, coloured
+from tetherfmu.console.colours import BLACK, COMPONENTS, GROUND, coloured
 
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
 
@@ -26,8 +26,22 @@ def label_ends(axes, labels):
         axes.text(1.01, place, text, color=colour, transform=axes.transAxes, va="center", fontsize=9)
 
 
-def plot_first_shape(flights):
-    """Side view of the tether at the start, in the vertical plane through ground station and kite."""
+def draw_ground(axes, height):
+    """The ground in a side view: a line at its height [m], with its name for the legend."""
+    axes.axhline(height, color=GROUND, linewidth=2.5, label="ground", zorder=0.5)
+
+
+def draw_ground_in_space(axes, height):
+    """The ground in space: a plane at its height [m] across the limits of the axes."""
+    x, y = np.meshgrid(axes.get_xlim(), axes.get_ylim())
+    axes.plot_surface(x, y, np.full_like(x, height), color=GROUND, alpha=0.25, label="ground", zorder=0.5)
+
+
+def plot_first_shape(flights, ground=None):
+    """Side view of the tether at the start, in the vertical plane through ground station and kite.
+
+    ground : its height [m]; None: there is none.
+    """
     figure, axes = plt.subplots(figsize=(9.0, 4.3), layout="constrained")
     for name, flight, colour in coloured(flights):
         shape = flight.shape[0] - flight.shape[0, 0]
@@ -37,6 +51,8 @@ def plot_first_shape(flights):
     axes.plot(*ends, color="gray", linewidth=0.8, label="chord")
     axes.plot(ends[0][0], ends[1][0], "s", color=BLACK, markersize=9)
     axes.plot(ends[0][1], ends[1][1], "D", color=BLACK, markersize=9)
+    if ground is not None:
+        draw_ground(axes, ground - flight.shape[0, 0, 2])
     axes.annotate("ground station", (ends[0][0], ends[1][0]), (10, -14), textcoords="offset points")
     axes.annotate("kite", (ends[0][1], ends[1][1]), (-10, 2), textcoords="offset points", ha="right")
     axes.set(title="Shape of the tether at the start, side view", xlabel="horizontal distance [m]", ylabel="height [m]")
@@ -117,14 +133,19 @@ def plot_forces(flights):
     return figure
 
 
-def draw_shapes(axes, flights, count, colours):
-    """`count` shapes of each tether in space, with the path of the kite; colours : of times, for a single flight."""
+def draw_shapes(axes, flights, count, colours, ground=None):
+    """`count` shapes of each tether in space, with the path of the kite; colours : of times, for a single flight.
+
+    ground : its height [m]; None: there is none.
+    """
     for name, flight, own in coloured(flights):
         for k in np.linspace(0, len(flight.time) - 1, count, endpoint=False).astype(int):
             colour = colours.to_rgba(flight.time[k]) if len(flights) == 1 else own
             axes.plot(*flight.shape[k].T, color=colour, linewidth=1.2, label=name if k == 0 and len(flights) > 1 else None)
     axes.plot(*flight.shape[:, -1].T, color=BLACK, linewidth=1.8, label="path of the kite")
     axes.plot(*flight.shape[0, :1].T, "s", color=BLACK, label="ground station")
+    if ground is not None:
+        draw_ground_in_space(axes, ground)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_box_aspect([np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())], zoom=1.15)
     axes.locator_params(axis="x", nbins=4)
@@ -137,12 +158,15 @@ def times_of(flights):
     return plt.cm.ScalarMappable(plt.Normalize(0.0, latest), cmap="viridis")
 
 
-def plot_shapes(flights, count=20):
-    """`count` shapes of the tether in space; coloured by time, or, a third as many, by tether if there are several."""
+def plot_shapes(flights, count=20, ground=None):
+    """`count` shapes of the tether in space; coloured by time, or, a third as many, by tether if there are several.
+
+    ground : its height [m]; None: there is none.
+    """
     figure = plt.figure(figsize=(9.0, 6.0), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     colours = times_of(flights)
-    draw_shapes(axes, flights, count if len(flights) == 1 else max(1, count // 3), colours)
+    draw_shapes(axes, flights, count if len(flights) == 1 else max(1, count // 3), colours, ground)
     axes.set_title("Tether along the flight")
     axes.legend(loc="upper left")
     if len(flights) == 1:

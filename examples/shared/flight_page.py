@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import plotly.graph_objects as go
 
-from tetherfmu.console.colours import BLACK, GREY, coloured
+from tetherfmu.console.colours import BLACK, GREY, GROUND, coloured
 
 ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
@@ -68,6 +68,14 @@ def scene(points):
     return {"aspectmode": "data", "camera": {"eye": EYE, "center": {"x": 0.0, "y": 0.0, "z": -0.15}}, **axes}
 
 
+def plane(axes, height):
+    """The ground: a plane across the axes of a `scene`, at a height [m]."""
+    (west, east), (south, north) = (axes[f"{axis}axis"]["range"] for axis in "xy")
+    corners = {"x": [west, east, east, west], "y": [south, south, north, north], "z": [height] * 4}
+    looks = {"color": GROUND, "opacity": 0.35, "showlegend": True, "hoverinfo": "skip"}
+    return go.Mesh3d(**corners, i=[0, 0], j=[1, 2], k=[2, 3], name="ground", **looks)
+
+
 def moment(flights, k, scale):
     """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows."""
     drawn = []
@@ -108,11 +116,12 @@ def some_of(number, most):
     return np.linspace(0, number - 1, min(number, most)).astype(int)
 
 
-def write_page(flights, file, path, count=100, title="Tether of a kite that flies a circle"):
+def write_page(flights, file, path, count=100, title="Tether of a kite that flies a circle", ground=None):
     """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
 
     flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`; `kite_force` and `ground_force`
-    are drawn as arrows where they are known.  path : array (n, 3), flown by the kite [m]
+    are drawn as arrows where they are known.  path : array (n, 3), flown by the kite [m].  ground : its height
+    [m]; None: there is none.
     """
     first = next(iter(flights.values()))
     moments = some_of(len(first.time), count)
@@ -120,10 +129,13 @@ def write_page(flights, file, path, count=100, title="Tether of a kite that flie
     points = np.concatenate([path, *(np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values())])
     scale = scale_of(flights, points)
     frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale)) for k in moments]
-    page = go.Figure([*frames[0].data, line(path, "path of the kite", "lines", GREY)], frames=frames)
+    axes, still = scene(points), [line(path, "path of the kite", "lines", GREY)]
+    if ground is not None:
+        still.append(plane(axes, ground))
+    page = go.Figure([*frames[0].data, *still], frames=frames)
     margin = {"l": 20, "r": 20, "t": 30, "b": 110}
     legend = {"x": 0.01, "y": 0.99, "bgcolor": "rgba(255, 255, 255, 0.7)"}
-    page.update_layout(scene=scene(points), margin=margin, legend=legend, showlegend=True, **controls(frames))
+    page.update_layout(scene=axes, margin=margin, legend=legend, showlegend=True, **controls(frames))
     config = {"displaylogo": False, "responsive": True, "showSendToCloud": False}
     whole = {"include_plotlyjs": True, "auto_play": False, "post_script": STEP_BACK, "default_height": "100%"}
     drawn = page.to_html(config, full_html=False, **whole)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu import PlausibilityWarning
-from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
+from tetherfmu.console.colours import BLACK, COLOUR, GROUND, SKY_BLUE
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
@@ -56,6 +56,7 @@ class Movie(NamedTuple):
     title: str
     in_space: bool = False  # otherwise from the side: x and z
     speed: float = 1.0  # times real time
+    ground: float | None = None  # its height [m], in a view from the side
 
 
 class Lesson(NamedTuple):
@@ -195,6 +196,8 @@ def animation(movie):
     limits = dict(zip(("xlim", "ylim", "zlim"), zip(low - margin, high + margin, strict=True), strict=False))
     axes.set(**limits, **dict(zip(("xlabel", "ylabel", "zlabel"), [f"{'xyz'[i]} [m]" for i in axis], strict=False)))
     axes.set_aspect("equal")
+    if movie.ground is not None:
+        axes.axhline(movie.ground, color=GROUND, linewidth=2.5, zorder=0.5)
     (way,) = axes.plot(*points[0, :, -1:], color="lightgray")
     (chain,) = axes.plot(*points[0], "o-", color="black", markersize=4)
 
@@ -237,7 +240,7 @@ def parse(arguments, prog, about):
     option = parser.add_argument
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)")
     option("--show", action="store_true", help="open figure and animation in windows")
-    option("--animate", action="store_true", help="write the animation as GIF (of 05, 06, 08 and 11)")
+    option("--animate", action="store_true", help="write the animation as GIF (of 05, 06, 08, 11 and 12)")
     option("--save-frames", action="store_true", help="write the animation as HTML page with its frames in a folder")
     return parser.parse_args(arguments)
 

@@ -9,7 +9,7 @@ import numpy as np
 from lessons import STEP, TALL, Lesson, command_line, curve, plt, tidy
 from tether_11 import draw_shapes
 
-from first_flight.circular_flight import circle
+from first_flight.circular_flight import GROUND, circle
 from tetherfmu import MovingEnd, TetherDynamic, TetherQuasiSteady, inputs_along
 from tetherfmu.console.colours import COLOUR
 
@@ -19,7 +19,7 @@ KITE = MovingEnd(lambda time: circle(time, RATE)[0], lambda time: circle(time, R
 
 def fly(model, every=1):
     """One turn, a `Flown` with a row for each `every` communication steps."""
-    tether = model(initial_length=LENGTH, initial_shape="quasi_steady", ground_height=-100.0)
+    tether = model(initial_length=LENGTH, initial_shape="quasi_steady", ground_height=GROUND)
     tether.initialize(*KITE.at(0.0))
     return tether.fly(inputs_along(STEPS, STEP, kite=KITE), STEP, every)
 

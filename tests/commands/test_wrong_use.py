@@ -143,6 +143,8 @@ WRONG = [  # what is typed, status, what must be said
     ("power_system.pumping_cycle --master newton", 2, ("--master", "'newton'", "gauss_seidel")),
     ("power_system.winch_inside --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("cranes.hoisting 7", 2, ("unrecognized arguments: 7",)),
+    ("cranes.set_down --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("ground.landing 7", 2, ("unrecognized arguments: 7",)),
     ("cranes.constant_tension --out ''", 2, ("--out", "''", "is no folder")),
 ]
 

@@ -38,6 +38,31 @@ def test_prints_one_line_and_writes_three_figures(fmu_folder, tmp_path):
 
 
 @pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
+def test_a_ground_carries_the_tether_and_is_drawn(fmu_folder, tmp_path):
+    """A tether of 560 m lies on the ground, which has its place in the page and in both side views, and nowhere else."""
+    code = f"""
+from first_flight import circular_flight
+from shared import flight_figures, flight_page
+deepest = []
+for ground in (None, circular_flight.STATION):
+    flight = circular_flight.fly({str(fmu_folder / "TetherDynamic.fmu")!r}, 560.0, duration=0.2, ground=ground is not None)
+    deepest.append(flight.shape[..., 2].min())
+    drawn = [flight_figures.plot_first_shape({{"one": flight}}, ground)]
+    drawn += [flight_figures.plot_shapes({{"one": flight}}, 3, ground)]
+    named = [label for each in drawn for label in each.axes[0].get_legend_handles_labels()[1]]
+    assert named.count("ground") == (2 if ground is not None else 0), named
+    flight_page.write_page({{"one": flight}}, {str(tmp_path)!r} + f"/{{ground}}.html", flight.shape[:, -1], 2, ground=ground)
+assert deepest[0] < -10.0 and -0.01 < deepest[1] < 0.0, deepest
+"""
+    done = run_code(code)
+    assert done.returncode == 0, done.stderr
+    off, on = ((tmp_path / f"{ground}.html").read_text(encoding="utf-8") for ground in (None, 0.0))
+    drawn = re.compile(r'"name":"ground","opacity"')
+    assert len(drawn.findall(on)) == 1
+    assert not drawn.search(off)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
 def test_writes_a_self_contained_page(fmu_folder, tmp_path):
     done = run_example(fmu_folder, tmp_path, "--html")
     assert done.returncode == 0, done.stderr

@@ -9,7 +9,7 @@ from running import EXAMPLES, assert_is_drawn, run_python
 
 sys.path.append(str(EXAMPLES))
 
-from cranes import constant_tension, hoisting
+from cranes import constant_tension, hoisting, set_down
 
 GRAVITY, WIRE = 9.81, hoisting.WIRE
 
@@ -79,14 +79,43 @@ def test_the_tension_is_that_of_a_load_on_a_spring(hoisted):
     assert np.abs(torque).max() < hoisting.TORQUE
 
 
+@pytest.mark.parametrize("speed", set_down.SPEEDS)
+def test_taking_up_a_load_pulls_as_a_mass_on_a_spring(speed):
+    """Off by the wave in the wire at most; and by 1 %, damping for a quarter of a period: exp(-0.01 pi/2) = 0.984."""
+    time, height, tension, _ = set_down.fly(speed)
+    lifted = time > set_down.TAKE_UP
+    bounce = speed * np.sqrt(set_down.STIFFNESS * set_down.LOAD)
+    assert tension[lifted].max() == pytest.approx(set_down.expected(speed), abs=set_down.wave(speed) + 0.016 * bounce)
+    assert tension[~lifted].max() < 1.1 * (set_down.WEIGHT + set_down.OF_WIRE)  # starts to sink with 0.5 m/s2, twice that
+    assert height[lifted][-1] > 0.1
+
+
+def test_the_deck_carries_the_load():
+    """All of it, with a segment of wire that still sways; 2 mm deep, the depth at rest."""
+    time, height, _, carried = set_down.fly(0.1)
+    standing = (time > 9.0) & (time < set_down.TAKE_UP)
+    np.testing.assert_allclose(carried[standing], set_down.WEIGHT, atol=set_down.OF_WIRE / set_down.SEGMENTS)
+    np.testing.assert_allclose(height[standing], -set_down.DECK.ground_sink, atol=1e-4)
+    # after the impact at 0.25 m/s: a z^2/2 = v z/c, c = 2/sqrt(g s), so z <= sqrt(v s sqrt(s/g))
+    depth = np.sqrt(set_down.LOWERING * 0.002 * np.sqrt(0.002 / GRAVITY))
+    assert -height.min() < 0.002 + 1.2 * depth  # the load bounces on its wire, too
+
+
 @pytest.mark.parametrize(
-    ("name", "words"), [("constant_tension", "no drum: at most 20000 N"), ("hoisting", "turns at 0 m/s")]
+    ("name", "words"),
+    [
+        ("constant_tension", "no drum: at most 20000 N"),
+        ("hoisting", "turns at 0 m/s"),
+        ("set_down", "of load and wire"),
+    ],
 )
 def test_prints_and_draws(tmp_path, name, words):
     done = run_python(EXAMPLES / "cranes" / f"{name}.py", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert words in done.stdout
     page = (EXAMPLES.parent / "docs" / "use" / "cranes_and_drones.md").read_text(encoding="utf-8")
+    for line in re.findall(r"at (\S+ m/s): at most (\d+ N), by the formula (\d+ N) \+- (\d+ N)", done.stdout):
+        assert "| {} | {} | {} ± {} |".format(*line) in page
     for number in re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", done.stdout):
         assert "".join(number) in page
     assert_is_drawn(tmp_path / f"{name}.png")

@@ -16,7 +16,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 MOST_WORK = 200_000  # evaluations and steps of a lesson: with 15 microseconds for each from Python, three seconds
 MOST_SIMULATED = 130.0  # seconds: 6500 rows of 20 ms to compute and to draw
 LEAST_LINES, MOST_LINES = 20, 60  # of its file: what a newcomer reads at a sitting
-MOVING = ("05", "06", "08", "11")  # lessons with an animation
+MOVING = ("05", "06", "08", "11", "12")  # lessons with an animation
 LINE = re.compile(r"^(\w+): .+; ([\d.e+-]+) s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
 NAMES = list(lessons())
 COSTS = [
@@ -25,7 +25,7 @@ COSTS = [
 ]
 
 
-@pytest.mark.parametrize("names", [NAMES[:8], NAMES[8:15], NAMES[15:]], ids=["01 to 06", "06b to 11", "quasi-steady"])
+@pytest.mark.parametrize("names", [NAMES[:8], NAMES[8:16], NAMES[16:]], ids=["01 to 06", "06b to 12", "quasi-steady"])
 def test_each_lesson_runs(fmu_folder, tmp_path, names):
     """Some in one process."""
     code = f"""
@@ -74,8 +74,8 @@ def test_the_list_has_each_lesson_with_its_question(capsys):
     assert [line.split()[0] for line in questions] == NAMES
     assert all(re.search(r"[?.]$", line) for line in questions)
     assert "tetherfmu[examples]" in last
-    numbers = "01 02 03 03b 03c 04 05 06 06b 06c 07 08 09 10 11"
-    assert NAMES[:15] == numbers.split()
+    numbers = "01 02 03 03b 03c 04 05 06 06b 06c 07 08 09 10 11 12"
+    assert NAMES[:16] == numbers.split()
 
 
 def test_some_lessons_move(fmu_folder):

@@ -23,6 +23,8 @@ COLOUR = {each.name: PALETTE[each.colour] for each in TABLE}
 COMPONENTS = {"x": SKY_BLUE, "y": "#332288", "z": "#999933", "magnitude": BLACK}
 #: colour of what a variant is compared with: a formula, a peer, an experiment
 REFERENCE = GREY
+#: colour of the ground under a tether
+GROUND = "#8C6D46"
 OF_FMUS = {class_name(variant): colour for variant, colour in COLOUR.items()}
 OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE)
 

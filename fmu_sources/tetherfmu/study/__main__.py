@@ -50,9 +50,14 @@ def add_limits_and_costs(added):
     option("--seed", type=number(0, whole=True), default=1, metavar="SEED", help="seed of the random points (default: 1)")
     about = "what the winch is told (default: speed)"
     option("--control", choices=("speed", "force", "length"), default="speed", metavar="CONTROL", help=about)
+    option(
+        "--ground",
+        action="store_true",
+        help="with a ground, and free kites instead of the straight tethers, which ignore it",
+    )
     about = "folder for measurements/, data/ and figures/ (default: docs)"
     option("--out", type=folder, default=DOCS, metavar="DIR", help=about)
-    about = "file of finished points (default: stability_SEED.jsonl or stability_SEED_CONTROL.jsonl in the folder of --out)"
+    about = "file of finished points (default: stability_SEED.jsonl, _CONTROL and _ground added, in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
     about = "file of finished points of another version, to compare with"
     option("--before", type=file, metavar="FILE", help=about)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.runtime.parameters import Ground
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.advise import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, finer_model
 from tetherfmu.study.advice.page import asking
@@ -106,11 +107,40 @@ def test_fast_command_tells_what_to_use(tmp_path, capsys):
 
 
 def test_a_number_is_a_reason_only_beyond_its_limit():
-    """Else it says what came of the flights: the landing can be flown with a catenary, but two segments cost less."""
-    landing = load(SCENES / "landing.toml")
+    """Else it says what came of the flights: a catenary can do without ground, but two segments cost less."""
+    landing = replace(load(SCENES / "landing.toml"), ground=Ground())
     asked = replace(landing, wanted=replace(landing.wanted, allowed_error=0.1))
     said = explain(asked, advise(asked, FAST_BUDGET))
     found = re.findall(r" is ([\d.e-]+); it makes it wrong by 10 % from ([\d.e-]+) on", said)
     assert found
     assert all(float(number) >= float(limit) for number, limit in found)
     assert "catenary: it does, too, but costs more" in said
+
+
+def test_the_advice_says_how_much_lies_on_the_ground():
+    """Of 76 m, the distance of the kite is 70 m: what lies is longer than the slack, and shorter than the tether."""
+    landing = load(SCENES / "landing.toml")
+    said = explain(landing, advise(landing, FAST_BUDGET))
+    share, lies, length = map(
+        float, re.search(r"during (\d+) % of the flight, with up to (\S+) m of its (\S+) m", said).groups()
+    )
+    assert 0.0 < share < 100.0
+    assert 6.0 < lies < length < 77.0  # while the last metre is reeled in
+    assert "below ground" not in said
+
+
+def test_the_advice_says_how_far_a_tether_hangs_below_the_ground():
+    """Without contact; at most the sag of a parabola of 76 m over 70 m, sqrt(3/8 s d). It is said once."""
+    landing = replace(load(SCENES / "landing.toml"), ground=Ground())
+    said = explain(landing, advise(landing, FAST_BUDGET))
+    (depth,) = re.findall(r"hangs up to (\S+) m below ground.height", said)
+    assert 0.1 < float(depth) < (3.0 / 8.0 * 6.0 * 70.0) ** 0.5
+    assert said.count("below") == 1
+    high = replace(landing, ground=Ground(ground_height=-50.0))
+    assert "below" not in explain(high, advise(high, FAST_BUDGET))
+
+
+def test_a_tether_that_stays_above_the_ground_says_nothing_of_it():
+    launch = load(SCENES / "launch.toml")
+    assert launch.ground.ground_contact == 2
+    assert "ground" not in explain(launch, advise(launch, FAST_BUDGET))

@@ -9,7 +9,9 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Ground
 from tetherfmu.study.__main__ import main
+from tetherfmu.study.measuring.runs import Config, parameters_of
 from tetherfmu.study.scenes.files import contents_of, load
 
 HEAD = "time,kite_position[1],kite_position[2],kite_position[3]\n"
@@ -27,6 +29,32 @@ WRONG = {
     "no TOML": ("duration =.*", "duration =", "is no TOML file"),
     "nested lists": ("duration =.*", "duration = " + "[" * 5000, "nested too deeply"),
     "nested tables": ("duration =.*", "duration = " + "{a=" * 5000, "nested too deeply"),
+    "ground without contact": (r"\[wind", "[ground]\nheight = 3\n[wind", "the key ground.contact is missing"),
+    "unknown ground": (
+        r"\[wind",
+        '[ground]\ncontact = "grass"\n[wind',
+        "ground.contact is 'grass'; it must be a number with one of the units no unit, %, one of 1 (none), 2 (flat)",
+    ),
+    "unknown key of the ground": (
+        r"\[wind",
+        '[ground]\ncontact = "flat"\nslope = 0.1\n[wind',
+        "unknown key ground.slope; known are contact, height, friction, sink",
+    ),
+    "ground of lead": (
+        r"\[wind",
+        '[ground]\ncontact = "flat"\nsink = "2 kg"\n[wind',
+        "ground.sink is '2 kg'; it must be a number with one of the units m, mm, cm, km",
+    ),
+    "ground in the environment": (
+        r"\[wind",
+        '[environment]\nground_contact = "flat"\n[wind',
+        "unknown key environment.ground_contact",
+    ),
+    "ground without gravity": (
+        r"\[wind",
+        '[environment]\ngravity = 0\n[ground]\ncontact = "flat"\n[wind',
+        "ground.contact is flat; it needs a gravity above 0, for ground.sink is a depth under weight",
+    ),
     "longer than a day": ('"2 s"', '"25 h"', "duration is '25 h'; it must be at least 0.5 s and at most 86400 s"),
 }
 WRONG_SERIES = {
@@ -133,6 +161,24 @@ def test_numbers_with_units_and_in_si_are_the_same_scene(tmp_path):
     assert scenes[0].tether == scenes[1].tether
     assert scenes[0].wanted == scenes[1].wanted
     assert scenes[0].tether.initial_length == 505.0
+
+
+def test_the_ground_of_a_scene_is_that_of_its_tether(tmp_path):
+    """With units; and it is a start value of the FMU that the scene advises."""
+    table = '[ground]\ncontact = "flat"\nheight = "-40 cm"\nfriction = "30 %"\nsink = "5 mm"\n'
+    scene = load(written(tmp_path, SCENE + table))
+    assert scene.ground == Ground("flat", -0.4, 0.3, 0.005)
+    starts = parameters_of(scene, Config("dynamic", 8, 1e-4, 0.02))
+    assert {name: starts[name] for name in vars(scene.ground)} == vars(scene.ground)
+    assert load(written(tmp_path)).ground == Ground()
+
+
+def test_a_free_end_that_begins_under_the_ground_is_told(tmp_path, capsys):
+    """A load on 505 m below a crane of 100 m; on one of 600 m nothing is said."""
+    free = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "free_end"\nheight = "HEIGHT m"')
+    for height, said in (("100", "the free end begins 405 m below ground.height"), ("600", "")):
+        load(written(tmp_path, free.replace("HEIGHT", height) + '[ground]\ncontact = "flat"\n'))
+        assert said in capsys.readouterr().err if said else not capsys.readouterr().err
 
 
 def test_a_series_may_give_the_length_instead_of_its_rate(tmp_path):

@@ -15,8 +15,20 @@ from study.points_of_tests import DEADLY, ENDED, ENDLESS, POINTS, judge_or_die, 
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability.flight import FORBIDDEN, MOST_WORK, Verdict, bounds, fly, judge, judge_all, read, table
-from tetherfmu.study.stability.points import VARIANTS, kite, point
+from tetherfmu.study.stability import flight as flight_of_points
+from tetherfmu.study.stability.flight import (
+    FORBIDDEN,
+    MOST_WORK,
+    Verdict,
+    bounds,
+    fly,
+    free_strain_and_speed,
+    judge,
+    judge_all,
+    read,
+    table,
+)
+from tetherfmu.study.stability.points import AXES, CALLS, FREE, VARIANTS, VARIANTS_ON_GROUND, ground_height, kite, point
 from tetherfmu.study.stability.report import common, compared
 
 
@@ -70,6 +82,7 @@ def flight(forces=None, **changes):
         ({"tension_ratio": np.inf}, {}, "wrong"),
         ({"tension_ratio": 1.01}, {}, "wrong"),
         ({"speed_ratio": 1.01}, {}, "wrong"),
+        ({"depth_ratio": 1.01}, {}, "wrong"),
         ({"tension_ratio": 1.01, "refusal": "state not finite"}, {}, "wrong"),
         ({"longest": 2.1}, {}, "hanging"),
     ],
@@ -88,6 +101,52 @@ def test_a_tension_beyond_the_bound_is_seen():
     bound, _ = bounds(chosen, 0.0, chosen.speed)
     assert 0.0 < bound < chosen.axial_stiffness
     assert 0.0 < fly(chosen)[0].tension_ratio < 1.0
+
+
+ON_GROUND = [point(1, number, ground=True) for number in range(400)]
+
+
+def test_points_on_the_ground_are_those_of_the_map():
+    """But for the straight tether and for weightlessness; the ground is below both ends wherever they are led."""
+    free = {"variant", "gravity"}
+    for above, on in zip(POINTS, ON_GROUND, strict=True):
+        assert all(getattr(above, name) == getattr(on, name) for name in AXES if name not in free)
+        assert on.variant == (FREE if above.variant == "straight" else above.variant)
+        assert on.gravity == (above.gravity or 9.81)
+        height = ground_height(on)
+        assert height <= -on.ground_depth
+        led = range(1 if on.kite_is_free else CALLS + 1)
+        assert min(kite(on, k * on.step)[0][2] for k in led) - on.ground_depth >= height
+    assert {p.variant for p in ON_GROUND} == set(VARIANTS_ON_GROUND)
+    assert {p.ground_depth for p in ON_GROUND} == {0.0, 4.0}
+    assert {p.ground_friction for p in ON_GROUND} == {0.0, 0.5, 1.0}
+
+
+def test_a_tether_that_sinks_through_the_ground_is_seen(monkeypatch):
+    """Some that lie there would be deeper than their bound if nothing carried them; with ground none is."""
+    slack = [p for p in ON_GROUND if p.slack > 0.2 and p.ground_depth == 0.0 and p.wind < 20.0 and p.length > 50.0]
+    chosen = [p for p in slack if p.variant in ("quasi_steady", "dynamic_fixed_step")]
+    assert len(chosen) >= 4
+    assert all(fly(p)[0].depth_ratio < 1.0 for p in chosen)
+    model_of = flight_of_points.model_of
+    monkeypatch.setattr(flight_of_points, "model_of", lambda p, refinement: model_of(p._replace(ground=False), refinement))
+    deep = [fly(p)[0].depth_ratio for p in chosen]
+    assert max(deep) > 1.0
+    assert judge(chosen[int(np.argmax(deep))]).verdict == "wrong"
+
+
+def test_a_free_kite_gets_no_faster_than_its_bound():
+    """The bound has room for waves of six times the amplitude, and yet some come within a hundred times of it."""
+    chosen = [p for p in ON_GROUND[:200] if p.variant == FREE]
+    ratios = []
+    for p in chosen:
+        found, _ = fly(p)
+        assert max(found.tension_ratio, found.speed_ratio, found.depth_ratio) < 1.0
+        strain, speed = free_strain_and_speed(p)
+        assert strain > 0.0
+        assert np.isfinite(bounds(p, strain, speed)).all()
+        ratios.append(found.speed_ratio)
+    assert max(ratios) > 0.005
 
 
 def test_a_point_that_kills_its_process_is_found(tmp_path):

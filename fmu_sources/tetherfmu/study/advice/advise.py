@@ -14,6 +14,7 @@ from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
 
+from .ground import hanging, is_of_ground, lying
 from .reasons import numbers, reasons
 from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
@@ -139,9 +140,11 @@ def advise(scene, budget=BUDGET):
 def explain(scene, advice):
     """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
     config, found = advice.point.config, numbers(scene, advice.search.finer.run.flown if scene.kite_is_free else None)
+    finer = advice.search.finer.run
+    warnings = [*hanging(scene, finer.flown), *(line for line in finer.implausible if not is_of_ground(line))]
     simpler = () if scene.kite_is_free else reasons(config, found, scene.wanted.allowed_error)
     why_not = [(*each, advice.search.best_of(each[0])) for each in simpler]
-    facts = {"numbers": found, "reasons": why_not, "worst": worst}
+    facts = {"numbers": found, "reasons": why_not, "worst": worst, "lying": lying(finer.flown), "warnings": warnings}
     facts |= {"fmu": fmu_of(scene, config), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
     facts["most_shaking"] = MOST_SHAKING
     return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")

@@ -75,7 +75,7 @@ def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
     chosen |= {"end_velocities": end_velocities(scene), "winch_control": winch_control(scene)}
-    found = {**asdict(scene.tether), **asdict(scene.environment), **chosen}
+    found = {**asdict(scene.tether), **asdict(scene.environment), **asdict(scene.ground), **chosen}
     if scene.kite_is_free:
         start = scene.flight.at_rest(scene.tether, scene.environment.gravity).tolist()
         found |= {f"initial_kite_position[{i}]": place for i, place in enumerate(start, 1)}

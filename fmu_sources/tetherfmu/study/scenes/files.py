@@ -4,7 +4,7 @@ import hashlib
 import stat
 import sys
 import tomllib
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, make_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.parameters import Environment, Tether, diameter_in_doubt
-from tetherfmu.runtime.plausibility import LARGEST_STRETCH
+from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Environment, Ground, Tether, diameter_in_doubt
+from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .flights import KINDS
@@ -28,6 +29,7 @@ REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
     "wanted": ("allowed_error",),
+    "ground": ("contact",),
     "flight of kind series": ("file",),
 }
 
@@ -62,7 +64,22 @@ class Wanted:
     __post_init__ = check
 
 
-RECORDS = {"tether": Tether, "environment": Environment, "wind": Wind, "wanted": Wanted}  # of a scene, by section
+def without(prefix, record):
+    """A record like another one, the names of whose quantities all begin with a prefix, without it."""
+    copies = [(each, field(default=each.default, metadata=each.metadata)) for each in fields(record)]
+    named = [(each.name.removeprefix(prefix), each.type, copy) for each, copy in copies]
+    return make_dataclass(record.__name__, named, frozen=True, namespace={"__post_init__": check})
+
+
+GROUND = "ground_"  # begins the names of the quantities of a `Ground`
+TABLE_OF_GROUND = without(GROUND, Ground)
+RECORDS = {  # of a scene, by section
+    "tether": Tether,
+    "environment": Environment,
+    "ground": TABLE_OF_GROUND,
+    "wind": Wind,
+    "wanted": Wanted,
+}
 
 
 @dataclass(frozen=True)
@@ -74,6 +91,7 @@ class Scene:
     flight: Any = None
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
+    ground: Ground = field(default_factory=Ground)
     wind: Any = Wind()  # a function of times [s], at the reference height
     wanted: Wanted = Wanted()
     digest: str = ""
@@ -97,6 +115,7 @@ class Scene:
         if doubt := diameter_in_doubt(self.tether.diameter):
             yield f"tether.{doubt}"
         if self.flight.kite_is_free or self.flight.has_force:
+            yield from self.doubts_on_ground()
             return
         motion = self.flight.motion(self.times)
         distance = np.linalg.norm(motion.kite - motion.ground, axis=-1)
@@ -107,6 +126,14 @@ class Scene:
                 f"the ends are {distance[k]:.6g} m apart at {self.times[k]:.6g} s, the tether is {length[k]:.6g} m long; "
                 "check tether.initial_length, and the unit m of the positions"
             )
+
+    def doubts_on_ground(self):
+        """A sentence on a free end that begins under the ground, which would throw it out."""
+        ground = self.ground
+        if self.flight.kite_is_free and ground.ground_contact == at.FLAT:
+            deep = ground.ground_height - self.flight.at_rest(self.tether, self.environment.gravity)[2]
+            if deep > max(UNDER, ground.ground_sink):
+                yield f"the free end begins {deep:.3g} m below ground.height; check tether.initial_length and flight.height"
 
     def inputs(self, step, exact=False):
         """Inputs of all communication steps, array (steps, INPUTS), in the order of `runtime.inputs`.
@@ -175,7 +202,8 @@ def read(table, folder, name):
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
-    records = {key: record(kind, table.get(key, {}), key) for key, kind in RECORDS.items()}
+    records = {key: record(kind, table[key], key) if key in table else kind() for key, kind in RECORDS.items()}
+    records["ground"] = ground_of(records["ground"], records["environment"])
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
     records["wind"] = flight.wind or records["wind"]
@@ -190,6 +218,14 @@ def read(table, folder, name):
     return Scene(
         name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every, kite_is_free=flight.kite_is_free
     )
+
+
+def ground_of(table, environment):
+    """The `Ground` of a table of a file; ValueError if it does not go with the environment."""
+    ground = Ground(**{GROUND + name: value for name, value in vars(table).items()})
+    if ground.ground_contact == at.FLAT and environment.gravity == 0.0:
+        raise ValueError(GROUND_WITHOUT_GRAVITY.replace(GROUND, "ground."))
+    return ground
 
 
 def require(table, section, known):

@@ -73,7 +73,7 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, **optio
         options |= {"initial_shape": at.STATIC_EQUILIBRIUM}
         options |= {"kite_mass": scene.flight.kite_mass} if scene.flight.kite_is_free else {"free_ends": (False, True)}
     kind = models.TetherDynamicFree if scene.flight.kite_is_free else MODELS[variant]
-    model = kind(scene.tether, scene.environment, **options)
+    model = kind(scene.tether, scene.environment, ground=scene.ground, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
     given = by_name(first)
     known = inputs_of(kite_is_free=False)

@@ -57,6 +57,7 @@ def draw_cells(column, statistic, label, colours, norm, figure, line, pairs, res
 
 draw_errors = partial(draw_cells, "error", "median", ERROR_LABEL, "viridis_r", LogNorm(1e-3, 1e2))
 draw_held = partial(draw_cells, "held", "mean", "converged or\nstable [%]", "viridis", Normalize(50.0, 100.0))
+FREE_KITE = "dynamic, free kite"
 DYNAMIC, STATIC = ("dynamic, adaptive", "dynamic, fixed step"), ("quasi-steady", "catenary", "straight")
 ROWS = (draw_verdicts, draw_errors)
 FIGURES = {

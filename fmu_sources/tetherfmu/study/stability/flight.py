@@ -17,6 +17,18 @@ of ends, wind and reeling, and that of a fall over the length of the tether. Z V
 sends along a taut line, D V/l0 the tension of the damper of a segment whose one node moves with V. AMPLIFICATION stands
 for reflections and for the whip of a bend. Q is the load across the line: weight, drag and inertia of turning; its cubic
 root is the tension of an elastic parabola between fixed ends. No node may be faster than AMPLIFICATION V.
+
+A free kite of mass m gets no faster than
+
+    U_k = |v_0| + 2 |v_reel| + wind + sqrt(2 a (L + d)),   a = (F + (m + mu L) g + rho cd d L wind^2/2)/m
+
+and its eps is eps_0 + eps_slack + F_all/EA + U_k sqrt((m + mu L)/(EA L)): that of the start, of the force m a at rest, and
+of its kinetic energy in the tether. No node may be deeper in the ground than
+
+    AMPLIFICATION (s Q/(mu L g) + sqrt(V_n s sqrt(s/g)))
+
+with V_n the bound of the speeds: at rest under Q instead of the weight, and after an impact, where a sqrt(s g)/2 = 1 is the
+damping of the ground (kernels/equations/ground.py).
 """
 
 from concurrent.futures import as_completed
@@ -31,6 +43,7 @@ import pandas as pd
 from numpy.linalg import norm
 from pebble import ProcessExpired
 
+from tetherfmu.models import TetherDynamicFree
 from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
@@ -40,13 +53,14 @@ from tetherfmu.study.measuring.runs import UNWARNED
 from tetherfmu.study.measuring.store import Store, key
 from tetherfmu.study.scenes.standard import MODELS
 
-from .points import CALLS, MOST_REELED, MapPoint, kite
+from .points import CALLS, FREE, MOST_REELED, MapPoint, ground_height, kite
 
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
 # quantities of points and tethers
 SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")
 DRUM = ("winch_mass", "winch_damping", "winch_friction")
+GROUND = ("ground_friction", "ground_sink")
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 # drag per length over speed squared [N s2/m3]
@@ -68,10 +82,12 @@ class Verdict(NamedTuple):
     calls: int = 0  # communication steps done, the start included
     tension_ratio: float = 0.0  # largest tension over its bound [-], infinite if a number is not finite
     speed_ratio: float = 0.0  # largest speed of a node over its bound [-], of dynamic tethers; infinite likewise
+    depth_ratio: float = 0.0  # largest depth of a node in the ground over its bound [-], infinite likewise
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
 
 
+RATIOS = ("tension_ratio", "speed_ratio", "depth_ratio")
 COLUMNS = MapPoint._fields + Verdict._fields
 ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
 MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
@@ -79,10 +95,16 @@ MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it t
 
 def model_of(point, refinement):
     """The tether of a point; the refinement divides the fixed step, and the tolerance by 2.5 times its square."""
-    model, quantities = MODELS[point.variant.removesuffix("_fixed_step")], {name: getattr(point, name) for name in SAME}
+    name, quantities = point.variant.removesuffix("_fixed_step"), {name: getattr(point, name) for name in SAME}
+    model = TetherDynamicFree if name == FREE else MODELS[name]
     tolerance = point.relative_tolerance / (1.0 if refinement == 1 else 2.5 * refinement**2)
     if point.control == at.WINCH_BY_FORCE:
         quantities |= {name: getattr(point, name) for name in DRUM}
+    if point.ground:
+        quantities |= {name: getattr(point, name) for name in GROUND}
+        quantities |= {"ground_contact": at.FLAT, "ground_height": ground_height(point)}
+    if point.kite_is_free:
+        quantities["kite_mass"] = point.kite_mass
     refined = {"relative_tolerance": tolerance, "fixed_step": point.fixed_step / refinement}
     return model(initial_length=point.length, shape_points=2, winch_control=point.control, **quantities, **refined)
 
@@ -97,6 +119,13 @@ def told(point, start, time):
     if point.control == at.WINCH_BY_LENGTH:
         return {"winch_length": point.length + point.reel_out_speed * time}
     return {}
+
+
+def load_of(point):
+    """Force on a free kite [N], array (3,), along the tether at the start."""
+    position, _ = kite(point, 0.0)
+    weight = (point.kite_mass + LINE_DENSITY * point.length) * point.gravity
+    return point.load_ratio * weight * position / norm(position)
 
 
 def force_of(point, start):
@@ -116,6 +145,34 @@ def strain_and_speed(flown, step):
     return max(ROUND_OFF, chords.max() - 1.0), speeds.max()
 
 
+def free_strain_and_speed(point):
+    """Bounds of `strain_and_speed` of a free kite; see the head of this file."""
+    mass, length = point.kite_mass, point.length
+    whole = mass + LINE_DENSITY * length
+    force = norm(load_of(point)) + whole * point.gravity + DRAG_FACTOR * length * point.wind**2
+    way = length * (1.0 + MOST_REELED) + point.distance
+    speed = norm(kite(point, 0.0)[1]) + 2.0 * abs(point.reel_out_speed) + point.wind + sqrt(2.0 * force / mass * way)
+    strain = max(0.0, point.distance / length - 1.0) + force / point.axial_stiffness
+    if point.initial_shape == at.STRAIGHT:
+        strain += sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
+    return strain + speed * sqrt(whole / (point.axial_stiffness * length * (1.0 - MOST_REELED))), speed
+
+
+def load_across(point, speed):
+    """Q [N] of a tether that moves through air at rest with a speed [m/s]; see the head of this file."""
+    inertia = LINE_DENSITY * speed**2 / (point.distance * (1.0 - MOST_REELED))
+    load = LINE_DENSITY * point.gravity + DRAG_FACTOR * speed**2 + inertia
+    return point.length * (1.0 + MOST_REELED) * load
+
+
+def deepest(point, speed):
+    """Depth [m] below the ground that no node may exceed; speed : the bound of that of a node [m/s]."""
+    sink, weight = point.ground_sink, LINE_DENSITY * point.gravity * point.length
+    return AMPLIFICATION * (
+        sink * load_across(point, speed / AMPLIFICATION) / weight + sqrt(speed * sink * sqrt(sink / point.gravity))
+    )
+
+
 def bounds(point, strain, end_speed, reeled=0.0, force=0.0):
     """Largest tension [N] and speed of a node [m/s] that the motion of the ends explains; see the head of this file.
 
@@ -130,29 +187,38 @@ def bounds(point, strain, end_speed, reeled=0.0, force=0.0):
         speed += wave_speed * sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
     damping = point.axial_damping if point.variant.startswith("dynamic") else 0.0
     impact = impedance + damping / point.segment_length
-    longest = point.length * (1.0 + MOST_REELED)
-    inertia = LINE_DENSITY * motion**2 / (point.distance * (1.0 - MOST_REELED))
-    load = longest * (LINE_DENSITY * point.gravity + DRAG_FACTOR * motion**2 + inertia)
+    load = load_across(point, motion)
     across = load + (point.axial_stiffness * load**2 / 24.0) ** (1.0 / 3.0)
     return point.axial_stiffness * strain + across + force + AMPLIFICATION * impact * speed, AMPLIFICATION * speed
 
 
-def ratios(point, flown, states, step):
-    """Largest tension and speed of a node over their bounds [-], infinite if a number is not finite; see `Verdict`.
+def ratios(point, flown, states, lowest, step):
+    """Largest tension, speed and depth of a node over their bounds [-], infinite if a number is not finite; see `Verdict`.
 
-    flown : `Outputs` of arrays (calls, ...).  states : array (calls, size of the state).  step : between calls [s].
+    flown : `Outputs` of arrays (calls, ...).  states : array (calls, size of the state).  lowest : height of the lowest node
+    [m], array (calls,).  step : between calls [s].
     """
-    if not all(np.isfinite(numbers).all() for numbers in (states, *flown)):
-        return np.inf, np.inf
+    if not all(np.isfinite(numbers).all() for numbers in (states, lowest, *flown)):
+        return np.inf, np.inf, np.inf
     reeled = force = 0.0
     if point.control == at.WINCH_BY_FORCE:
         reeled, force = np.abs(flown.winch_speed).max(), force_of(point, flown.ground_tension[0])
-    tension, speed = bounds(point, *strain_and_speed(flown, step), reeled, force)
+    motion = free_strain_and_speed(point) if point.kite_is_free else strain_and_speed(flown, step)
+    tension, speed = bounds(point, *motion, reeled, force)
     fastest = 0.0
     if point.variant.startswith("dynamic"):
         motions = states[:, at.STATE_HEADER : at.state_size(point.segments)]
         fastest = norm(motions.reshape(len(states), 2, -1, 3)[:, 1], axis=2).max()
-    return float(flown.max_tension.max() / tension), float(fastest / speed)
+    depth = (ground_height(point) - lowest.min()) / deepest(point, speed) if point.ground else 0.0
+    return float(flown.max_tension.max() / tension), float(fastest / speed), max(0.0, float(depth))
+
+
+def ends(point, call, step):
+    """Inputs of the kite end of a point by name in a call, 0 of which is the start."""
+    if point.kite_is_free and call:
+        return {"kite_load": load_of(point)}
+    position, velocity = kite(point, max(0, call - 1) * step)
+    return {"kite_position": position, "kite_velocity": velocity}
 
 
 def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
@@ -162,11 +228,10 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     """
     step, model = point.step / refinement, model_of(point, refinement)
     wind = point.wind * np.array((np.cos(point.wind_azimuth), np.sin(point.wind_azimuth), 0.0))
-    outputs, states, refusal, work, longest = [], [], "", 0.0, 0.0
+    outputs, states, lowest, refusal, work, longest = [], [], [], "", 0.0, 0.0
     with catch_warnings(**UNWARNED):
         for k in range(calls * refinement + 1):
-            position, velocity = kite(point, max(0, k - 1) * step)
-            inputs = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
+            inputs = {**ends(point, k, step), "wind_velocity": wind}
             started = process_time()
             try:
                 call = partial(model.step, step) if k else model.initialize
@@ -179,6 +244,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             finally:
                 longest = max(longest, process_time() - started)
             states.append(model.get_state())
+            lowest.append(model.positions[:, 2].min())
             work = sum(model.counters.values()) * model.segments
             if work > most_work:
                 break
@@ -186,9 +252,9 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     if not outputs:
         return found, np.zeros((0, 6))
     flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)
-    tension_ratio, speed_ratio = ratios(point, flown, np.array(states), step)
+    found_ratios = ratios(point, flown, np.array(states), np.array(lowest), step)
     forces = np.hstack([flown.ground_force, flown.kite_force])[::refinement]
-    return found._replace(tension_ratio=tension_ratio, speed_ratio=speed_ratio), forces
+    return found._replace(**dict(zip(RATIOS, found_ratios, strict=True))), forces
 
 
 def difference(point, forces, refined):
@@ -210,7 +276,7 @@ def judge(point):
     (found, forces), error = fly(point), None
     if found.longest > LONGEST_CALL:
         verdict = "hanging"
-    elif max(found.tension_ratio, found.speed_ratio) > 1.0:
+    elif max(getattr(found, name) for name in RATIOS) > 1.0:
         verdict = "wrong"
     elif found.refusal:
         verdict = "refused"

@@ -2,6 +2,9 @@
 
 A point is made from a seed and its number alone: the same point whatever the number of points. The path: a circle on the
 sphere around the ground station, whose radius follows the reeled length, so that slack stays.
+
+With ground, its height is below both ends wherever they are led; a tether with a free kite stands for the straight one,
+which ignores it: the kite begins on the circle and is then pulled along the tether by a constant force, or by none.
 """
 
 from collections import namedtuple
@@ -17,6 +20,9 @@ SHARPEST_TURN = 0.3  # [rad] of the kite on its circle in one communication step
 MOST_REELED = 0.5  # of the length during a flight
 LONGEST_SEGMENT = 1000.0  # [m]
 VARIANTS = ("dynamic", "dynamic_fixed_step", "quasi_steady", "catenary", "straight")
+FREE = "dynamic_free"
+VARIANTS_ON_GROUND = ("dynamic", "dynamic_fixed_step", FREE, "quasi_steady", "catenary")
+EARTH = 9.81  # [m/s2] where there is ground but no gravity
 
 
 def segments_of(p):
@@ -64,11 +70,24 @@ AXES = {
     "winch_damping": ("log", 0.1, 1e3, (0.5, 0.0)),
     "winch_friction": ("log", 0.1, 1e3, (0.5, 0.0)),
     "force_ratio": ("log", 0.5, 5.0),  # of the force to the tension at the start plus the weight
+    "ground_depth": ("choice", (0.0, 4.0), (0.5, 0.5)),  # below the ends; with ground, as all that follow
+    "ground_friction": ("choice", (0.0, 0.5, 1.0), (0.25, 0.5, 0.25)),
+    "ground_sink": ("log", 5e-4, 1e-2),
+    "kite_mass": ("log", 0.1, 1e3),  # of a free kite
+    "load_ratio": ("linear", 0.0, 3.0, (0.3, 0.0)),  # of the force on a free kite to the weight of kite and tether
 }
 
 
-class MapPoint(namedtuple("MapPoint", ("seed", "number", "control", *AXES))):
-    """One flight. `number`, `seed` and `control`, what its winch is told (`winch_control`), make it again."""
+class MapPoint(namedtuple("MapPoint", ("seed", "number", "control", "ground", *AXES))):
+    """One flight. `number`, `seed`, `control`, what its winch is told (`winch_control`), and `ground` make it again.
+
+    ground : whether there is a ground (`ground_contact`).
+    """
+
+    @property
+    def kite_is_free(self):
+        """Whether the kite end moves by itself after the start."""
+        return self.variant == FREE
 
     @property
     def segment_length(self):
@@ -94,13 +113,17 @@ def draw(random, p, scale, low, high, *instead):
     return value
 
 
-def point(seed, number, control=WINCH_BY_SPEED):
-    """Point `number` of the map with this seed; the same flight whatever the winch is told."""
-    random, p = np.random.default_rng((seed, number)), SimpleNamespace(seed=seed, number=number, control=control)
+def point(seed, number, control=WINCH_BY_SPEED, ground=False):
+    """Point `number` of the map with this seed; the same flight whatever the winch is told, and with ground or without."""
+    random = np.random.default_rng((seed, number))
+    p = SimpleNamespace(seed=seed, number=number, control=control, ground=ground)
     for name, axis in AXES.items():
         setattr(p, name, draw(random, p, *axis))
     fewest, most = segments_of(p)
     p.segments = max(ceil(fewest), min(int(most), int(p.segments)))
+    if ground:
+        p.variant = p.variant if p.variant in VARIANTS_ON_GROUND else FREE
+        p.gravity = p.gravity or EARTH
     return MapPoint(**vars(p))
 
 
@@ -116,3 +139,12 @@ def kite(point, time):
     direction = np.cos(point.cone) * axis + np.sin(point.cone) * (np.cos(angle) * side + np.sin(angle) * up)
     turning = rate * np.sin(point.cone) * (np.cos(angle) * up - np.sin(angle) * side)
     return distance * direction, ratio * point.reel_out_speed * direction + distance * turning
+
+
+def ground_height(point):
+    """Height [m] of the ground: so far below the lowest place of the ends, also where the path is extrapolated to."""
+    lowest = 0.0
+    for k in range(1 if point.kite_is_free else CALLS + 1):
+        position, velocity = kite(point, k * point.step)
+        lowest = min(lowest, position[2], position[2] + point.step * velocity[2])
+    return lowest - point.ground_depth

@@ -10,18 +10,21 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
+from tetherfmu.models import TetherDynamicFree
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.tables import markdown, page
 from tetherfmu.study.scenes.standard import MODELS
 
-from .figure import COMPARED, DYNAMIC, FIGURES, QUANTITIES, STATIC, draw
+from .figure import COMPARED, DYNAMIC, FIGURES, FREE_KITE, QUANTITIES, STATIC, draw
 from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge, judge_all, read
-from .points import VARIANTS, MapPoint, point
+from .points import VARIANTS, VARIANTS_ON_GROUND, MapPoint, point
 
 QUICK = 60  # points
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
 WORST = QUANTITIES.worst.dropna().to_dict()
+ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, *STATIC[:2]), strict=True))  # names for people
+OVER = dict(zip(VARIANTS, (*DYNAMIC, *STATIC), strict=True))
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
 REGIONS = QUANTITIES.dropna(subset="bands")
 
@@ -31,8 +34,9 @@ def prepared(results):
 
     frequency : of a node between two taut segments, axially [Hz]: sqrt(4 k/m)/(2 pi) = sqrt(EA/mu)/(pi l0).
     """
+    names = ON_GROUND if results.ground.any() else OVER
     return results.assign(
-        variant=pd.Categorical(results.variant, VARIANTS).rename_categories((*DYNAMIC, *STATIC)),
+        variant=pd.Categorical(results.variant.map(names), [*names.values()]),
         verdict=pd.Categorical(results.verdict, VERDICTS),
         held=results.verdict.isin(HELD),
         start=pd.Categorical(results.initial_shape, (1, 2, 3)).rename_categories(STARTS),
@@ -139,14 +143,16 @@ def run(options):
     """Judge all points and write their page, or judge one and print it; returns 1 if a point is what none may be."""
     control = dict(quantities(Winch))["winch_control"].numbers[options.control]
     if options.point is not None:
-        chosen = point(options.seed, options.point, control)
+        chosen = point(options.seed, options.point, control, options.ground)
         for name, value in (chosen._asdict() | judge(chosen)._asdict()).items():
             print(f"{name:20} {value}")
         return 0
-    points = [point(options.seed, number, control) for number in range(QUICK if options.quick else options.points)]
-    for model in MODELS.values():
+    numbers = range(QUICK if options.quick else options.points)
+    points = [point(options.seed, number, control, options.ground) for number in numbers]
+    for model in (*MODELS.values(), TetherDynamicFree):
         model()  # compiles, so that not each process has to
     name = f"stability_{options.seed}" + ("" if options.control == "speed" else f"_{options.control}")
+    name += "_ground" if options.ground else ""
     file = options.results or options.out / f"{name}.jsonl"
     results = judge_all(points, file, options.processes, options.dask)
     before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
