@@ -1,9 +1,10 @@
 """A tether on a flat ground in MoorDyn and in `TetherDynamic`: three scenes side by side, and what a drop costs.
 
     pip install "moordyn>=2.7"
-    python tests/benchmarks/moordyn_ground.py [--write] [--cost]
+    python tests/benchmarks/moordyn_ground.py [--write | --cost | --law]
 
-`--write` writes MoorDyn's series to tests/reference/moordyn_*.csv. Without `--cost` the drop is not timed.
+Prints the differences from MoorDyn; `--write` also writes its series to tests/reference/moordyn_*.csv. `--cost` times the drop
+instead. `--law` compares the series in the files, without MoorDyn, with the chain of tests/grounds.py that has MoorDyn's law.
 
 60 m of tether (4 mm of Dyneema), 20 segments, friction 0.5, no drag; slack segments have damping but no stiffness, as in
 MoorDyn. Its water has the density of air and its surface is far above; a stronger gravity makes up for the buoyancy. Scenes:
@@ -25,6 +26,7 @@ is seen from MoorDyn itself, with cBot or FricDamp half as large. Tensions are t
 
 import argparse
 import os
+import sys
 import tempfile
 from contextlib import contextmanager
 from functools import partial
@@ -32,7 +34,11 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from grounds import G, Chain
 from tetherfmu import Environment, Ground, Solver, Tether, TetherDynamic
 from tetherfmu.study.measuring.tables import circumstances
 
@@ -44,6 +50,8 @@ AIR = Environment()
 FINE, EVERY = 0.001, 0.1  # communication step and time between rows of a file [s]
 FOLLOWED = (5, 10, 15)  # nodes
 COLUMNS = ("time", "tension_a", "tension_b", "lying", *(f"{axis}{node}" for node in FOLLOWED for axis in "xz"))
+MEASURES = "tension N | largest | lying m | largest | nodes m | largest | tension at the end N"
+HEAD = f"| scene | from MoorDyn differs | {MEASURES} |\n{'|---' * 9}|"
 FILE = """--- MoorDyn input
 ground
 --- LINE TYPES
@@ -215,11 +223,6 @@ class MoorDyn:
         return np.array(rows)
 
 
-def written(rows):
-    """Rows as in the file."""
-    return np.array([[float(f"{value:.8g}") for value in each] for each in rows])
-
-
 def write(name, rows):
     """Write a reference file."""
     np.savetxt(REFERENCE / f"moordyn_{name}.csv", rows, fmt="%.8g", delimiter=",", header=",".join(COLUMNS), comments="")
@@ -237,9 +240,7 @@ def differences(name, what, found, right):
 
 def compare(step, keep):
     """Table of differences from MoorDyn with the largest step that is converged; `keep` writes its series."""
-    measures = "tension N | largest | lying m | largest | nodes m | largest | tension at the end N"
-    print(f"| scene | from MoorDyn differs | {measures} |")
-    print("|---" * 9 + "|")
+    print(HEAD)
     for name in SCENES:
         right = MoorDyn(name, step).fly()
         if keep:
@@ -251,6 +252,74 @@ def compare(step, keep):
         differences(name, "MoorDyn, FricDamp half as large", MoorDyn(name, 2.0 * step, creep=2.0 * CREEP).fly(), right)
 
 
+class ByItsLaw(Chain):
+    """The independent chain on MoorDyn's ground, with driven ends."""
+
+    def __init__(self, name):
+        path, _ = SCENES[name]
+        start = TetherDynamic(TETHER, AIR, initial_shape=1 if name == "fall" else 3, relative_tolerance=1e-8)
+        a, b = path(0.0)
+        start.initialize(b, ground_position=a)
+        rope = {"stiffness": TETHER.axial_stiffness, "material": TETHER.axial_damping, "slack": 0.0}
+        free, place = (name == "drag", False), {"friction": FRICTION, "sink": SINK}
+        super().__init__(start.positions, 0.0 * start.positions, TETHER.initial_length, free, **rope, **place)
+        self.path = path
+
+    def ground(self, x, v):
+        depth, hardness = -x[:, 2], G / self.sink
+        pressed = self.mass * (hardness * depth - 2.0 * np.sqrt(hardness) * v[:, 2])
+        speed = np.hypot(v[:, 0], v[:, 1])
+        slow = self.mass.max() * G * speed / CREEP
+        grip = self.friction * np.minimum(np.abs(pressed), slow) / np.maximum(speed, 1e-30)
+        force = np.column_stack((-grip * v[:, 0], -grip * v[:, 1], pressed))
+        return np.where(depth[:, None] > 0.0, force, 0.0)
+
+    def driven(self, time, state):
+        """Positions and velocities of the nodes from a state, the driven ends where they are led."""
+        x, v = state.reshape(2, -1, 3).copy()
+        places, speeds = self.path(time), (self.path(time + 1e-5) - self.path(time - 1e-5)) / 2e-5
+        for end in (-1,) if self.free[0] else (0, -1):
+            x[end], v[end] = places[end], speeds[end]
+        return x, v
+
+    def rates(self, time, state):
+        x, v = self.driven(time, state)
+        rates = super().rates(time, np.concatenate((x.ravel(), v.ravel()))).reshape(2, -1, 3)
+        for end in (-1,) if self.free[0] else (0, -1):
+            rates[0, end] = v[end]
+        return rates.ravel()
+
+    def row(self, time, state):
+        """Row of a file."""
+        x, v = self.driven(time, state)
+        r, rest = np.diff(x, axis=0), self.length / self.n
+        length = np.linalg.norm(r, axis=1)
+        rate = np.sum(r * np.diff(v, axis=0), axis=1) / length / rest
+        return row(time, x, self.stiffness * np.maximum(length / rest - 1.0, 0.0) + self.material * rate)
+
+
+def by_its_law(name):
+    """Rows of a scene of the chain with MoorDyn's law."""
+    chain, times = ByItsLaw(name), EVERY * np.arange(round(SCENES[name][1] / EVERY) + 1)
+    near = np.kron(np.eye(chain.n + 1, k=-1) + np.eye(chain.n + 1) + np.eye(chain.n + 1, k=1), np.ones((3, 3)))
+    pattern = np.block([[0.0 * near, np.eye(len(near))], [near, near]])
+    state = np.concatenate((chain.x.ravel(), chain.v.ravel()))
+    rows = [chain.row(0.0, state)]
+    for now, then in zip(times[:-1], times[1:], strict=True):
+        options = {"rtol": 1e-6, "atol": 1e-8, "max_step": 2e-3, "jac_sparsity": pattern}
+        state = solve_ivp(chain.rates, (now, then), state, "BDF", **options).y[:, -1]
+        rows.append(chain.row(then, state))
+    return np.array(rows)
+
+
+def explain():
+    """Table of differences of the stored series from the chain with MoorDyn's law."""
+    print(HEAD)
+    for name in SCENES:
+        right = np.genfromtxt(REFERENCE / f"moordyn_{name}.csv", delimiter=",", skip_header=1)
+        differences(name, "the chain with its law", by_its_law(name), right)
+
+
 def timed(fly):
     """Rows of a flight and its time [s]."""
     start = perf_counter()
@@ -259,7 +328,10 @@ def timed(fly):
 
 
 def cost(repeats):
-    """Table of errors and times of the drop, steps of 20 ms; each against its own solution with small steps."""
+    """Table of errors and times of the drop, steps of 20 ms; each against its own solution with small steps.
+
+    The time of `TetherDynamic` has its start in it, that of MoorDyn not.
+    """
     step, name = 0.02, "fall"
     ways = {f"TetherDynamic, tolerance {each:g}": partial(ours, name, step, each) for each in (1e-2, 1e-3, 1e-4, 1e-5)}
     ways |= {
@@ -290,11 +362,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the reference files")
     parser.add_argument("--cost", action="store_true", help="time the drop, too")
+    parser.add_argument("--law", action="store_true", help="compare with its law in other equations")
     parser.add_argument("--step", type=float, default=2e-5, help="dtM [s]")
     parser.add_argument("--repeats", type=int, default=5)
     given = parser.parse_args()
     print(circumstances())
-    if given.cost:
+    if given.law:
+        explain()
+    elif given.cost:
         cost(given.repeats)
     else:
         compare(given.step, given.write)
