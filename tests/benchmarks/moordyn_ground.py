@@ -4,7 +4,7 @@
     python tests/benchmarks/moordyn_ground.py [--write | --cost | --law]
 
 Prints the differences from MoorDyn; `--write` also writes its series to tests/reference/moordyn_*.csv. `--cost` times the
-drop instead. `--law` compares the stored series with the chain of tests/grounds.py that has MoorDyn's law; it needs no MoorDyn.
+drop instead. `--law` compares the stored series with the chain of tests/grounds.py with MoorDyn's law; it needs no MoorDyn.
 
 60 m of tether (4 mm of Dyneema), 20 segments, friction 0.5, no drag; slack segments have damping but no stiffness, as in
 MoorDyn. Its water has the density of air and its surface is far above; a stronger gravity makes up for the buoyancy. Scenes:

@@ -3,8 +3,8 @@
 Scenes, laws and settings: benchmarks/moordyn_ground.py, which wrote the files. MoorDyn is a peer: its time step is converged
 (1e-3 N), and at rest and while sliding both laws are the same. Where a node lands or leaves they differ by the damper of the
 ground: MoorDyn's acts in full at once and pulls at nodes that leave. With half of that damper MoorDyn differs from itself,
-over a whole scene, by 0.14 N (drop) and 0.5 N (lift), root mean square; we from it by 0.6 and 0.8 N. An independent chain with
-MoorDyn's law differs from it by 0.07 and 0.05 N, so nothing but the law does (`moordyn_ground.py --law`).
+over a whole scene, by 0.14 N (drop) and 0.5 N (lift), root mean square; we from it by 0.6 and 0.8 N. An independent chain
+with MoorDyn's law differs from it by 0.07 and 0.05 N, so nothing but the law matters (`moordyn_ground.py --law`).
 """
 
 import numpy as np
