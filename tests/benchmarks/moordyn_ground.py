@@ -1,0 +1,380 @@
+"""A tether on a flat ground in MoorDyn and in `TetherDynamic`: three scenes side by side, and what a drop costs.
+
+    pip install "moordyn>=2.7"
+    python tests/benchmarks/moordyn_ground.py [--write | --cost | --law]
+
+Prints the differences from MoorDyn; `--write` also writes its series to tests/reference/moordyn_*.csv. `--cost` times the
+drop instead. `--law` compares the stored series with the chain of tests/grounds.py with MoorDyn's law; it needs no MoorDyn.
+
+60 m of tether (4 mm of Dyneema), 20 segments, friction 0.5, no drag; slack segments have damping but no stiffness, as in
+MoorDyn. Its water has the density of air and its surface is far above; a stronger gravity makes up for the buoyancy. Scenes:
+
+    fall   straight between two ends 6 m above the ground, which approach by 5 m each in 2 s: it falls and comes to rest
+    lift   lying straight; one end is lifted by 20 m in 4 s and then moves away in 4 s, the other stays
+    drag   lying straight, one end free; the other is dragged along at 0.5 m/s, from rest in 1 s
+
+Laws of MoorDyn 2 (source/Line.cpp), node with the depth d below the bottom, its diameter times length A, speeds v_z, v_t:
+
+    N = A (kBot d - cBot v_z)           where d > 0, also where it is negative: the bottom pulls
+    F = mu FricDamp v_t, if that is at most mu |N|, else mu |N|      (StatDynFricScale 1)
+
+kBot and cBot are chosen so that it lies 2 mm deep and is critically damped there, FricDamp so that an inner node slides with
+all its friction from 0.2 mm/s on. So at rest nothing differs. In motion the damper does, which acts in full at d = 0 already
+and pulls at what leaves, and with it the friction of nodes that bounce; below 0.2 mm/s friction, too. How much that matters
+is seen from MoorDyn itself, with cBot or FricDamp half as large. Tensions are those of the segments at the ends a and b.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+from contextlib import contextmanager
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from grounds import Chain, G
+from tetherfmu import Environment, Ground, Solver, Tether, TetherDynamic
+from tetherfmu.study.measuring.tables import circumstances
+
+REFERENCE = Path(__file__).parents[1] / "reference"
+DEPTH = 100.0  # of MoorDyn's water [m]
+FRICTION, SINK, CREEP = 0.5, 0.002, 2e-4  # -, m, m/s
+TETHER = Tether(initial_length=60.0, slack_stiffness_ratio=0.0, drag_coefficient=0.0)
+AIR = Environment()
+FINE, EVERY = 0.001, 0.1  # communication step and time between rows of a file [s]
+FOLLOWED = (5, 10, 15)  # nodes
+COLUMNS = ("time", "tension_a", "tension_b", "lying", *(f"{axis}{node}" for node in FOLLOWED for axis in "xz"))
+MEASURES = "tension N | largest | lying m | largest | nodes m | largest | tension at the end N"
+HEAD = f"| scene | from MoorDyn differs | {MEASURES} |\n{'|---' * 9}|"
+FILE = """--- MoorDyn input
+ground
+--- LINE TYPES
+Name Diam MassDen EA BA EI Cd Ca CdAx CaAx
+(-) (m) (kg/m) (N) (N-s) (N-m^2) (-) (-) (-) (-)
+tether {d} {mass} {stiffness} {damping} 0 {drag} 0 0 0
+--- POINTS
+ID Type X Y Z Mass Volume CdA Ca
+(-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
+1 {first} {a} 0 0 0 0
+2 Coupled {b} 0 0 0 0
+--- LINES
+ID LineType AttachA AttachB UnstrLen NumSegs Outputs
+(-) (-) (-) (-) (m) (-) (-)
+1 tether 1 2 {length} {segments} -
+--- OPTIONS
+{step} dtM
+{scheme} tScheme
+{gravity} g
+{density} WtrDnsty
+{depth} WtrDpth
+{kbot} kBot
+{cbot} cBot
+{friction} FrictionCoefficient
+{fricdamp} FricDamp
+1 StatDynFricScale
+0.02 dtIC
+200 TmaxIC
+1e-6 threshIC
+0 writeLog
+1 disableOutput
+--- END
+"""
+
+
+def ramp(time):
+    """From 0 to 1 while the time goes from 0 to 1, without jumps of speed or acceleration."""
+    part = np.clip(time, 0.0, 1.0)
+    return part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
+
+
+def falling(time):
+    way = 5.0 * ramp(time / 2.0)
+    return np.array([(way, 0.0, 6.0), (60.03 - way, 0.0, 6.0)])
+
+
+def lifted(time):
+    up, out = ramp(time / 4.0), ramp(time / 4.0 - 1.0)
+    return np.array([(0.0, 0.0, 0.0), (60.0 - 12.0 * up**1.5 + 6.5 * out, 0.0, 20.0 * up)])
+
+
+def dragged(time):
+    """The speed grows in 1 s as a parabola 3 s^2 - 2 s^3 of the time."""
+    part = np.clip(time, 0.0, 1.0)
+    return np.array([(0.0, 0.0, 0.0), (60.0 + 0.5 * (part**3 - 0.5 * part**4 + max(0.0, time - 1.0)), 0.0, 0.0)])
+
+
+SCENES = {"fall": (falling, 8.0), "lift": (lifted, 9.5), "drag": (dragged, 6.0)}
+
+
+def row(time, x, tensions):
+    """A row of a file: positions of the nodes (n + 1, 3) [m], the ground at 0, and tensions of the segments [N]."""
+    low = -x[:, 2]
+    deeper, higher = np.maximum(low[:-1], low[1:]), np.minimum(low[:-1], low[1:])
+    under = np.where(higher >= 0.0, 1.0, np.where(deeper <= 0.0, 0.0, deeper / np.maximum(deeper - higher, 1e-300)))
+    followed = [x[node, axis] for node in FOLLOWED for axis in (0, 2)]
+    return [time, tensions[0], tensions[-1], under.sum() * TETHER.initial_length / TETHER.segments, *followed]
+
+
+def ours(name, step=0.02, tolerance=1e-8, **options):
+    """Rows of a scene flown by `TetherDynamic`, every `EVERY` seconds, and the model at the end."""
+    path, duration = SCENES[name]
+    ground = Ground("flat", ground_friction=FRICTION, ground_sink=SINK)
+    solver = Solver(initial_shape=1 if name == "fall" else 3, relative_tolerance=tolerance, **options)
+    model = TetherDynamic(TETHER, AIR, solver, ground=ground, free_ends=(name == "drag", False))
+    a, b = path(0.0)
+    model.initialize(b, ground_position=a)
+    rows, every = [row(0.0, model.positions, model.segment_tensions)], round(EVERY / step)
+    for k in range(round(duration / step)):
+        (a, b), (u, v) = path(k * step), (path(k * step + 1e-4) - path(k * step - 1e-4)) / 2e-4
+        model.step(step, b, v, a, u)
+        if (k + 1) % every == 0:
+            rows.append(row((k + 1) * step, model.positions, model.segment_tensions))
+    return np.array(rows), model
+
+
+@contextmanager
+def silence():
+    """Send what a library prints to nowhere."""
+    kept = os.dup(1), os.dup(2)
+    with open(os.devnull, "wb") as nowhere:
+        for each in (1, 2):
+            os.dup2(nowhere.fileno(), each)
+    try:
+        yield
+    finally:
+        for each, former in zip((1, 2), kept, strict=True):
+            os.dup2(former, each)
+            os.close(former)
+
+
+class MoorDyn:
+    """A scene in MoorDyn."""
+
+    def __init__(self, name, step, scheme="RK4", creep=CREEP, damper=1.0):
+        """Steps `step` [s] of `scheme`; creep : speed [m/s] from which on an inner node has all its friction."""
+        import moordyn
+
+        self.library, self.name, self.free = moordyn, name, name == "drag"
+        self.path, self.duration = SCENES[name]
+        weight = TETHER.mass_per_meter * AIR.gravity
+        density = TETHER.mass_per_meter / (0.25 * np.pi * TETHER.diameter**2)
+        a, b = self.path(0.0) - (0.0, 0.0, DEPTH)
+        facts = {
+            "d": TETHER.diameter,
+            "mass": TETHER.mass_per_meter,
+            "length": TETHER.initial_length,
+            "stiffness": TETHER.axial_stiffness,
+            "damping": TETHER.axial_damping,
+            "drag": TETHER.drag_coefficient,
+            "segments": TETHER.segments,
+            "first": "Free" if self.free else "Coupled",
+            "a": " ".join(map(str, a)),
+            "b": " ".join(map(str, b)),
+            "step": step,
+            "scheme": scheme,
+            "depth": DEPTH,
+            "density": AIR.air_density,
+            "gravity": AIR.gravity * density / (density - AIR.air_density),
+            "kbot": weight / SINK / TETHER.diameter,
+            "cbot": damper * 2.0 * weight / np.sqrt(AIR.gravity * SINK) / TETHER.diameter,
+            "friction": FRICTION,
+            "fricdamp": weight * TETHER.initial_length / TETHER.segments / creep,
+        }
+        with silence(), tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "line.txt"
+            file.write_text(FILE.format(**facts))
+            self.system = moordyn.Create(str(file))
+            moordyn.Init(self.system, *self.ends(0.0, FINE))
+            self.line = moordyn.GetLine(self.system, 1)
+
+    def ends(self, time, step):
+        """Positions of the driven ends [m], and their mean velocities [m/s] over a step."""
+        first = 1 if self.free else 0
+        now, then = self.path(time)[first:], self.path(time + step)[first:]
+        return (now - (0.0, 0.0, DEPTH)).ravel().tolist(), ((then - now) / step).ravel().tolist()
+
+    def row(self, time):
+        """Row of a file."""
+        nodes = range(TETHER.segments + 1)
+        x = np.array([self.library.GetLineNodePos(self.line, i) for i in nodes])
+        x[:, 2] += DEPTH
+        v = np.array([self.library.GetLineNodeVel(self.line, i) for i in nodes])
+        r, rest = np.diff(x, axis=0), TETHER.initial_length / TETHER.segments
+        length = np.linalg.norm(r, axis=1)
+        rate = np.sum(r * np.diff(v, axis=0), axis=1) / length / rest
+        tensions = TETHER.axial_stiffness * np.maximum(length / rest - 1.0, 0.0) + TETHER.axial_damping * rate
+        return row(time, x, tensions)
+
+    def fly(self, step=FINE):
+        """Rows every `EVERY` seconds."""
+        rows, every = [self.row(0.0)], round(EVERY / step)
+        with silence():
+            for k in range(round(self.duration / step)):
+                self.library.Step(self.system, *self.ends(k * step, step), k * step, step)
+                if (k + 1) % every == 0:
+                    rows.append(self.row((k + 1) * step))
+        self.library.Close(self.system)
+        return np.array(rows)
+
+
+def write(name, rows):
+    """Write a reference file."""
+    np.savetxt(REFERENCE / f"moordyn_{name}.csv", rows, fmt="%.8g", delimiter=",", header=",".join(COLUMNS), comments="")
+
+
+def differences(name, what, found, right):
+    """Line of the table: root mean square and largest difference of tensions, lying length and nodes."""
+    gap = found - right
+    cells = []
+    for columns in ((1, 2), (3,), range(4, len(COLUMNS))):
+        part = gap[:, list(columns)]
+        cells += [f"{np.sqrt(np.mean(part**2)):.2g}", f"{np.abs(part).max():.2g}"]
+    print(f"| {name} | {what} | {' | '.join(cells)} | {np.abs(gap[-1, 1:3]).max():.2g} |", flush=True)
+
+
+def compare(step, keep):
+    """Table of differences from MoorDyn with the largest step that is converged; `keep` writes its series."""
+    print(HEAD)
+    for name in SCENES:
+        right = MoorDyn(name, step).fly()
+        if keep:
+            write(name, right)
+        differences(name, "TetherDynamic", ours(name, FINE)[0], right)
+        differences(name, "TetherDynamic, steps of 20 ms, default tolerance", ours(name, 0.02, 0.0)[0], right)
+        differences(name, "MoorDyn, dtM twice as long", MoorDyn(name, 2.0 * step).fly(), right)
+        differences(name, "MoorDyn, cBot half as large", MoorDyn(name, 2.0 * step, damper=0.5).fly(), right)
+        differences(name, "MoorDyn, FricDamp half as large", MoorDyn(name, 2.0 * step, creep=2.0 * CREEP).fly(), right)
+
+
+class ByItsLaw(Chain):
+    """The independent chain on MoorDyn's ground, with driven ends."""
+
+    def __init__(self, name):
+        path, _ = SCENES[name]
+        start = TetherDynamic(TETHER, AIR, initial_shape=1 if name == "fall" else 3, relative_tolerance=1e-8)
+        a, b = path(0.0)
+        start.initialize(b, ground_position=a)
+        rope = {"stiffness": TETHER.axial_stiffness, "material": TETHER.axial_damping, "slack": 0.0}
+        free, place = (name == "drag", False), {"friction": FRICTION, "sink": SINK}
+        super().__init__(start.positions, 0.0 * start.positions, TETHER.initial_length, free, **rope, **place)
+        self.path = path
+
+    def ground(self, x, v):
+        depth, hardness = -x[:, 2], G / self.sink
+        pressed = self.mass * (hardness * depth - 2.0 * np.sqrt(hardness) * v[:, 2])
+        speed = np.hypot(v[:, 0], v[:, 1])
+        slow = self.mass.max() * G * speed / CREEP
+        grip = self.friction * np.minimum(np.abs(pressed), slow) / np.maximum(speed, 1e-30)
+        force = np.column_stack((-grip * v[:, 0], -grip * v[:, 1], pressed))
+        return np.where(depth[:, None] > 0.0, force, 0.0)
+
+    def driven(self, time, state):
+        """Positions and velocities of the nodes from a state, the driven ends where they are led."""
+        x, v = state.reshape(2, -1, 3).copy()
+        places, speeds = self.path(time), (self.path(time + 1e-5) - self.path(time - 1e-5)) / 2e-5
+        for end in (-1,) if self.free[0] else (0, -1):
+            x[end], v[end] = places[end], speeds[end]
+        return x, v
+
+    def rates(self, time, state):
+        x, v = self.driven(time, state)
+        rates = super().rates(time, np.concatenate((x.ravel(), v.ravel()))).reshape(2, -1, 3)
+        for end in (-1,) if self.free[0] else (0, -1):
+            rates[0, end] = v[end]
+        return rates.ravel()
+
+    def row(self, time, state):
+        """Row of a file."""
+        x, v = self.driven(time, state)
+        r, rest = np.diff(x, axis=0), self.length / self.n
+        length = np.linalg.norm(r, axis=1)
+        rate = np.sum(r * np.diff(v, axis=0), axis=1) / length / rest
+        return row(time, x, self.stiffness * np.maximum(length / rest - 1.0, 0.0) + self.material * rate)
+
+
+def by_its_law(name):
+    """Rows of a scene of the chain with MoorDyn's law."""
+    chain, times = ByItsLaw(name), EVERY * np.arange(round(SCENES[name][1] / EVERY) + 1)
+    near = np.kron(np.eye(chain.n + 1, k=-1) + np.eye(chain.n + 1) + np.eye(chain.n + 1, k=1), np.ones((3, 3)))
+    pattern = np.block([[0.0 * near, np.eye(len(near))], [near, near]])
+    state = np.concatenate((chain.x.ravel(), chain.v.ravel()))
+    rows = [chain.row(0.0, state)]
+    for now, then in pairwise(times):
+        options = {"rtol": 1e-6, "atol": 1e-8, "max_step": 2e-3, "jac_sparsity": pattern}
+        state = solve_ivp(chain.rates, (now, then), state, "BDF", **options).y[:, -1]
+        rows.append(chain.row(then, state))
+    return np.array(rows)
+
+
+def explain():
+    """Table of differences of the stored series from the chain with MoorDyn's law."""
+    print(HEAD)
+    for name in SCENES:
+        right = np.genfromtxt(REFERENCE / f"moordyn_{name}.csv", delimiter=",", skip_header=1)
+        differences(name, "the chain with its law", by_its_law(name), right)
+
+
+def timed(fly):
+    """Rows of a flight and its time [s]."""
+    start = perf_counter()
+    rows = fly()
+    return rows, perf_counter() - start
+
+
+def cost(repeats):
+    """Table of errors and times of the drop, steps of 20 ms; each against its own solution with small steps.
+
+    The time of `TetherDynamic` has its start in it, that of MoorDyn not.
+    """
+    step, name = 0.02, "fall"
+    ways = {f"TetherDynamic, tolerance {each:g}": partial(ours, name, step, each) for each in (1e-2, 1e-3, 1e-4, 1e-5)}
+    ways |= {
+        f"MoorDyn {scheme}, dtM {1e6 * each:.3g} us": partial(MoorDyn, name, each, scheme)
+        for scheme, each in (("RK2", 8e-5), ("RK2", 0.02 / 300), ("RK2", 4e-5), ("RK4", 1e-4), ("RK4", 5e-5))
+    }
+    right = {True: ours(name, step)[0], False: MoorDyn(name, 1e-5).fly(step)}
+    times, rows = {way: np.inf for way in ways}, {}
+    for _ in range(repeats):
+        for way, make in ways.items():
+            if way.startswith("MoorDyn"):
+                system = make()
+                rows[way], time = timed(lambda system=system: system.fly(step))
+            else:
+                (rows[way], _), time = timed(make)
+            times[way] = min(times[way], time)
+    default = times["TetherDynamic, tolerance 0.0001"]
+    print("| solver | error of tensions N | of nodes mm | ms per simulated second | ratio |\n|---|---|---|---|---|")
+    for way, time in times.items():
+        gap = rows[way] - right[way.startswith("Tether")]
+        tension, nodes = (np.sqrt(np.mean(part**2)) for part in (gap[:, 1:3], gap[:, 4:]))
+        per_second = 1e3 * time / SCENES[name][1]
+        print(f"| {way} | {tension:.2g} | {1e3 * nodes:.2g} | {per_second:.3g} | {time / default:.3g} |", flush=True)
+
+
+def main():
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help="write the reference files")
+    parser.add_argument("--cost", action="store_true", help="time the drop, too")
+    parser.add_argument("--law", action="store_true", help="compare with its law in other equations")
+    parser.add_argument("--step", type=float, default=2e-5, help="dtM [s]")
+    parser.add_argument("--repeats", type=int, default=5)
+    given = parser.parse_args()
+    print(circumstances())
+    if given.law:
+        explain()
+    elif given.cost:
+        cost(given.repeats)
+    else:
+        compare(given.step, given.write)
+
+
+if __name__ == "__main__":
+    main()
