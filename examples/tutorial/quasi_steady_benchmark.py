@@ -6,7 +6,7 @@ Python (`step`, the price of feedback in Python).
 
 import numpy as np
 from lessons import STEP, Lesson, command_line, panels, timed_from_here
-from quasi_steady_circle import GROUND, KITE, LENGTH
+from quasi_steady_circle import KITE, TETHER
 
 import tetherfmu
 from tetherfmu import inputs_along
@@ -32,8 +32,7 @@ def measure(way):
     """Microseconds of a communication step of each variant, array (4,)."""
     found = []
     for variant in VARIANTS:
-        model = getattr(tetherfmu, class_name(variant))
-        tether = model(initial_length=LENGTH, initial_shape="quasi_steady", ground_height=GROUND)
+        tether = getattr(tetherfmu, class_name(variant))(**TETHER)
         tether.initialize(*KITE.at(0.0))
         _, seconds = timed_from_here(tether, way, repeats=5)
         found.append(1e6 * seconds / STEPS)

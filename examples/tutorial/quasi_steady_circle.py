@@ -13,13 +13,14 @@ from first_flight.circular_flight import GROUND, circle
 from tetherfmu import MovingEnd, TetherDynamic, TetherQuasiSteady, inputs_along
 from tetherfmu.console.colours import COLOUR
 
-RATE, LENGTH, STEPS = 0.05, 525.0, 6283  # rad/s, m, communication steps: one turn
+RATE, STEPS = 0.05, 6283  # rad/s, communication steps: one turn
+TETHER = {"initial_length": 525.0, "initial_shape": "quasi_steady", "ground_height": GROUND}
 KITE = MovingEnd(lambda time: circle(time, RATE)[0], lambda time: circle(time, RATE)[1])
 
 
 def fly(model, every=1):
     """One turn, a `Flown` with a row for each `every` communication steps."""
-    tether = model(initial_length=LENGTH, initial_shape="quasi_steady", ground_height=GROUND)
+    tether = model(**TETHER)
     tether.initialize(*KITE.at(0.0))
     return tether.fly(inputs_along(STEPS, STEP, kite=KITE), STEP, every)
 

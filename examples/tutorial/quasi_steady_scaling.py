@@ -6,7 +6,7 @@ and how far the force on the kite is from that with 300 segments, the most there
 
 import numpy as np
 from lessons import STEP, Lesson, command_line, curve, panels, timed_from_here
-from quasi_steady_circle import GROUND, KITE, LENGTH
+from quasi_steady_circle import KITE, TETHER
 
 from tetherfmu import TetherDynamic, TetherQuasiSteady, inputs_along
 from tetherfmu.console.colours import COLOUR, REFERENCE
@@ -18,8 +18,7 @@ INPUTS = inputs_along(STEPS, STEP, kite=KITE)
 
 def run(model, segments):
     """Force on the kite [N] after each step, array (STEPS, 3), and the time of the flight [s]."""
-    how = {"initial_shape": "quasi_steady", "relative_tolerance": 1e-6, "ground_height": GROUND}
-    tether = model(segments=int(segments), initial_length=LENGTH, **how)
+    tether = model(segments=int(segments), relative_tolerance=1e-6, **TETHER)
     tether.initialize(*KITE.at(0.0))
     return timed_from_here(tether, lambda tether: tether.fly(INPUTS, STEP).kite_force, repeats=4)
 
