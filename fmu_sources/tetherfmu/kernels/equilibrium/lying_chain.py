@@ -25,6 +25,7 @@ from .rigid_body import Body, spring
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor from one stiffness of the ground to the next
 MOST_GROUNDS = 60  # that are tried; it needs 5 to 15
 PRESSED = 1e-3  # compression of a segment that lies over the weight of the chain, above which the chain is piled up
+MOST_TIGHTENED = 2.0  # tension on the ground over that without it and all friction together
 HALVINGS = 60  # of the interval in which the curvature of an arc is sought
 
 
@@ -114,21 +115,33 @@ def slowly(body, w):
 
 
 @kernel
-def by_piling(body, w):
-    """From the first guess of a chain with too much length: (found, iterations)."""
+def by_piling(body, level, w):
+    """From the first guess of a chain with too much length: (found, iterations).
+
+    level : at which load continuation begins, see `load_continuation.at_level`.
+    """
     if not pile(body, w):
         return False, 0
     copy(body.x, w.anchor)
     still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.anchor, True)
     ground, kite = get(body.v, 0), get(body.v, body.chain.n)
-    load_continuation.put_end_velocities(body, load_continuation.LOWEST, ground, kite)
-    calm = load_continuation.at_level(still, load_continuation.LOWEST)
-    found, iterations = newton.relax(calm, False, True, weight_of(body, w) / body.chain.length, w)
-    if found:
-        reached, more = load_continuation.raise_level(still, load_continuation.LOWEST, ground, kite, w)
+    load_continuation.put_end_velocities(body, level, ground, kite)
+    lighter = load_continuation.at_level(still, level)
+    found, iterations = newton.relax(lighter, False, True, weight_of(body, w) / body.chain.length, w)
+    if found and level < 1.0:
+        reached, more = load_continuation.raise_level(still, level, ground, kite, w)
         found, iterations = reached == 1.0, iterations + more
     load_continuation.put_end_velocities(body, 1.0, ground, kite)
     return found, iterations
+
+
+@kernel
+def largest(tension):
+    """The largest of some tensions [N]."""
+    most = 0.0
+    for s in range(len(tension)):
+        most = max(most, tension[s])
+    return most
 
 
 @kernel
@@ -136,13 +149,20 @@ def find(body, hangs, w):
     """An equilibrium on the ground: (found, Newton iterations); hangs : whether the body has that without ground."""
     copy(body.x, w.hung)
     copy(w.tension, w.hung_tension)
-    found, iterations = by_piling(body, w)
-    if found or not hangs:
-        return found, iterations
-    copy(w.hung, body.x)
-    copy(w.hung_tension, w.tension)
-    found, more = by_ground_continuation(body, w)
-    return found and not is_pressed(body, w), iterations + more
+    found, iterations = by_piling(body, load_continuation.LOWEST, w)
+    if not found and hangs:
+        copy(w.hung, body.x)
+        copy(w.hung_tension, w.tension)
+        found, more = by_ground_continuation(body, w)
+        iterations += more
+        # friction adds no more than its part of the weight; a chain that turns may find another equilibrium, far out
+        friction = body.ground.friction * weight_of(body, w)
+        found = found and not is_pressed(body, w)
+        found = found and largest(w.tension) <= MOST_TIGHTENED * (largest(w.hung_tension) + friction)
+    if not found:
+        found, more = by_piling(body, 1.0, w)
+        iterations += more
+    return found, iterations
 
 
 @kernel
