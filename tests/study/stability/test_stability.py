@@ -135,6 +135,12 @@ def test_a_tether_that_sinks_through_the_ground_is_seen(monkeypatch):
     assert judge(chosen[int(np.argmax(deep))]).verdict == "wrong"
 
 
+@pytest.mark.parametrize("number", [4854, 5982, 18946])
+def test_false_starts_on_the_ground_are_not_taken(number):
+    """As they were: with a node 13 m under the ground, held by a compressed segment; spun out to 24 times the length."""
+    assert judge(point(1, number, ground=True)).verdict in ("converged", "stable", "refused")
+
+
 def test_a_free_kite_gets_no_faster_than_its_bound():
     """The bound has room for waves of six times the amplitude, and yet some come within a hundred times of it."""
     chosen = [p for p in ON_GROUND[:200] if p.variant == FREE]
