@@ -16,8 +16,8 @@ from tetherfmu.runtime import layout as at
 from ..arrays import copy
 from ..compilation import kernel, view
 from ..equations import segment
-from ..equations.ground import softer
-from ..equations.properties import property_of, rest_length
+from ..equations.ground import carries, softer
+from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
 from . import load_continuation, newton
 from .rigid_body import Body, spring
@@ -26,6 +26,7 @@ FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor
 MOST_GROUNDS = 60  # that are tried; it needs 5 to 15
 PRESSED = 1e-3  # compression of a segment that lies over the weight of the chain, above which the chain is piled up
 MOST_TIGHTENED = 2.0  # tension on the ground over that without it and all friction together
+LONG, FEW = 1.2, 4.0  # over the distance of the feet, and in segments: what lies of a chain that is far too long
 HALVINGS = 60  # of the interval in which the curvature of an arc is sought
 
 
@@ -46,20 +47,21 @@ def deepest(body):
 
 @kernel
 def weight_of(body, w):
-    """Weight of the chain [N]."""
-    weight = 0.0
-    for i in range(body.chain.n + 1):
-        weight += w.mass[i] * body.chain.gravity
-    return weight
+    """Weight of the chain [N], without what its ends carry beside."""
+    n = body.chain.n
+    mass = -point_mass(body.chain, 0) - point_mass(body.chain, n)
+    for i in range(n + 1):
+        mass += w.mass[i]
+    return mass * body.chain.gravity
 
 
 @kernel
 def is_pressed(body, w):
-    """Whether a segment on the ground is in compression."""
+    """Whether a segment with a node on the ground is in compression."""
     chain, weight = body.chain, weight_of(body, w)
-    for s in range(1, chain.n - 1):
+    for s in range(chain.n):
         x_p, x_q = get(body.x, s), get(body.x, s + 1)
-        if max(x_p[2], x_q[2]) < body.ground.height:
+        if (s > 0 and carries(body.ground, x_p)) or (s < chain.n - 1 and carries(body.ground, x_q)):
             length, _ = segment.geometry(sub(x_q, x_p))
             elongation, k = spring(chain, s, length, False)
             if k * elongation < -PRESSED * weight:
@@ -136,6 +138,16 @@ def by_piling(body, level, w):
 
 
 @kernel
+def is_long(body):
+    """Whether far more of the chain lies than fits between its feet: no turning draws it tight."""
+    start, end, height = get(body.x, 0), get(body.x, body.chain.n), body.ground.height
+    lying = body.chain.length - max(0.0, start[2] - height) - max(0.0, end[2] - height)
+    across = sub(end, start)
+    chord = sqrt(across[0] * across[0] + across[1] * across[1])
+    return lying > LONG * chord + FEW * body.chain.length / body.chain.n
+
+
+@kernel
 def largest(tension):
     """The largest of some tensions [N]."""
     most = 0.0
@@ -149,7 +161,9 @@ def find(body, hangs, w):
     """An equilibrium on the ground: (found, Newton iterations); hangs : whether the body has that without ground."""
     copy(body.x, w.hung)
     copy(w.tension, w.hung_tension)
-    found, iterations = by_piling(body, load_continuation.LOWEST, w)
+    found, iterations = False, 0
+    if is_long(body):
+        found, iterations = by_piling(body, load_continuation.LOWEST, w)
     if not found and hangs:
         copy(w.hung, body.x)
         copy(w.hung_tension, w.tension)
