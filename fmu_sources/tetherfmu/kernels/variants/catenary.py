@@ -10,6 +10,7 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 from ..compilation import kernel
 from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
+from ..equations.ground import has_ground
 from ..equations.properties import property_of
 from ..equilibrium.elastic_catenary import hang, point_in_space
 from ..integrators.drum_in_equilibrium import drum_at
@@ -52,7 +53,7 @@ def settle(n, parameters, state, work):
         return NO_EQUILIBRIUM
     state[at.ITERATIONS] += iterations
     put_at(state, at.GROUND_TENSION_VECTOR, tension)
-    if parameters[at.GROUND_CONTACT] == at.FLAT:
+    if has_ground(parameters):
         rest_on_ground(line, load, state)
     return OK
 
@@ -61,7 +62,7 @@ def settle(n, parameters, state, work):
 def note_depth(parameters, state):
     """Note in the state (modified) how far a tether without ground contact hangs below the ground [m], its ends above it."""
     plane = parameters[at.GROUND_HEIGHT]
-    if parameters[at.GROUND_CONTACT] == at.NO_GROUND and state[at.WARNED_VALUES + limits.GROUND_IGNORED] == 0.0:
+    if not has_ground(parameters) and state[at.WARNED_VALUES + limits.GROUND_IGNORED] == 0.0:
         line, ground, chord, _ = chord_of(parameters, state)
         tension = vector_at(state, at.GROUND_TENSION_VECTOR)
         if tension[2] < 0.0 and min(ground[2], ground[2] + chord[2]) >= plane:
@@ -106,7 +107,7 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     line, ground, chord, distance = chord_of(parameters, state)
     load = uniform_load(line, state)
     tension = vector_at(state, at.GROUND_TENSION_VECTOR)
-    lies = parameters[at.GROUND_CONTACT] == at.FLAT and state[at.LYING_LENGTH] > 0.0
+    lies = has_ground(parameters) and state[at.LYING_LENGTH] > 0.0
     kite_force = add_scaled(scale(-1.0, tension), line.length, load)
     if lies:
         kite_force = vector_at(state, at.KITE_TENSION_VECTOR)
