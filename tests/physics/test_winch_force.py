@@ -163,17 +163,15 @@ def test_stops_are_inelastic(model, mass):
 
 @pytest.mark.parametrize("options", [{}, {"fixed_step": 0.01}, {"axial_damping": 0.0}, {"damping_law": "stretch_rate"}])
 def test_tension_is_the_force_of_a_winch_without_mass(options):
-    """Taut, going slack, slack, snapping taut: T = W at every communication point, from the end of the first step on."""
+    """Taut, let go, without any force, jerked: T = W at every communication point, from the end of the first step on."""
     tether = TetherDynamic(segments=5, winch_control="force", **options)
     tether.initialize(wind_velocity=(8.0, 0.0, 0.0))
     for force in (300.0, 300.0, 5.0, 5.0, 5.0, 0.0, 0.0, 0.0, 0.0, 2000.0, 2000.0, 2000.0):
-        before = force
         for k in range(8):
             outputs = tether.step(0.02, winch_force=force)
             if k > 0:  # over the first one the jump is extrapolated
                 rounding = 1e-15 * 614600.0
                 assert outputs.ground_tension == pytest.approx(force, rel=1e-9, abs=rounding)
-    assert before == 2000.0
 
 
 @pytest.mark.parametrize("model", IN_EQUILIBRIUM)
