@@ -81,6 +81,13 @@ def slip(v, creep):
 
 
 @kernel
+def slip_slope(factor, u):
+    """Upper left 2x2 block of factor (1 - u u), row by row; u : of `slip`."""
+    across = -factor * u[0] * u[1]
+    return factor * (1.0 - u[0] * u[0]), across, across, factor * (1.0 - u[1] * u[1])
+
+
+@kernel
 def acceleration(ground, x, v):
     """What the ground does to a node that touches it, at x [m] with the velocity v [m/s]: [m/s2]."""
     a = pressure(ground, x, v)
@@ -96,18 +103,9 @@ def derivatives(ground, x, v):
     mu = ground.friction
     by_z = -ground.hardness * (1.0 - ground.damping * v[2])
     by_speed = -ground.hardness * (ground.height - x[2]) * ground.damping
-    across = -mu * a / size
-    return (-mu * u[0] * by_z, -mu * u[1] * by_z, by_z), (
-        across * (1.0 - u[0] * u[0]),
-        -across * u[0] * u[1],
-        -mu * u[0] * by_speed,
-        -across * u[0] * u[1],
-        across * (1.0 - u[1] * u[1]),
-        -mu * u[1] * by_speed,
-        0.0,
-        0.0,
-        by_speed,
-    )
+    xx, xy, yx, yy = slip_slope(-mu * a / size, u)
+    by_velocity = xx, xy, -mu * u[0] * by_speed, yx, yy, -mu * u[1] * by_speed, 0.0, 0.0, by_speed
+    return (-mu * u[0] * by_z, -mu * u[1] * by_z, by_z), by_velocity
 
 
 @kernel
@@ -147,13 +145,8 @@ def support_slope(ground, x, v, motion):
     """Derivative of `support` by the position [1/s2], a matrix; motion : that of the velocity [1/s]."""
     u, size = slip(v, SLIDING)
     grip = ground.friction * ground.hardness
-    across = -grip * (ground.height - x[2]) / size
-    by_velocity = (
-        *(across * (1.0 - u[0] * u[0]), -across * u[0] * u[1], 0.0),
-        *(-across * u[0] * u[1], across * (1.0 - u[1] * u[1]), 0.0),
-        *(0.0, 0.0, 0.0),
-    )
-    m = multiply(by_velocity, motion)
+    xx, xy, yx, yy = slip_slope(-grip * (ground.height - x[2]) / size, u)
+    m = multiply((xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, 0.0), motion)
     return m[0], m[1], m[2] + grip * u[0], m[3], m[4], m[5] + grip * u[1], m[6], m[7], m[8] - ground.hardness
 
 
@@ -205,18 +198,8 @@ def force_of_step(ground, old, new, h):
         faster = ground.damping / h
         pressed = ground.hardness * depth * (1.0 + faster * (depth - before))
         by_z = -ground.hardness * (1.0 + faster * (2.0 * depth - before))
-    across = -grip / way
-    return (-grip * u[0], -grip * u[1], pressed), (
-        across * (1.0 - u[0] * u[0]),
-        -across * u[0] * u[1],
-        0.0,
-        -across * u[0] * u[1],
-        across * (1.0 - u[1] * u[1]),
-        0.0,
-        0.0,
-        0.0,
-        by_z,
-    )
+    xx, xy, yx, yy = slip_slope(-grip / way, u)
+    return (-grip * u[0], -grip * u[1], pressed), (xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, by_z)
 
 
 @kernel

@@ -33,17 +33,13 @@ def at_level(body, level):
 
 
 @kernel
-def relax(body, level, w):
-    """Newton's method from the equilibrium in w.kept and w.kept_tension, at a level: (found, iterations).
-
-    Positions of the body [m] and w.tension [N] are modified; velocities of its ends [m/s] are those of the level.
-    """
-    slower = at_level(body, level)
+def relax_kept(body, w):
+    """Newton's method from w.kept and w.kept_tension with the stiffnesses, then the compliances: (found, iterations)."""
     iterations = 0
     for compliant in (False, True):
         copy(w.kept, body.x)
         copy(w.kept_tension, w.tension)
-        found, more = newton.relax(slower, compliant, False, 0.0, w)
+        found, more = newton.relax(body, compliant, False, 0.0, w)
         iterations += more
         if found:
             return True, iterations
@@ -70,7 +66,7 @@ def raise_level(body, level, ground, kite, w):
     for _ in range(MOST_LEVELS):
         higher = min(1.0, (1.0 + rise) * level)
         put_end_velocities(body, higher, ground, kite)
-        found, more = relax(body, higher, w)
+        found, more = relax_kept(at_level(body, higher), w)
         iterations += more
         if found:
             level = higher

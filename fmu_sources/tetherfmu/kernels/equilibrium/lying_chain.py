@@ -24,7 +24,7 @@ from .rigid_body import Body, spring
 
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor from one stiffness of the ground to the next
 MOST_GROUNDS = 60  # that are tried; it needs 5 to 15
-PRESSED = 1e-3  # compression of a segment that lies over the weight of the chain, above which the chain is piled up
+PRESSED = 1e-3  # compression of a segment that lies over the weight of the chain, above which it is no solution
 MOST_TIGHTENED = 2.0  # tension on the ground over that without it and all friction together
 LONG, FEW = 1.2, 4.0  # over the distance of the feet, and in segments: what lies of a chain that is far too long
 HALVINGS = 60  # of the interval in which the curvature of an arc is sought
@@ -70,20 +70,6 @@ def is_pressed(body, w):
 
 
 @kernel
-def relax(body, w):
-    """Newton's method from w.kept and w.kept_tension with the stiffnesses, then the compliances: (found, iterations)."""
-    iterations = 0
-    for compliant in (False, True):
-        copy(w.kept, body.x)
-        copy(w.kept_tension, w.tension)
-        found, more = newton.relax(body, compliant, False, 0.0, w)
-        iterations += more
-        if found:
-            return True, iterations
-    return False, iterations
-
-
-@kernel
 def by_ground_continuation(body, w):
     """From the equilibrium without ground in the body (modified) to that on its ground: (found, Newton iterations)."""
     copy(body.x, w.kept)
@@ -91,7 +77,7 @@ def by_ground_continuation(body, w):
     level = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))  # stiffness over that of the ground
     reached, factor, iterations = 0.0, FIRST_STEP, 0
     for _ in range(MOST_GROUNDS):
-        found, more = relax(on(body, softer(body.ground, level)), w)
+        found, more = load_continuation.relax_kept(on(body, softer(body.ground, level)), w)
         iterations += more
         if found:
             if level == 1.0:
