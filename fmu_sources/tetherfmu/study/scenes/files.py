@@ -228,12 +228,12 @@ def ground_of(table, environment):
     return ground
 
 
-def require(table, section, known):
-    """ValueError unless a table has what it must have and nothing unknown."""
+def require(table, section, known, needed=None):
+    """ValueError unless a table has what it must have and nothing unknown; needed : keys, None: those of `REQUIRED`."""
     label = f"{section}." if section else ""
     if not isinstance(table, dict):
         raise ValueError(f"{section} is {table!r}; it must be a table [{section}]")
-    for key in REQUIRED.get(section, ()):
+    for key in REQUIRED.get(section, ()) if needed is None else needed:
         if key not in table:
             raise ValueError(f"the key {label}{key} is missing")
     for key in table:
@@ -259,9 +259,9 @@ def read_flight(table, folder):
     return record(KINDS[kind], table, "flight")
 
 
-def record(kind, table, section):
+def record(kind, table, section, needed=None):
     """A record from a table of a file; ValueError names the key. The number of segments is no matter of a scene."""
-    require(table, section, [item.name for item in fields(kind) if item.name != "segments"])
+    require(table, section, [item.name for item in fields(kind) if item.name != "segments"], needed)
     given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
     try:
         return kind(**given)

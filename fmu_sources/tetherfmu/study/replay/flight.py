@@ -1,0 +1,178 @@
+"""A flight that is ready to be flown: smooth motion of the end of the tether at the kite, and what the winch was told."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicHermiteSpline
+
+from tetherfmu.runtime.inputs import COUNT, by_name
+
+from . import checks
+from .log import POSITION, VELOCITY, WIND, Log, LogError
+from .smoothing import Noise, Smoothed, smooth
+
+EVERY = 0.1  # s between two rows of the results
+STEP = 0.02  # communication step of the tethers [s]
+LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and what the winch is then told
+MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "reel_out_speed"}
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What is added to a log, so that its quantities fit each other; see `fitting`."""
+
+    length: float = 0.0  # to the length [m]
+    origin: tuple = (0.0, 0.0, 0.0)  # to the positions [m]
+    delay: float = 0.0  # by how much later than the rest the positions stand in the log [s]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A part of a log, from `start` to `end` [s].
+
+    `motion` : `Smoothed` over the times of the whole `log`, of the end of the tether, seen from the outlet of the winch.
+    """
+
+    log: Log
+    motion: Smoothed
+    start: float
+    end: float
+    correction: Correction = Correction()
+
+    @property
+    def times(self):
+        """Times [s] of the results: every `EVERY` from the start on."""
+        return self.start + EVERY * np.arange(1 + int((self.end - self.start) / EVERY + 1e-6))
+
+    def part(self, start, end):
+        """The same flight from start to end [s]."""
+        return replace(self, start=start, end=end)
+
+    def corrected(self, correction):
+        """The same flight with a `Correction`."""
+        return replace(self, correction=correction)
+
+    def kite(self, time):
+        """Position [m] and velocity [m/s] of the end of the tether, arrays (times, 3)."""
+        curve = CubicHermiteSpline(self.log.time, self.motion.position, self.motion.velocity)
+        late = np.clip(time + self.correction.delay, self.log.time[0], self.log.time[-1])
+        return curve(late) + self.correction.origin, curve(late, 1)
+
+    def measured(self, name, time):
+        """A measured quantity at some times, array (times,), linear between readings; NaN in gaps that are too long."""
+        values = self.log.table[name].to_numpy()
+        known = np.isfinite(values)
+        own = self.log.time[known] - getattr(self.log.map.delay, name, 0.0)
+        found = np.interp(time, own, values[known], np.nan, np.nan)
+        after = np.clip(np.searchsorted(own, time), 1, len(own) - 1)
+        found[own[after] - own[after - 1] > self.log.map.smoothing.longest_gap] = np.nan
+        return found
+
+    def length(self, time):
+        """Unstretched length [m] from the winch to the kite by the log, array (times,), with its correction.
+
+        Without a logged length the integral of the reel-out speed, from an unknown length at the start.
+        """
+        if "tether_length" in self.log.table:
+            measured = self.measured("tether_length", time) - self.log.map.station.drum_to_outlet
+        else:
+            own = self.log.time
+            speed = np.nan_to_num(self.measured("reel_out_speed", own))
+            paid = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(own))])
+            measured = np.interp(time, own, paid)
+        return measured + self.correction.length
+
+    def has(self, lead):
+        """Whether the log can lead a winch by this."""
+        return MEASURED[lead] in self.log.table or (lead == "length" and "reel_out_speed" in self.log.table)
+
+    def wind(self, time):
+        """Wind at the reference height [m/s], averaged, array (times, 3); no wind if the log has none."""
+        readings = self.log.of(WIND)
+        if readings is None:
+            return np.zeros((len(time), 3))
+        rows = max(1, round(self.log.map.smoothing.wind_mean / np.median(np.diff(self.log.time))))
+        mean = pd.DataFrame(readings).rolling(rows, center=True, min_periods=1).mean().interpolate(limit_direction="both")
+        return np.column_stack([np.interp(time, self.log.time, column) for column in mean.to_numpy().T])
+
+    def inputs(self, lead, step=STEP):
+        """Inputs of a tether, array (steps, INPUTS): the motion of the kite, the wind, and what leads the winch.
+
+        lead : "tension", "length" or "speed".  LogError names a gap in what leads.
+        """
+        time = np.arange(round((self.times[-1] - self.start) / step)) * step + self.start
+        rows = np.zeros((len(time), COUNT))
+        into = by_name(rows)
+        into["kite_position"][:], into["kite_velocity"][:] = self.kite(time)
+        into["wind_velocity"][:] = self.wind(time)
+        led = self.length(time) if lead == "length" else self.measured(MEASURED[lead], time)
+        if not np.isfinite(led).all():
+            raise LogError(f"{MEASURED[lead]} leads the winch and has no reading at {time[~np.isfinite(led)][0]:.1f} s")
+        into[{"tension": "winch_force", "length": "winch_length", "speed": "reel_out_speed"}[lead]][:, 0] = led
+        return rows
+
+
+def prepare(log, start=None, end=None):
+    """`Flight` of a `Log` from start to end [s] of its time, None: all of it. LogError says what is wrong."""
+    checks.check(log)
+    start, end = (log.time[0] if start is None else start), (log.time[-1] if end is None else end)
+    if not log.time[0] <= start < end <= log.time[-1] + 1e-9 or end - start < 1.0:
+        raise LogError(
+            f"the flight from {start:g} to {end:g} s is not possible; the log has {log.time[0]:g} to {log.time[-1]:.1f} s, and "
+            "1 s is the shortest"
+        )
+    position, velocity = at_end_of_tether(log)
+    refuse_gaps(log, position, start, end)
+    told = log.map.smoothing
+    noise = Noise(told.position_noise, told.velocity_noise, told.acceleration_change)
+    motion = smooth(log.time, position, velocity, noise)
+    rough = np.sqrt(np.nanmean((position - motion.position) ** 2))
+    known = "and velocities" if log.of(VELOCITY) is not None else "only"
+    log.report.say(
+        f"smoothed: positions (noise {noise.position:g} m) {known} (noise {noise.velocity:g} m/s), acceleration changing by "
+        f"{noise.acceleration:g} m/s2 in 1 s; positions were off by {rough:.2f} m rms, one is known to {motion.deviation:.2f} m"
+    )
+    return Flight(log, motion, start, end)
+
+
+def at_end_of_tether(log):
+    """Position [m] and velocity [m/s] of the end of the tether, seen from the outlet, arrays (rows, 3); NaN: not known."""
+    late = log.map.delay
+    position = late_by(log, POSITION, late.kite_position) - np.array(log.map.station.outlet)
+    velocity = late_by(log, VELOCITY, late.kite_velocity)
+    if velocity is None:
+        velocity = np.full_like(position, np.nan)
+    if log.map.kite.end_below:
+        distance = np.linalg.norm(position, axis=1, keepdims=True)
+        factor = 1.0 - log.map.kite.end_below / distance
+        radial = np.sum(position * velocity, axis=1, keepdims=True) / distance
+        velocity = factor * velocity + (1.0 - factor) * radial * position / distance
+        position = factor * position
+        log.report.say(f"moved: positions by kite.end_below = {log.map.kite.end_below:g} m towards the station")
+    return position, velocity
+
+
+def late_by(log, names, delay):
+    """Readings as they were `delay` [s] later in the log, array (rows, names); None if the log does not have them."""
+    readings = log.of(names)
+    if readings is None or delay == 0.0:
+        return readings
+    return np.column_stack([np.interp(log.time + delay, log.time, column, np.nan, np.nan) for column in readings.T])
+
+
+def refuse_gaps(log, position, start, end):
+    """LogError if the position is not known for too long; a line on the gaps that are bridged."""
+    known = np.isfinite(position).all(axis=1)
+    time = log.time[known]
+    time = np.concatenate([[start], time[(time > start) & (time < end)], [end]])
+    gaps, usual = np.diff(time), np.median(np.diff(log.time))
+    longest = log.map.smoothing.longest_gap
+    k = np.argmax(gaps)
+    if gaps[k] > longest:
+        raise LogError(
+            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s; fly a part (--from, --to), or allow it with "
+            f"smoothing.longest_gap (now {longest:g} s)"
+        )
+    bridged = gaps > 1.5 * usual
+    log.report.count("bridged", int(bridged.sum()), len(gaps), f"gaps of up to {gaps[k]:.2f} s in the position")
