@@ -13,6 +13,7 @@ COMMANDS = {  # name: (module, what it does)
     "check": ("tetherfmu.check.__main__", "check FMUs on this machine"),
     "tutorial": ("tetherfmu.commands.tutorial", "list, run and copy the lessons of the tutorial"),
     "release": ("tetherfmu.commands.release", "make a folder with all that users download"),
+    "replay": (STUDY, "fly a measured flight, and compare the tethers with its log"),
     "advise": (STUDY, "say which FMU, segments, tolerance and communication step a scene needs"),
     "tradeoff": (STUDY, "measure error and cost of every configuration in a scene"),
     "stability": (STUDY, "find where the tethers are stable and where they refuse"),

@@ -1,11 +1,14 @@
 """All studies of the tethers, one command: `python -m tetherfmu.study COMMAND`; see `--help`."""
 
+import argparse
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 
 from tetherfmu.console.ending import WorkersLost, WrongUse, command
 from tetherfmu.console.options import Parser, address, file, folder, new_file, number
+from tetherfmu.runtime.layout import MAX_SEGMENTS
 
 DOCS, STUDY, BENCHMARK = Path("docs"), Path("study"), Path("benchmark")
 STORING = ("tradeoff", "page", "stability")  # commands that keep finished points
@@ -76,6 +79,64 @@ def add_limits_and_costs(added):
     option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
 
 
+def constant(text):
+    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not possible; it must be SECTION.NAME=VALUE, as in tether.diameter='14 mm'"
+        )
+    try:
+        return name, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return name, value
+
+
+def add_replay(added):
+    """Declare the command on measured flights; see `add_advice`."""
+    option = added("replay", "replay.replay", "fly a measured flight with the tethers, and compare them with its log")
+    option("log", metavar="LOG", help="the log (CSV)")
+    about = "what its columns are: a map of this package, or a file (TOML) (default: kitepower)"
+    option("--as", dest="map", metavar="MAP", help=about)
+    option(
+        "--set",
+        type=constant,
+        action="append",
+        metavar="NAME=VALUE",
+        help="another constant of the map: tether.diameter=0.014",
+    )
+    leads = ("tension", "length", "speed")
+    option(
+        "--lead",
+        choices=leads,
+        help="what the winch is told: tension, length or speed (default: the first of them in the log)",
+    )
+    tethers = ("dynamic", "quasi_steady", "catenary", "straight")
+    option("--tether", choices=tethers, nargs="+", metavar="NAME", help=f"tethers: {', '.join(tethers)} (default: all)")
+    whole = number(1, MAX_SEGMENTS, whole=True)
+    option("--segments", type=whole, default=20, metavar="N", help="segments of tethers with nodes (default: 20)")
+    option(
+        "--from",
+        dest="start",
+        type=number(unit="s"),
+        metavar="T",
+        help="start of the flight, in s of the log (default: its first)",
+    )
+    option("--to", dest="end", type=number(unit="s"), metavar="T", help="end of the flight (default: that of the log)")
+    fits = ("offset", "origin", "delay", "nothing")
+    about = (
+        "what is fitted so that length and positions fit: offset, origin, delay, or nothing (default: offset, if possible)"
+    )
+    option("--fit", choices=fits, nargs="+", metavar="WHAT", help=about)
+    about = (
+        "part of the log that is fitted on (default: what is before the flight; its first half if that is less than 20 s)"
+    )
+    option("--fit-from", type=number(unit="s"), metavar="T", help=about)
+    option("--fit-to", type=number(unit="s"), metavar="T", help="end of that part")
+    option("--out", type=folder, metavar="DIR", help="folder of the results (default: flights/NAME)")
+    option("--html", action="store_true", help="also write a page with the tether in space (needs plotly)")
+
+
 def parse(arguments, prog):
     """Command line options; among them `module`, the one whose function `run` does the command."""
     parser = Parser(prog=prog, description="studies of the tethers: advice, costs, limits")
@@ -88,6 +149,7 @@ def parse(arguments, prog):
 
     add_advice(added)
     add_limits_and_costs(added)
+    add_replay(added)
     return parser.parse_args(arguments)
 
 

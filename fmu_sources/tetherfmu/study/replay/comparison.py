@@ -1,0 +1,82 @@
+"""How far are the tethers from the log? Residuals in metres and newtons, by phase and cycle, and the band they lie in."""
+
+import numpy as np
+import pandas as pd
+
+from .flight import EVERY
+
+MEAN = 1.0  # s, over which tensions are averaged before they are compared
+SETTLED = 1.2  # s from the start that are not compared: a tether starts in equilibrium
+ALL = "all"
+LABELS = ("phase", "cycle")
+
+
+def averaged(values):
+    """Mean over `MEAN`, centred, of values every `EVERY`; a Series or an array, as array."""
+    return pd.Series(np.asarray(values)).rolling(round(MEAN / EVERY), center=True, min_periods=1).mean().to_numpy()
+
+
+def measured_tension(flight):
+    """Measured tension at the ground [N] at the times of a flight, NaN where it is not known."""
+    if "ground_tension" not in flight.log.table:
+        return np.full(len(flight.times), np.nan)
+    return flight.measured("ground_tension", flight.times)
+
+
+def residuals(flight, flown):
+    """What the tethers give minus the log, a DataFrame with a row for each tether and time, with the labels of the log.
+
+    flown : dict from the name of a tether to its `runs.Flown`.  Columns: `length`, of the unstretched lengths [m];
+    `tension`, of the means over `MEAN` at the ground [N]; `measured`, that mean [N]; `band` [N], by which the tension of
+    the taut tether changes if its length, or the position of its end, is wrong by the noise of a position
+    (stiffness times noise), NaN where the tether is slack.
+    """
+    length, measured = flight.length(flight.times), averaged(measured_tension(flight))
+    rows = np.clip(np.searchsorted(flight.log.time, flight.times, side="right") - 1, 0, None)
+    labels = {name: flight.log.table[name].to_numpy()[rows] for name in LABELS if name in flight.log.table}
+    parts = []
+    for name, each in flown.items():
+        table = each.table
+        band = table.kite_stiffness.where(table.slack_segments == 0) * flight.log.map.smoothing.position_noise
+        found = {"length": table.tether_length - length, "tension": averaged(table.ground_tension) - measured}
+        parts.append(
+            pd.DataFrame({"time": flight.times, "tether": name, **found, "measured": measured, "band": band} | labels)
+        )
+    return pd.concat(parts, ignore_index=True)
+
+
+def errors(found, start):
+    """Table of `residuals` by tether: over all, by phase and by cycle, without what is near the start [s]."""
+    found = found[found.time >= start + SETTLED]
+    rows = []
+    for label in (None, *(name for name in LABELS if name in found and found[name].nunique() > 1)):
+        for keys, part in found.groupby(["tether", label] if label else ["tether"], sort=False):
+            row = {"part": f"{label} {keys[1]}" if label else ALL, "tether": keys[0]}
+            rows.append(row | numbers(part))
+    return pd.DataFrame(rows).dropna(axis=1, how="all")
+
+
+def numbers(part):
+    """Numbers of a part of `residuals` by the heads of their columns; what leads the winch has no residual."""
+    length = part.length if part.length.abs().max() > 1e-6 else part.length * np.nan
+    return {
+        "time s": round(len(part) * EVERY, 1),
+        "length, mean m": length.mean(),
+        "length, rms about the mean m": rms(length - length.mean()),
+        "measured tension N": part.measured.mean(),
+        "tension, mean N": part.tension.mean(),
+        "tension, rms N": rms(part.tension),
+        "band if taut N": part.band.mean(),
+    }
+
+
+def rms(values):
+    """Root mean square of what is known; NaN if nothing is."""
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
+
+
+def untrustworthy(found):
+    """Share of the time of a taut tether in which the noise of the positions alone is more than the measured tension."""
+    taut = found[np.isfinite(found.band) & np.isfinite(found.measured)]
+    return float((taut.band > taut.measured.abs()).mean()) if len(taut) else 0.0

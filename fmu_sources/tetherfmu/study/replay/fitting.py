@@ -1,0 +1,111 @@
+"""What has to be added to a log so that length and position fit each other: found on one part, judged on another."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from .flight import Correction
+from .log import LogError
+from .runs import fly
+
+NAMES = {"offset": "length offset m", "origin": ("origin east m", "origin north m", "origin up m"), "delay": "delay s"}
+BLOCKS = 20  # of the part, from whose differences the uncertainty comes
+CONFIDENCE = 0.95  # that all intervals hold at once
+TAUT = 0.01  # length of the tether over the distance, minus 1, above which it tells nothing about either
+SETTLED = 2.0  # s from the start, after which the tether has forgotten it
+FEWEST = 100  # rows of a taut tether
+ROUNDS = 4  # of Gauss and Newton
+LARGEST = 0.9999  # correlation of two columns, from which on they cannot be told apart
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What was found: `correction`, and by name its numbers with the half widths of their intervals, dict of pairs.
+
+    The intervals hold all at once with the probability `CONFIDENCE`.  `rms` : what is left on the part of the fit [m].
+    """
+
+    correction: Correction
+    found: dict
+    rms: float
+    start: float
+    end: float
+
+    def __str__(self):
+        """The numbers with their intervals."""
+        numbers = ", ".join(f"{name} {value:+.3g} ± {half:.2g}" for name, (value, half) in self.found.items())
+        return f"fitted from {self.start:.1f} to {self.end:.1f} s: {numbers}; {self.rms:.2f} m rms are left"
+
+
+def fit(flight, wanted=("offset",)):
+    """`Fit` of a taut part of a `Flight`: some of "offset", "origin" and "delay".
+
+    The dynamic tether follows the measured tension. Its length less the distance of its ends, what sag makes longer and
+    stretch shorter, is added to the distance of the logged positions; what is left of the logged length is, to first order,
+    offset - u d - tau u v with the direction u of the kite, its velocity v, the error d of the origin and the delay tau of
+    the positions. Least squares; intervals from the jackknife over `BLOCKS` parts in a row, since the errors of a position
+    are alike for seconds (Kunsch, Annals of Statistics 17, 1989). LogError if the part has no taut tether, or if it cannot
+    tell two of them apart.
+    """
+    names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
+    values, time = np.zeros(len(names)), flight.times
+    for _ in range(ROUNDS):
+        rest, columns, taut = residual(flight.corrected(correction_of(names, values)), time, wanted)
+        refuse_alike(columns[taut], names)
+        step, half = jackknife(columns[taut], rest[taut])
+        values = values + step
+    correction = correction_of(names, values)
+    rest, _, taut = residual(flight.corrected(correction), time, wanted)
+    found = {name: (float(value), float(width)) for name, value, width in zip(names, values, half, strict=True)}
+    return Fit(correction, found, float(np.sqrt(np.mean(rest[taut] ** 2))), flight.start, flight.end)
+
+
+def correction_of(names, values):
+    """`Correction` of the numbers of `NAMES`."""
+    known = dict(zip(names, values, strict=True))
+    origin = tuple(float(known.get(name, 0.0)) for name in NAMES["origin"])
+    return Correction(float(known.get(NAMES["offset"], 0.0)), origin, float(known.get(NAMES["delay"], 0.0)))
+
+
+def residual(flight, time, wanted):
+    """Length of the tether minus the logged one [m], (times,), minus its derivatives, (times, numbers), and where it is taut.
+
+    LogError if it is nowhere taut.
+    """
+    length = fly(flight, "dynamic", "tension", shape_points=0).table.tether_length.to_numpy()
+    position, velocity = flight.kite(time)
+    distance = np.linalg.norm(position, axis=1)
+    direction = position / distance[:, None]
+    rest = length - flight.length(time)
+    slopes = {"offset": np.ones((len(time), 1)), "origin": -direction}
+    slopes["delay"] = -np.sum(direction * velocity, axis=1, keepdims=True)
+    taut = np.isfinite(rest) & (np.abs(length - distance) < TAUT * distance)
+    taut[time < time[0] + SETTLED] = False
+    if taut.sum() < FEWEST:
+        raise LogError(f"the part from {flight.start:g} to {flight.end:g} s has no taut tether: nothing can be fitted")
+    return rest, np.hstack([slopes[each] for each in wanted]), taut
+
+
+def refuse_alike(columns, names):
+    """LogError if two numbers act on the residual in the same way on this part."""
+    scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
+    alike = np.abs(np.triu(scaled.T @ scaled, 1))
+    if alike.size and alike.max() > LARGEST:
+        one, other = (names[k] for k in np.unravel_index(alike.argmax(), alike.shape))
+        raise LogError(
+            f"this part of the flight cannot tell {one} from {other}: fit one of them, or a part with more motion"
+        )
+
+
+def jackknife(columns, rest):
+    """Least squares of columns x = rest, and the half widths of intervals of x, two arrays (numbers,)."""
+    edges = np.linspace(0, len(rest), BLOCKS + 1).astype(int)
+    squares = [columns[i:j].T @ columns[i:j] for i, j in zip(edges[:-1], edges[1:], strict=True)]
+    rights = [columns[i:j].T @ rest[i:j] for i, j in zip(edges[:-1], edges[1:], strict=True)]
+    whole, right = np.sum(squares, axis=0), np.sum(rights, axis=0)
+    best = np.linalg.lstsq(whole, right)[0]
+    without = np.array([np.linalg.lstsq(whole - a, right - b)[0] for a, b in zip(squares, rights, strict=True)])
+    deviation = np.sqrt((BLOCKS - 1) / BLOCKS * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+    quantile = student.ppf(1.0 - 0.5 * (1.0 - CONFIDENCE) / len(best), BLOCKS - 1)
+    return best, quantile * deviation

@@ -1,0 +1,137 @@
+"""Fly a measured flight with tethers: what the log says, what they say, and how far to trust either."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from tetherfmu.console.ending import WrongUse
+from tetherfmu.console.progress import now
+from tetherfmu.study.measuring.tables import markdown
+
+from . import comparison, fitting, log, runs
+from .columns import KITEPOWER
+from .flight import MEASURED, Flight, prepare
+
+LONGEST_FIT = 0.5  # of the flight, from its start: the part of the fit if none is named and nothing is before the flight
+SHORTEST_BEFORE = 20.0  # s before the flight, from which on they are the part of the fit
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A measured flight with what the tethers gave: `flown`, dict from the name of a tether to `runs.Flown`.
+
+    `fit` : `fitting.Fit` or None.  `residuals`, `errors` : tables of `comparison`.
+    """
+
+    flight: Flight
+    lead: str
+    flown: dict
+    fit: fitting.Fit | None
+    residuals: pd.DataFrame
+    errors: pd.DataFrame
+
+    @property
+    def doubts(self):
+        """Sentences on what not to believe."""
+        share = comparison.untrustworthy(self.residuals)
+        if self.lead != "tension" and share > 0.0:
+            noise = self.flight.log.map.smoothing.position_noise
+            yield (
+                f"tension: for {100.0 * share:.0f} % of the time in which the tether is taut its stiffness times the noise of "
+                f"a position ({noise:g} m) is more than the measured tension: do not believe a taut force from positions; let "
+                "the tension lead"
+            )
+        for name, each in self.flown.items():
+            if each.refused:
+                yield f"{name} refused {each.refused} communication steps; the first: {each.reason}"
+
+
+def default_lead(read):
+    """What leads the winch: the tension if the log has it, else the length, else the speed; WrongUse if it has none."""
+    for lead, column in MEASURED.items():
+        if column in read.table:
+            return lead
+    raise WrongUse(f"the log has none of {', '.join(MEASURED.values())}: nothing can lead the winch")
+
+
+def part_of_fit(flight, start=None, end=None):
+    """The part of the log on which is fitted: start to end [s], or what is before the flight, or its first half."""
+    first, last = flight.log.time[0], flight.end
+    if start is None and end is None:
+        before = flight.start - first
+        half = flight.start + LONGEST_FIT * (last - flight.start)
+        return flight.part(first, flight.start) if before >= SHORTEST_BEFORE else flight.part(flight.start, half)
+    return flight.part(first if start is None else start, last if end is None else end)
+
+
+def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_part=None, segments=runs.SEGMENTS):
+    """`Replay` of a `Flight` led by "tension", "length" or "speed".
+
+    tethers : names of `runs.TETHERS`.  wanted : what is fitted, see `fitting.fit`; () for nothing.  fit_part : the `Flight`
+    on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, or a tether cannot start.
+    """
+    found = None
+    if wanted:
+        now("fitting")
+        found = fitting.fit(fit_part or part_of_fit(flight), wanted)
+        flight = flight.corrected(found.correction)
+    flown = {}
+    for name in tethers:
+        now(f"flying {name}")
+        flown[name] = runs.fly(flight, name, lead, segments)
+    table = comparison.residuals(flight, flown)
+    return Replay(flight, lead, flown, found, table, comparison.errors(table, flight.start))
+
+
+def series(made):
+    """All numbers of a `Replay` in a DataFrame: the log, then the outputs of each tether after its name."""
+    flight = made.flight
+    kite, velocity = flight.kite(flight.times)
+    columns = {"time": flight.times}
+    columns |= {f"kite_position[{i + 1}]": kite[:, i] for i in range(3)}
+    columns |= {f"kite_velocity[{i + 1}]": velocity[:, i] for i in range(3)}
+    columns |= {f"wind_velocity[{i + 1}]": column for i, column in enumerate(flight.wind(flight.times).T)}
+    columns["measured_tension"] = comparison.measured_tension(flight)
+    if flight.has("length"):
+        columns["measured_length"] = flight.length(flight.times)
+    tables = [each.table.drop(columns="time").add_prefix(f"{name}.") for name, each in made.flown.items()]
+    return pd.concat([pd.DataFrame(columns), *tables], axis=1)
+
+
+def text(made):
+    """What is printed: what was done to the log, what was fitted, errors and doubts."""
+    flight = made.flight
+    lines = [str(flight.log.report), ""]
+    if made.fit:
+        lines += [str(made.fit)]
+    lines += [f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:", "", markdown(made.errors), ""]
+    return "\n".join([*lines, *(f"doubt: {each}" for each in made.doubts)])
+
+
+def run(options):
+    """The command `replay`."""
+    read = log.read(options.log, options.map or KITEPOWER)
+    if options.set:
+        read = log.read(options.log, read.map.with_constants(dict(options.set)))
+    flight = prepare(read, options.start, options.end)
+    lead = options.lead or default_lead(read)
+    fit_part = part_of_fit(flight, options.fit_from, options.fit_to)
+    can_fit = flight.has("length") and "ground_tension" in read.table
+    wanted = options.fit if options.fit is not None else (["offset"] if can_fit else [])
+    wanted = [] if wanted == ["nothing"] else wanted
+    made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
+    print(text(made))
+    place = options.out or Path("flights") / Path(options.log).stem
+    for path in write(made, place):
+        print(path)
+    return 0
+
+
+def write(made, place):
+    """Write all results to a folder; returns their paths."""
+    place.mkdir(parents=True, exist_ok=True)
+    (place / "report.md").write_text(text(made) + "\n", encoding="utf-8")
+    series(made).to_csv(place / "series.csv", index=False, float_format="%.6g")
+    made.errors.to_csv(place / "errors.csv", index=False, float_format="%.6g")
+    return [place / name for name in ("report.md", "series.csv", "errors.csv")]
