@@ -54,6 +54,7 @@ class Station:
     outlet_north: float = quantity(0.0, "m", "north of it", -1e4, 1e4)
     outlet_up: float = quantity(0.0, "m", "above it: the height of a mast", -1e4, 1e4)
     drum_to_outlet: float = quantity(0.0, "m", "length of tether from drum to outlet that the log counts", -1e4, 1e4)
+    length_offset: float = quantity(0.0, "m", "what has to be added to the logged length, where it is known", -1e4, 1e4)
     __post_init__ = check
 
     @property

@@ -38,7 +38,7 @@ def residuals(flight, flown):
     for name, each in flown.items():
         table = each.table
         band = table.kite_stiffness.where(table.slack_segments == 0) * flight.log.map.smoothing.position_noise
-        found = {"length": table.tether_length - length, "tension": averaged(table.ground_tension) - measured}
+        found = {"length": table.tether_length - length, "tension": averaged(table.mean_tension) - measured}
         parts.append(
             pd.DataFrame({"time": flight.times, "tether": name, **found, "measured": measured, "band": band} | labels)
         )

@@ -15,7 +15,9 @@ CONFIDENCE = 0.95  # that all intervals hold at once
 TAUT = 0.01  # length of the tether over the distance, minus 1, above which it tells nothing about either
 SETTLED = 2.0  # s from the start, after which the tether has forgotten it
 FEWEST = 100  # rows of a taut tether
-ROUNDS = 4  # of Gauss and Newton
+ROUNDS = 6  # of Gauss and Newton, at most
+SMALL = 0.02  # of the half width of its interval: a step of a number after which it is found
+LONGEST_DELAY = 2.0  # s
 LARGEST = 0.9999  # correlation of two columns, from which on they cannot be told apart
 
 
@@ -54,9 +56,11 @@ def fit(flight, wanted=("offset",)):
         rest, columns, taut = residual(flight.corrected(correction_of(names, values)), time, wanted)
         refuse_alike(columns[taut], names)
         step, half = jackknife(columns[taut], rest[taut])
-        values = values + step
+        values, rest = values + step, rest - columns @ step
+        refuse_far(names, values)
+        if np.all(np.abs(step) <= SMALL * half) or names == [NAMES["offset"]]:  # which the tether does not feel
+            break
     correction = correction_of(names, values)
-    rest, _, taut = residual(flight.corrected(correction), time, wanted)
     found = {name: (float(value), float(width)) for name, value, width in zip(names, values, half, strict=True)}
     return Fit(correction, found, float(np.sqrt(np.mean(rest[taut] ** 2))), flight.start, flight.end)
 
@@ -95,6 +99,15 @@ def refuse_alike(columns, names):
         one, other = (names[k] for k in np.unravel_index(alike.argmax(), alike.shape))
         raise LogError(
             f"this part of the flight cannot tell {one} from {other}: fit one of them, or a part with more motion"
+        )
+
+
+def refuse_far(names, values):
+    """LogError if the delay is longer than what was sought: the part has too little motion to tell."""
+    delay = correction_of(names, values).delay
+    if abs(delay) > LONGEST_DELAY:
+        raise LogError(
+            f"this part of the flight tells no delay: {delay:.3g} s would fit; it must be {LONGEST_DELAY:g} s at most"
         )
 
 

@@ -12,6 +12,7 @@ from . import checks
 from .log import POSITION, VELOCITY, WIND, Log, LogError
 from .smoothing import Noise, Smoothed, smooth
 
+SHORTEST = 5.0  # s, a flight
 EVERY = 0.1  # s between two rows of the results
 STEP = 0.02  # communication step of the tethers [s]
 LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and what the winch is then told
@@ -46,7 +47,8 @@ class Flight:
         return self.start + EVERY * np.arange(1 + int((self.end - self.start) / EVERY + 1e-6))
 
     def part(self, start, end):
-        """The same flight from start to end [s]."""
+        """The same flight from start to end [s]; LogError if the log has no such part."""
+        start, end = part_of(self.log, start, end)
         return replace(self, start=start, end=end)
 
     def corrected(self, correction):
@@ -75,7 +77,8 @@ class Flight:
         Without a logged length the integral of the reel-out speed, from an unknown length at the start.
         """
         if "tether_length" in self.log.table:
-            measured = self.measured("tether_length", time) - self.log.map.station.drum_to_outlet
+            station = self.log.map.station
+            measured = self.measured("tether_length", time) - station.drum_to_outlet + station.length_offset
         else:
             own = self.log.time
             speed = np.nan_to_num(self.measured("reel_out_speed", own))
@@ -116,12 +119,8 @@ class Flight:
 def prepare(log, start=None, end=None):
     """`Flight` of a `Log` from start to end [s] of its time, None: all of it. LogError says what is wrong."""
     checks.check(log)
-    start, end = (log.time[0] if start is None else start), (log.time[-1] if end is None else end)
-    if not log.time[0] <= start < end <= log.time[-1] + 1e-9 or end - start < 1.0:
-        raise LogError(
-            f"the flight from {start:g} to {end:g} s is not possible; the log has {log.time[0]:g} to {log.time[-1]:.1f} s, and "
-            "1 s is the shortest"
-        )
+    first, last = log.time[0], log.time[-1]
+    start, end = part_of(log, first if start is None else start, last if end is None else end)
     position, velocity = at_end_of_tether(log)
     refuse_gaps(log, position, start, end)
     told = log.map.smoothing
@@ -131,9 +130,21 @@ def prepare(log, start=None, end=None):
     known = "and velocities" if log.of(VELOCITY) is not None else "only"
     log.report.say(
         f"smoothed: positions (noise {noise.position:g} m) {known} (noise {noise.velocity:g} m/s), acceleration changing by "
-        f"{noise.acceleration:g} m/s2 in 1 s; positions were off by {rough:.2f} m rms, one is known to {motion.deviation:.2f} m"
+        f"{noise.acceleration:g} m/s2 in 1 s; positions were off by {rough:.2f} m rms, and are known to "
+        f"{motion.deviation:.2f} m"
     )
     return Flight(log, motion, start, end)
+
+
+def part_of(log, start, end):
+    """Start and end [s] of a part of a log; LogError if the log does not have it."""
+    first, last = log.time[0], log.time[-1]
+    if not (first <= start and start + SHORTEST <= end <= last):
+        raise LogError(
+            f"the part from {start:g} to {end:g} s is not possible: the log has {first:g} to {last:.1f} s, and the shortest "
+            f"flight is {SHORTEST:g} s"
+        )
+    return float(start), float(end)
 
 
 def at_end_of_tether(log):

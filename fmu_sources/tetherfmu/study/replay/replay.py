@@ -13,6 +13,7 @@ from . import comparison, fitting, log, runs
 from .columns import KITEPOWER
 from .flight import MEASURED, Flight, prepare
 
+NOTHING = "nothing"  # of --fit
 LONGEST_FIT = 0.5  # of the flight, from its start: the part of the fit if none is named and nothing is before the flight
 SHORTEST_BEFORE = 20.0  # s before the flight, from which on they are the part of the fit
 
@@ -118,8 +119,11 @@ def run(options):
     lead = options.lead or default_lead(read)
     fit_part = part_of_fit(flight, options.fit_from, options.fit_to)
     can_fit = flight.has("length") and "ground_tension" in read.table
-    wanted = options.fit if options.fit is not None else (["offset"] if can_fit else [])
-    wanted = [] if wanted == ["nothing"] else wanted
+    can_fit = can_fit and not read.map.station.length_offset
+    wanted = tuple(dict.fromkeys(options.fit or (["offset"] if can_fit else [NOTHING])))
+    if NOTHING in wanted and len(wanted) > 1:
+        raise WrongUse(f"--fit {' '.join(wanted)} is not possible; {NOTHING} stands alone")
+    wanted = () if wanted == (NOTHING,) else wanted
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
     print(text(made))
     place = options.out or Path("flights") / Path(options.log).stem

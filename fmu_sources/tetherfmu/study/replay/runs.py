@@ -15,8 +15,13 @@ from .log import LogError
 
 TETHERS = {each.variant: each for each in (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)}
 SEGMENTS = 20
-SCALARS = ("ground_tension", "kite_tension", "tether_length", "ground_elevation", "ground_azimuth", "sag")
-MORE = ("slack_segments", "grounded_length", "kite_stiffness")
+SCALARS = (
+    *("ground_tension", "kite_tension", "tether_length", "ground_elevation", "ground_azimuth", "sag"),
+    *("slack_segments", "grounded_length", "kite_stiffness"),
+)
+FORCES = ("ground_force", "kite_force")
+KEPT = (*SCALARS, *FORCES)
+CHUNK = 500  # times that are flown at once: what bounds the memory
 SHORT = 1e-3  # s, of the step that finds the first length
 TAUT = 1.05  # first length over the distance of the ends, at most, where a tension is measured
 
@@ -24,7 +29,9 @@ TAUT = 1.05  # first length over the distance of the ends, at most, where a tens
 class Flown:
     """What a tether gave along a flight: `table`, a DataFrame with a row for each of `Flight.times`; NaN where it refused.
 
-    `shapes` : (rows, nodes, 3) positions of the nodes [m].  `refused` : number of communication steps that were refused, and
+    Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
+    `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.
+    `shapes` : (rows, points, 3) [m].  `refused` : number of communication steps that were refused, and
     `reason` that of the first.  `seconds` : wall time of its steps.
     """
 
@@ -71,15 +78,31 @@ def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
             tether.initialize(**{name: start[name] for name in ("kite_position", "kite_velocity", "wind_velocity")})
         except StepRefused as refusal:
             raise LogError(f"{type(tether).__name__} cannot start at {flight.start:g} s: {refusal}") from None
-        first = tether.outputs()
-        flown = tether.fly(rows, STEP, every=round(EVERY / STEP), peaks=True, on_refusal="skip")
-    table = pd.DataFrame({"time": flight.times})
-    for name in (*SCALARS, *MORE):
-        table[name] = np.concatenate([[getattr(first, name)], flown.of(name)])
-    for end in ("ground_force", "kite_force"):
-        table[[f"{end}[{i}]" for i in (1, 2, 3)]] = np.vstack([getattr(first, end), getattr(flown, end)])
-    weight = found.tether.mass_per_meter * found.environment.gravity * table.tether_length
-    air = [table[f"ground_force[{i}]"] + table[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
-    table["air_force"] = np.linalg.norm(air, axis=0)  # of a tether in equilibrium in the air
-    shapes = np.concatenate([first.shape[None], flown.shape])
-    return Flown(table, shapes, flown.refusals, flown.seconds)
+        return flown_of(tether, rows, flight.times, found)
+
+
+def flown_of(tether, rows, times, found):
+    """`Flown` of a tether that is initialized; rows : inputs, as many for each of the times [s] but the first."""
+    first, each = tether.outputs(), round(EVERY / STEP)
+    table, shapes, refusals, seconds = {name: [[getattr(first, name)]] for name in KEPT}, [first.shape[None]], [], 0.0
+    means = [[first.ground_tension]]
+    for begin in range(0, len(rows), each * CHUNK):
+        flown = tether.fly(rows[begin : begin + each * CHUNK], STEP, on_refusal="skip")
+        for name in KEPT:
+            values = getattr(flown, name) if name in FORCES else flown.of(name)
+            table[name].append(values[each - 1 :: each])
+        tension = flown.of("ground_tension").reshape(-1, each)
+        known = np.isfinite(tension).sum(axis=1)
+        means.append(np.divide(np.nansum(tension, axis=1), known, np.full(len(known), np.nan), where=known > 0))
+        shapes.append(flown.shape[each - 1 :: each])
+        refusals += flown.refusals
+        seconds += flown.seconds
+    columns = {"time": times, "mean_tension": np.concatenate(means)}
+    columns |= {name: np.concatenate(table[name]) for name in SCALARS}
+    for end in FORCES:
+        columns |= {f"{end}[{i + 1}]": values for i, values in enumerate(np.concatenate(table[end]).T)}
+    made = pd.DataFrame(columns)
+    weight = found.tether.mass_per_meter * found.environment.gravity * made.tether_length
+    air = [made[f"ground_force[{i}]"] + made[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
+    made["air_force"] = np.linalg.norm(air, axis=0)
+    return Flown(made, np.concatenate(shapes), refusals, seconds)
