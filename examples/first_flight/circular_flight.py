@@ -62,20 +62,21 @@ def circle(time, rate):
     return position, TURN @ (-radius * rate * sin, radius * rate * cos, 0.0)
 
 
-def co_simulate(fmu, inputs, outputs, rate, step, count, stop_if_pressed):
+def co_simulate(fmu, inputs, outputs, motion, step, count, stop_if_pressed):
     """Initialize the tether and do `count` communication steps; returns rows of outputs and the wall time [s].
 
-    inputs, outputs : value references of kite position and velocity, and of what is read.  stop_if_pressed : for Ctrl-C.
+    inputs, outputs : value references of what the tether is given, as position and velocity of the kite, and of what is
+    read.  motion : function of k, values of the inputs at the start of step k.  stop_if_pressed : for Ctrl-C.
     """
-    fmu.setReal(inputs, np.concatenate(circle(0.0, rate)))
+    fmu.setReal(inputs, motion(0))
     fmu.exitInitializationMode()
     rows = [fmu.getReal(outputs)]
     started = perf_counter()
     for k in range(count):
         # 1. The kite at the start of the step. A kite model would move here, under the force in rows[-1].
-        position, velocity = circle(k * step, rate)
+        given = motion(k)
         # 2. The tether gets it, and goes to the end of the step; FMPy raises if it refuses the step.
-        fmu.setReal(inputs, [*position, *velocity])
+        fmu.setReal(inputs, given)
         fmu.doStep(k * step, step)
         # 3. Its forces and its shape at the end of the step, the time (k + 1) step.
         rows.append(fmu.getReal(outputs))
@@ -96,6 +97,10 @@ def fly(
     count = round(duration / step)
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
+
+    def motion(k):
+        return np.concatenate(circle(k * step, rate))
+
     variables = variables_of(fmu_file)
     inputs, outputs = variables.of("kite_position", "kite_velocity"), outputs_of(variables)
     references = [each for vector in outputs.values() for each in vector]
@@ -108,7 +113,7 @@ def fly(
         fmu.enterInitializationMode()
         if any(wind):
             fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays
-        rows, wall_time = co_simulate(fmu, inputs, references, rate, step, count, stop_if_pressed)
+        rows, wall_time = co_simulate(fmu, inputs, references, motion, step, count, stop_if_pressed)
         fmu.terminate()
     return flight_of(step * np.arange(count + 1), rows, outputs, wall_time)
 
@@ -150,6 +155,15 @@ def tether(text):
 def parse(arguments, prog):
     """Command line options."""
     parser = Parser(prog=prog, description="fly a kite on a circle and plot its tether")
+    add_options(parser)
+    return parser.parse_args(arguments)
+
+
+def add_options(parser, rate=True, length="default: 525", wind="default: none", duration="default: one turn"):
+    """Add what can be chosen for a flight.
+
+    rate : whether that of the turn can be, too.  length, wind, duration : what holds of them unless they are given.
+    """
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
     option(
@@ -161,28 +175,27 @@ def parse(arguments, prog):
         type=number(1e-3, 1e5, "m"),
         default=525.0,
         metavar="L",
-        help="unstretched length of the tether [m] (default: 525)",
+        help=f"unstretched length of the tether [m] ({length})",
     )
-    option(
-        "--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help="rate of the turn [rad/s] (default: 0.05)"
-    )
+    if rate:
+        about = "rate of the turn [rad/s] (default: 0.05)"
+        option("--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help=about)
     option(
         "--wind",
         type=number(unit="m/s"),
         nargs=3,
         default=[0.0] * 3,
         metavar=("WX", "WY", "WZ"),
-        help="wind at the reference height [m/s] (default: none)",
+        help=f"wind at the reference height [m/s] ({wind})",
     )
     option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
-    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help="duration of the flight [s] (default: one turn)")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"duration of the flight [s] ({duration})")
     option(
         "--start", choices=STARTS, default="quasi_steady", help="shape of the tether at the start (default: quasi_steady)"
     )
     option("--ground", action="store_true", help="a flat ground at the height of the ground station carries the tether")
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
-    return parser.parse_args(arguments)
 
 
 def report_missing(fmu_file, flight, html):
@@ -219,30 +232,50 @@ def write_figures(flights, folder, ground=None):
     return paths
 
 
-@command
-def main(arguments=None, prog=None):
-    """Fly, print a line on each flight, write the figures, print where they are."""
-    given = parse(arguments, prog)
+def fly_each(given, fly):
+    """Fly each FMU that the options `given` ask for, and print a line on each; returns a dict name -> `Flight`.
+
+    fly : function of the path of an FMU, its `Flight`.
+    """
     if given.html:
-        from shared.flight_page import write_page  # before the flight, which would be in vain without plotly
+        import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
     flights = {}
     for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
         now(f"flying {fmu_file}")
-        scene = given.length, given.rate, given.wind, given.step, given.duration, given.start
-        flight = fly(fmu_file, *scene, ground=given.ground)
+        flight = fly(fmu_file)
         report_missing(fmu_file, flight, given.html)
         flights[fmu_file.stem] = flight
         print(summary(fmu_file.stem, flight))
+    return flights
+
+
+def show(flights, given, name, title, ground):
+    """Write the figures, with the option --html the page of this name and title, too, and print where they are.
+
+    ground : its height [m]; None: there is none.
+    """
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")
-    ground = STATION if given.ground else None
     written = write_figures(flights, given.out, ground)
     if given.html:
-        written.append(given.out / "circular_flight.html")
-        write_page(flights, written[-1], next(iter(flights.values())).shape[:, -1], ground=ground)
+        from shared.flight_page import write_page
+
+        written.append(given.out / f"{name}.html")
+        path = next(iter(flights.values())).shape[:, -1]
+        write_page(flights, written[-1], path, title=title, ground=ground)
     for path in written:
         print(path)
+
+
+@command
+def main(arguments=None, prog=None):
+    """Fly, print a line on each flight, write the figures, print where they are."""
+    given = parse(arguments, prog)
+    scene = given.length, given.rate, given.wind, given.step, given.duration, given.start
+    flights = fly_each(given, lambda fmu_file: fly(fmu_file, *scene, ground=given.ground))
+    title = "Tether of a kite that flies a circle"
+    show(flights, given, "circular_flight", title, STATION if given.ground else None)
 
 
 if __name__ == "__main__":

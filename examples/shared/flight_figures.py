@@ -10,7 +10,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from tetherfmu.console.colours import BLACK, COMPONENTS, GROUND, coloured
+from tetherfmu.console.colours import BLACK, COMPONENTS, GREY, GROUND, coloured
 
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
 
@@ -45,7 +45,7 @@ def plot_first_shape(flights, ground=None):
     figure, axes = plt.subplots(figsize=(9.0, 4.3), layout="constrained")
     for name, flight, colour in coloured(flights):
         shape = flight.shape[0] - flight.shape[0, 0]
-        distance = shape[:, :2] @ shape[-1, :2] / np.linalg.norm(shape[-1, :2])
+        distance = shape[:, :2] @ shape[-1, :2] / (np.linalg.norm(shape[-1, :2]) or 1.0)  # 0: straight above each other
         axes.plot(distance, shape[:, 2], color=colour, marker="o", markersize=3, linewidth=1.3, label=name)
     ends = distance[[0, -1]], shape[[0, -1], 2]
     axes.plot(*ends, color="gray", linewidth=0.8, label="chord")
@@ -144,6 +144,8 @@ def draw_shapes(axes, flights, count, colours, ground=None):
             axes.plot(*flight.shape[k].T, color=colour, linewidth=1.2, label=name if k == 0 and len(flights) > 1 else None)
     axes.plot(*flight.shape[:, -1].T, color=BLACK, linewidth=1.8, label="path of the kite")
     axes.plot(*flight.shape[0, :1].T, "s", color=BLACK, label="ground station")
+    if np.ptp(flight.shape[:, 0], axis=0).any():
+        axes.plot(*flight.shape[:, 0].T, color=GREY, linewidth=1.8, label="path of the ground station")
     if ground is not None:
         draw_ground_in_space(axes, ground)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")

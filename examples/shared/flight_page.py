@@ -1,5 +1,6 @@
-"""How does the tether move along a flight? An interactive page in space, for `circular_flight.py --html`; needs plotly."""
+"""How does the tether move along a flight? An interactive page in space, for the option --html; needs plotly."""
 
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -116,7 +117,7 @@ def some_of(number, most):
     return np.linspace(0, number - 1, min(number, most)).astype(int)
 
 
-def write_page(flights, file, path, count=100, title="Tether of a kite that flies a circle", ground=None):
+def write_page(flights, file, path, count=100, title="Tether along a flight", ground=None):
     """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
 
     flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`; `kite_force` and `ground_force`
@@ -130,6 +131,9 @@ def write_page(flights, file, path, count=100, title="Tether of a kite that flie
     scale = scale_of(flights, points)
     frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale)) for k in moments]
     axes, still = scene(points), [line(path, "path of the kite", "lines", GREY)]
+    station = np.asarray(first.shape)[moments, 0]
+    if np.ptp(station, axis=0).any():
+        still.append(line(station, "path of the ground station", "lines", GREY))
     if ground is not None:
         still.append(plane(axes, ground))
     page = go.Figure([*frames[0].data, *still], frames=frames)
@@ -139,5 +143,5 @@ def write_page(flights, file, path, count=100, title="Tether of a kite that flie
     config = {"displaylogo": False, "responsive": True, "showSendToCloud": False}
     whole = {"include_plotlyjs": True, "auto_play": False, "post_script": STEP_BACK, "default_height": "100%"}
     drawn = page.to_html(config, full_html=False, **whole)
-    text = PAGE.format(title=title, note=NOTE if scale else "", scene=drawn)
+    text = PAGE.format(title=escape(title), note=NOTE if scale else "", scene=drawn)
     Path(file).write_text(text, encoding="utf-8")

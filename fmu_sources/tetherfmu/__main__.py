@@ -9,7 +9,7 @@ from .runtime import __version__
 STUDY = "tetherfmu.study.__main__"
 COMMANDS = {  # name: (module, what it does)
     "build": ("tetherfmu.commands.build", "build FMUs"),
-    "fly": ("tetherfmu.commands.fly", "fly a kite on a circle with tether FMUs"),
+    "fly": ("tetherfmu.commands.fly", "fly a kite on a circle, or the flight of a CSV file, with tether FMUs"),
     "check": ("tetherfmu.check.__main__", "check FMUs on this machine"),
     "tutorial": ("tetherfmu.commands.tutorial", "list, run and copy the lessons of the tutorial"),
     "release": ("tetherfmu.commands.release", "make a folder with all that users download"),

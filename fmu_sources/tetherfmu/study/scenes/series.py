@@ -8,6 +8,7 @@ import pandas as pd
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from tetherfmu.runtime.inputs import components, inputs_of
+from tetherfmu.runtime.limits import LARGEST_INPUT
 
 from .files import contents_of
 from .flights import Motion
@@ -44,8 +45,13 @@ def problems(table, numbers):
     for name in table.columns.difference(COLUMNS, sort=False):
         shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
         yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}"
+    for name in table.columns[table.columns.duplicated()]:
+        yield f"has the column {name} twice"
     for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
         yield f"row {row + 2}, column {table.columns[column]} has no number; it must be a finite number"
+    for row, column in np.argwhere(np.abs(numbers.drop(columns="time", errors="ignore").to_numpy()) > LARGEST_INPUT):
+        name = table.columns.drop("time", errors="ignore")[column]
+        yield f"row {row + 2}, column {name} is {table[name].iloc[row]}; it must be at most {LARGEST_INPUT:g} in magnitude"
     given = {"kite_position", *(name.partition("[")[0] for name in table)}
     needed = {"time", *chain(*(VECTORS[name] for name in given.intersection(VECTORS)))}
     for name in sorted(needed.difference(table)):
@@ -94,7 +100,7 @@ class Series:
     [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves,
     `has_length` whether it gives the unstretched length, `has_force` whether the force of the winch (`force`), with which
     nothing is known of the length. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the
-    kite. `contents` are the bytes of the file.
+    kite. `columns` are the names of the columns, `contents` the bytes of the file.
     """
 
     kite_is_free = False
@@ -105,6 +111,7 @@ class Series:
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
         table = read_columns(path, self.contents)
+        self.columns = tuple(table)
         time = table["time"].to_numpy() - table["time"].iloc[0]
         given = {name: table[[*each]].to_numpy() for name, each in VECTORS.items() if each[0] in table}
         self.duration = float(time[-1])

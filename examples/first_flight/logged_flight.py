@@ -1,0 +1,214 @@
+"""Which forces does a tether put on a kite along a flight from a log, and on the ground station?
+
+The log is a CSV file. Its header row names the time [s] and inputs of the FMU, as `kite_position[1]` [m]; z is up.
+
+    python examples/first_flight/logged_flight.py examples/scenes/logged_flight.csv --length 220.3 --html
+
+Ends. Between the rows the ends of the tether follow smooth curves through their positions. Their velocities are those of the
+file or, where it has none, of the curves; so the tether starts in flight, without a jolt. It is driven as in
+`circular_flight.py`.
+
+Winch. It follows the speed, the unstretched length or the force that the file has a column for; without one it stands still.
+With a length the tether starts with the first one. Otherwise nobody knows how long it is: say it with --length. With a force
+the length follows from the balance at the winch, from that length on.
+
+Everything else is as the FMU has it: build one for your tether (`tetherfmu build TetherDynamic --diameter 0.008`), or set
+parameters for this flight only (`--set drag_coefficient=1.1`).
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.options import Parser
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.quantities import quantities
+from tetherfmu.runtime.variables import RECORDS
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from first_flight.circular_flight import (
+    FLAT,
+    STARTS,
+    add_options,
+    co_simulate,
+    flight_of,
+    fly_each,
+    outputs_of,
+    show,
+)
+from shared.fmu_tools import running, variables_of
+from shared.named_fmu import NamedFmu
+
+LOG = "FLIGHT.csv"
+ROUNDING = 1e-6  # of a duration [s], from a log in Unix time
+RECORD_OF = {name: record for record in RECORDS for name, _ in quantities(record)}  # of each parameter
+DECIDED = {  # parameters that nobody can --set: what they follow from
+    "initial_length": f"--length or the columns of {LOG}",
+    "initial_shape": "--start",
+    "ground_contact": "--ground",
+    "winch_control": f"the columns of {LOG}",
+    "end_velocities": f"the columns of {LOG}",
+}
+COLUMNS = (
+    "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]; it may also have those of "
+    "kite_velocity, ground_position, ground_velocity and wind_velocity, and one of reel_out_speed, winch_length, winch_force"
+)
+
+
+def scene_of(path, length=None, wind=None, duration=None, step=0.02):
+    """The flight of a CSV file as a `Scene` whose inputs are those of communication steps of `step` [s].
+
+    length [m] : of the tether, unstretched, where the file has none.  wind [m/s] : where the file has none, three numbers.
+    duration [s] : None for all of the flight.  WrongUse says in one line what is missing, or given twice.
+    """
+    from tetherfmu.study.scenes.files import Scene, Wind  # needs the extra `study`
+    from tetherfmu.study.scenes.series import Series
+
+    try:
+        flight = Series(Path(path))
+    except ValueError as error:
+        raise WrongUse(str(error)) from None
+    for problem in problems(flight, length, wind, duration):
+        raise WrongUse(f"{path}: {problem}")
+    air = flight.wind or Wind(tuple(wind or (0.0, 0.0, 0.0)))
+    try:
+        tether = Tether(initial_length=flight.initial_length if length is None else length)
+        scene = Scene(Path(path).stem, duration or flight.duration, flight, tether, wind=air, every=step)
+    except ValueError as error:
+        raise WrongUse(f"{path}: {error}") from None
+    if scene.count == 0:
+        raise WrongUse(f"the flight of {scene.duration:g} s is shorter than a communication step of {step:g} s")
+    return scene
+
+
+def problems(flight, length, wind, duration):
+    """What is missing beside the file of a flight, or given there and by an option, texts."""
+    if flight.has_length and length is not None:
+        yield f"has a column of the length, which begins with {flight.initial_length:g} m; --length goes without it"
+    if not flight.has_length and length is None:
+        yield "has no column winch_length (or tether_length); give the unstretched length at the start with --length"
+    if flight.wind and wind is not None:
+        yield "has columns of wind_velocity; --wind goes without them"
+    if duration and duration > flight.duration + ROUNDING:
+        yield f"has a flight of {flight.duration:g} s; --duration is {duration:g} s, it must be at most that"
+
+
+def given_inputs(flight, has_wind):
+    """Names of the inputs that a tether gets along a flight; the others keep the start values of its FMU."""
+    has_ground = "ground_position[1]" in flight.columns
+    is_given = {
+        "kite_position": True,
+        "kite_velocity": True,
+        "ground_position": has_ground,
+        "ground_velocity": has_ground,
+        "reel_out_speed": flight.has_length or "reel_out_speed" in flight.columns,
+        "winch_length": flight.has_length,
+        "winch_force": flight.has_force,
+        "wind_velocity": has_wind,
+    }
+    return [name for name, given in is_given.items() if given]
+
+
+def parameters_of(scene, start="quasi_steady", ground=False):
+    """Dict name -> value of the parameters that a scene and two options decide.
+
+    start : a key of `STARTS`.  ground : whether a flat ground, where the ground station is at first, carries the tether.
+    """
+    from tetherfmu.study.measuring.runs import winch_control
+
+    found = {"initial_length": scene.tether.initial_length, "initial_shape": STARTS[start]}
+    found |= {"winch_control": winch_control(scene), "end_velocities": at.GIVEN}
+    if ground:
+        found |= {"ground_contact": FLAT, "ground_height": float(scene.flight.motion(0.0).ground[2])}
+    return found
+
+
+def fly(fmu_file, scene, inputs, parameters):
+    """Fly a scene with a tether FMU; returns the `Flight`.
+
+    scene : of `scene_of`.  inputs : names of those that the tether gets, see `given_inputs`.  parameters : dict name ->
+    value, an integer where the parameter of the FMU is one.
+    """
+    step, columns = scene.every, by_name(scene.inputs(scene.every))
+    rows = np.hstack([columns[name] for name in inputs]).tolist()
+    variables = variables_of(fmu_file)
+    outputs = outputs_of(variables)
+    references = [each for vector in outputs.values() for each in vector]
+    moved = variables.of(*inputs)
+    with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
+        fmu.setupExperiment(startTime=0.0)
+        NamedFmu(variables, fmu).set(**parameters)
+        fmu.enterInitializationMode()
+        given, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
+        fmu.terminate()
+    return flight_of(step * np.arange(len(rows) + 1), given, outputs, wall_time)
+
+
+def setting(text):
+    """Type of the option --set: a pair (name, value) of a parameter, of an enumeration by its name or number."""
+    name, _, value = text.partition("=")
+    if name in DECIDED:
+        raise argparse.ArgumentTypeError(f"{name} follows from {DECIDED[name]}")
+    if name not in RECORD_OF:
+        allowed = ", ".join(each for each in RECORD_OF if each not in DECIDED)
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be NAME=VALUE with one of the names {allowed}")
+    try:
+        number = float(value)
+    except ValueError:
+        number = value  # perhaps the name of a choice
+    try:
+        found = getattr(RECORD_OF[name](**{name: number}), name)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return name, int(found) if isinstance(RECORD_OF[name].__dataclass_fields__[name].default, int) else found
+
+
+def parser_of(prog, circle=False):
+    """Parser of the command line; circle : whether the file may be left out, to fly the circle instead."""
+    what = "a circle, or the flight of a CSV file," if circle else "the flight of a CSV file"
+    parser = Parser(prog=prog, description=f"fly a kite along {what} and plot its tether")
+    option = parser.add_argument
+    about = f"{COLUMNS} (default: fly the circle)" if circle else COLUMNS
+    option("log", nargs="?" if circle else None, metavar=LOG, help=about)
+    length, duration = f"needed where {LOG} has no column of it", f"default: all of {LOG}"
+    if circle:
+        length, duration = f"{length}; default on the circle: 525", f"{duration}, one turn on the circle"
+    add_options(parser, rate=circle, length=length, wind=f"default: that of {LOG}, or none", duration=duration)
+    about = f"start value of a parameter of the FMU, with {LOG}; may be repeated (default: those of the FMU)"
+    option("--set", dest="settings", type=setting, action="append", default=[], metavar="NAME=VALUE", help=about)
+    parser.set_defaults(length=None, rate=None, wind=None)
+    return parser
+
+
+def say_noise(path, flight):
+    """Say on stderr if the kite is shaken by what is hardly its motion."""
+    from tetherfmu.study.advice.advise import MOST_SHAKING
+
+    if flight.shaking > MOST_SHAKING:
+        print(
+            f"{path}: the positions scatter by about {flight.scatter:.2g} m from row to row, which shakes the kite with "
+            f"{flight.shaking:.2g} m/s2; smooth each column of positions first",
+            file=sys.stderr,
+        )
+
+
+@command
+def main(arguments=None, prog=None):
+    """Fly, print a line on each flight, write the figures, print where they are."""
+    given = parser_of(prog).parse_args(arguments)
+    scene = scene_of(given.log, given.length, given.wind, given.duration, given.step)
+    say_noise(given.log, scene.flight)
+    inputs = given_inputs(scene.flight, scene.flight.wind or given.wind is not None)
+    parameters = parameters_of(scene, given.start, given.ground) | dict(given.settings)
+    flights = fly_each(given, lambda fmu_file: fly(fmu_file, scene, inputs, parameters))
+    title = f"Tether along the flight of {Path(given.log).name}"
+    show(flights, given, scene.name, title, parameters["ground_height"] if given.ground else None)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
