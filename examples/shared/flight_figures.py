@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 from tetherfmu.console.colours import BLACK, COMPONENTS, GREY, GROUND, coloured
 
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
+NARROWEST = 0.2  # width of an axis over that of the widest: a kite that stays above its winch would leave no room for labels
 
 
 def label_ends(axes, labels):
@@ -24,6 +25,13 @@ def label_ends(axes, labels):
     places -= max(0.0, places[-1] - 1.0)
     for place, (_, text, colour) in zip(places, sorted(labels, key=lambda label: label[0]), strict=True):
         axes.text(1.01, place, text, color=colour, transform=axes.transAxes, va="center", fontsize=9)
+
+
+def widen(axes, name, least):
+    """Widen the axis "x", "y" or "z" to a least width, on both sides."""
+    low, high = getattr(axes, f"get_{name}lim")()
+    if high - low < least:
+        getattr(axes, f"set_{name}lim")(0.5 * (low + high - least), 0.5 * (low + high + least))
 
 
 def draw_ground(axes, height):
@@ -58,6 +66,8 @@ def plot_first_shape(flights, ground=None):
     axes.set(title="Shape of the tether at the start, side view", xlabel="horizontal distance [m]", ylabel="height [m]")
     axes.set_aspect("equal")
     axes.margins(0.08)
+    widen(axes, "x", 1.4 * np.ptp(axes.get_ylim()))
+    widen(axes, "y", NARROWEST * np.ptp(axes.get_xlim()))
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left")
     return figure
@@ -146,11 +156,16 @@ def draw_shapes(axes, flights, count, colours, ground=None):
     axes.plot(*flight.shape[0, :1].T, "s", color=BLACK, label="ground station")
     if np.ptp(flight.shape[:, 0], axis=0).any():
         axes.plot(*flight.shape[:, 0].T, color=GREY, linewidth=1.8, label="path of the ground station")
+    least = NARROWEST * max(np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim()))
+    for name in "xyz":
+        widen(axes, name, least)
     if ground is not None:
         draw_ground_in_space(axes, ground)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_box_aspect([np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())], zoom=1.15)
     axes.locator_params(axis="x", nbins=4)
+    if np.ptp(axes.get_ylim()) < 0.5 * np.ptp(axes.get_zlim()):
+        axes.locator_params(axis="y", nbins=4)
     axes.view_init(elev=20.0, azim=-40.0)
 
 
