@@ -8,12 +8,13 @@ Ends. Between the rows the ends of the tether follow smooth curves through their
 file or, where it has none, of the curves; so the tether starts in flight, without a jolt. It is driven as in
 `circular_flight.py`.
 
-Winch. It follows the speed, the unstretched length or the force that the file has a column for; without one it stands still.
-With a length the tether starts with the first one. Otherwise nobody knows how long it is: say it with --length. With a force
-the length follows from the balance at the winch, from that length on.
+Winch. It follows the speed, the unstretched length or the force that the file has a column for. With a length the tether
+starts with the first one. Otherwise nobody knows how long it is: say it with --length. With a force the length follows from
+the balance at the winch, from that length on.
 
-Everything else is as the FMU has it: build one for your tether (`tetherfmu build TetherDynamic --diameter 0.008`), or set
-parameters for this flight only (`--set drag_coefficient=1.1`).
+Everything else is as the FMU has it; unless it was built otherwise, the winch stands still and there is no wind. Build one
+for your tether (`tetherfmu build TetherDynamic --diameter 0.008`), or set parameters for this flight only
+(`--set drag_coefficient=1.1`).
 """
 
 import argparse
@@ -52,7 +53,7 @@ DECIDED = {  # parameters that nobody can --set: what they follow from
     "initial_shape": "--start",
     "ground_contact": "--ground",
     "winch_control": f"the columns of {LOG}",
-    "end_velocities": f"the columns of {LOG}",
+    "end_velocities": f"{LOG}: its curves have velocities",
 }
 COLUMNS = (
     "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]; it may also have those of "

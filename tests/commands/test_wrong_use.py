@@ -205,6 +205,7 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, status,
     ("line", "package", "extra"),
     [
         ("fly --html", "plotly", "html"),
+        ("fly sound.csv --length 500", "pandas", "study"),
         ("at_rest.catenary", "matplotlib", "examples"),
         ("tutorial 01", "matplotlib", "examples"),
         ("stability --quick", "pebble", "study"),

@@ -10,6 +10,9 @@ from running import EXAMPLES, run, run_code, run_python
 from study.scenes_of_tests import written
 from tetherfmu.commands.build import main as build
 
+LOG = EXAMPLES / "scenes" / "logged_flight.csv"
+OF_LOG = ("--length", "220.3", "--duration", "2", "--set", "wind_profile=power_law", "--set", "segments=8")
+
 
 @pytest.fixture(scope="module")
 def place(built_once):
@@ -66,6 +69,10 @@ def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, ca
     assert "free kite end" in capsys.readouterr().err
     assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
     assert "has no variable ground_force" in capsys.readouterr().err
+    from first_flight import logged_flight
+
+    assert logged_flight.main([str(LOG), *OF_LOG, "--fmu", str(of_scene(place))]) == 2
+    assert "has no variable reel_out_speed" in capsys.readouterr().err
     for name, wrong, words in (
         ("coupling.mooring", "TetherDynamicFree", "has a free kite end"),
         ("coupling.iterated_master", "TetherDynamicFree", "has a free kite end"),
@@ -98,6 +105,7 @@ def dist(fmu_folder, example_folder, tmp_path):
     ("name", "tether", "options"),
     [
         ("first_flight.circular_flight", "TetherDynamic", ("--duration", "2", "--wind", "8", "0", "0", "--out", "plots")),
+        ("first_flight.logged_flight", "TetherDynamic", (LOG, *OF_LOG, "--out", "plots")),
         ("at_rest.catenary", "TetherCatenary", ("--out", "plots")),
         ("at_rest.forces_over_wind_and_slack", "TetherStraight", ("--out", "plots")),
         ("coupling.mooring", "TetherQuasiSteady", ("--quick",)),

@@ -13,8 +13,9 @@ from tetherfmu.libraries.examples import EXAMPLES, example
 ROOM = "tutorial"
 NEEDED = (  # what to install for the copied files
     'all of them: pip install "tetherfmu[examples]"',
-    'first_flight/circular_flight.py and power_system/pumping_cycle.py with --html: pip install "tetherfmu[html]"',
-    'coupling/coupling_limits.py, tetherfmu advise scenes/circle.toml: pip install "tetherfmu[study]"',
+    'the examples of first_flight and power_system/pumping_cycle.py with --html: pip install "tetherfmu[html]"',
+    "first_flight/logged_flight.py, coupling/coupling_limits.py, tetherfmu advise scenes/circle.toml: "
+    'pip install "tetherfmu[study]"',
 )
 LINK_TO_DOCS = re.compile(r"\[([^]]*)\]\(\.\./docs/[^)]*\)")  # of a README, which leads nowhere from a copy
 

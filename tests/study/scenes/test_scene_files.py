@@ -64,6 +64,11 @@ WRONG_SERIES = {
     "missing column": (b"time,kite_position[1]\n0,1\n", "the column kite_position[2] is missing"),
     "unknown column": (HEAD.replace("time", "time,colour").encode(), "unknown column 'colour'"),
     "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
+    "more than an input may be": (
+        (HEAD + "0,1,1e300,3\n").encode(),
+        "row 2, column kite_position[2] is 1e+300; it must be at most 1e+09 in magnitude",
+    ),
+    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "has the column time twice"),
     "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
     "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "Expected 4 fields in line 2, saw 5"),
     "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "row 3: time must grow from row to row"),

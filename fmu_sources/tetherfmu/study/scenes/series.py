@@ -49,9 +49,10 @@ def problems(table, numbers):
         yield f"has the column {name} twice"
     for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
         yield f"row {row + 2}, column {table.columns[column]} has no number; it must be a finite number"
-    for row, column in np.argwhere(np.abs(numbers.drop(columns="time", errors="ignore").to_numpy()) > LARGEST_INPUT):
-        name = table.columns.drop("time", errors="ignore")[column]
-        yield f"row {row + 2}, column {name} is {table[name].iloc[row]}; it must be at most {LARGEST_INPUT:g} in magnitude"
+    inputs = numbers.drop(columns="time", errors="ignore")  # which may be that of Unix
+    for row, column in np.argwhere(np.abs(inputs.to_numpy()) > LARGEST_INPUT):
+        found = f"row {row + 2}, column {inputs.columns[column]} is {inputs.iat[row, column]:g}"
+        yield f"{found}; it must be at most {LARGEST_INPUT:g} in magnitude"
     given = {"kite_position", *(name.partition("[")[0] for name in table)}
     needed = {"time", *chain(*(VECTORS[name] for name in given.intersection(VECTORS)))}
     for name in sorted(needed.difference(table)):
