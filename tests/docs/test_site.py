@@ -54,7 +54,7 @@ def write_flight(file):
     kite = 300.0 + 100.0 * np.stack([0.0 * seconds, np.cos(seconds), np.sin(seconds)], axis=-1)
     shape = np.linspace(0.0, 1.0, 6)[:, None] * kite[:, None]
     flight = SimpleNamespace(time=seconds, shape=shape, kite_force=-kite, ground_force=kite)
-    write_page({"TetherDynamic": flight}, file, kite)
+    write_page({"TetherDynamic": flight}, file, kite, title="Tether of a kite that flies a circle")
 
 
 @pytest.fixture(scope="module")
