@@ -29,7 +29,7 @@ def residuals(flight, flown):
     flown : dict from the name of a tether to its `runs.Flown`.  Columns: `length`, of the unstretched lengths [m];
     `tension`, of the means over `MEAN` at the ground [N]; `measured`, that mean [N]; `band` [N], by which the tension of
     the taut tether changes if its length, or the position of its end, is wrong by the noise of a position
-    (stiffness times noise), NaN where the tether is slack.
+    (`stiffness` [N/m] times noise), NaN where the tether is slack.
     """
     length, measured = flight.length(flight.times), averaged(measured_tension(flight))
     rows = np.clip(np.searchsorted(flight.log.time, flight.times, side="right") - 1, 0, None)
@@ -38,35 +38,49 @@ def residuals(flight, flown):
     for name, each in flown.items():
         table = each.table
         band = table.kite_stiffness.where(table.slack_segments == 0) * flight.log.map.smoothing.position_noise
+        taut = {"stiffness": table.kite_stiffness, "band": band}
         found = {"length": table.tether_length - length, "tension": averaged(table.mean_tension) - measured}
-        parts.append(
-            pd.DataFrame({"time": flight.times, "tether": name, **found, "measured": measured, "band": band} | labels)
-        )
+        parts.append(pd.DataFrame({"time": flight.times, "tether": name, **found, "measured": measured, **taut} | labels))
     return pd.concat(parts, ignore_index=True)
 
 
-def errors(found, start):
-    """Table of `residuals` by tether: over all, by phase and by cycle, without what is near the start [s]."""
-    found = found[found.time >= start + SETTLED]
+def errors(found, start, lead):
+    """Table of `residuals` by tether: over all, by phase and by cycle, without what is near the start [s].
+
+    lead : what leads the winch; it has no residual.
+    """
+    found, judged = found[found.time >= start + SETTLED], of_length if lead == "tension" else of_tension
     rows = []
     for label in (None, *(name for name in LABELS if name in found and found[name].nunique() > 1)):
         for keys, part in found.groupby(["tether", label] if label else ["tether"], sort=False):
-            row = {"part": f"{label} {keys[1]}" if label else ALL, "tether": keys[0]}
-            rows.append(row | numbers(part))
+            row = {"part": f"{label} {keys[1]}" if label else ALL, "tether": keys[0], "time s": round(len(part) * EVERY, 1)}
+            rows.append(row | judged(part))
     return pd.DataFrame(rows).dropna(axis=1, how="all")
 
 
-def numbers(part):
-    """Numbers of a part of `residuals` by the heads of their columns; what leads the winch has no residual."""
-    length = part.length if part.length.abs().max() > 1e-6 else part.length * np.nan
+def of_length(part):
+    """What is said of the length in a part of `residuals`, by the heads of its columns."""
+    scatter = rms(part.length - part.length.mean())
+    band = part.band.mean()
     return {
-        "time s": round(len(part) * EVERY, 1),
-        "length, mean m": length.mean(),
-        "length, rms about the mean m": rms(length - length.mean()),
         "measured tension N": part.measured.mean(),
-        "tension, mean N": part.tension.mean(),
-        "tension, rms N": rms(part.tension),
-        "band if taut N": part.band.mean(),
+        "length: mean m": part.length.mean(),
+        "rms about it m": scatter,
+        "as tension, if taut N": scatter * part.stiffness.mean(),
+        "noise of positions as tension N": band,
+    }
+
+
+def of_tension(part):
+    """What is said of the tension."""
+    known = part[np.isfinite(part.tension)]
+    alike = np.corrcoef(known.measured, known.measured + known.tension)[0, 1] if len(known) > 1 else np.nan
+    return {
+        "measured tension N": part.measured.mean(),
+        "tension: mean N": part.tension.mean(),
+        "rms N": rms(part.tension),
+        "correlation": round(alike, 3),
+        "noise of positions as tension N": part.band.mean(),
     }
 
 

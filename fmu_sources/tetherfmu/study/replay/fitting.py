@@ -1,11 +1,12 @@
 """What has to be added to a log so that length and position fit each other: found on one part, judged on another."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import t as student
 
-from .flight import Correction
+from .flight import SHORTEST, Correction
 from .log import LogError
 from .runs import fly
 
@@ -43,12 +44,11 @@ class Fit:
 def fit(flight, wanted=("offset",)):
     """`Fit` of a taut part of a `Flight`: some of "offset", "origin" and "delay".
 
-    The dynamic tether follows the measured tension. Its length less the distance of its ends, what sag makes longer and
-    stretch shorter, is added to the distance of the logged positions; what is left of the logged length is, to first order,
-    offset - u d - tau u v with the direction u of the kite, its velocity v, the error d of the origin and the delay tau of
-    the positions. Least squares; intervals from the jackknife over `BLOCKS` parts in a row, since the errors of a position
-    are alike for seconds (Kunsch, Annals of Statistics 17, 1989). LogError if the part has no taut tether, or if it cannot
-    tell two of them apart.
+    The dynamic tether follows the measured tension along the logged positions. Its length minus the logged one is, to first
+    order, offset - u d - tau u v with the direction u of the kite, its velocity v, the error d of the origin and the delay
+    tau of the positions: least squares, again from the corrected positions until nothing changes. Intervals come from the
+    jackknife over `BLOCKS` parts in a row, since the errors of a position are alike for seconds (Kunsch, Annals of
+    Statistics 17, 1989). LogError if the tether is nowhere taut, or if the part cannot tell two of them apart.
     """
     names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
     values, time = np.zeros(len(names)), flight.times
@@ -65,6 +65,25 @@ def fit(flight, wanted=("offset",)):
     return Fit(correction, found, float(np.sqrt(np.mean(rest[taut] ** 2))), flight.start, flight.end)
 
 
+def test(found, flight):
+    """A sentence on how a `Fit` does on the part of a `Flight` behind that on which it was found."""
+    start = max(flight.start, found.end)
+    if flight.end - start < SHORTEST:
+        return "not tested: the flight lies in the part on which was fitted"
+    part = flight.part(start, flight.end).corrected(found.correction)
+    try:
+        rest, _, taut = residual(part, part.times, ("offset",))
+    except LogError:
+        return f"not tested: nothing is taut from {start:.1f} to {flight.end:.1f} s"
+    mean, scatter = rest[taut].mean(), rest[taut].std()
+    stiffness = flight.log.map.tether.axial_stiffness / part.length(part.times)[taut].mean()
+    force = 1e-3 * stiffness * np.hypot(mean, scatter)
+    return (
+        f"tested from {start:.1f} to {flight.end:.1f} s: the length is off by {mean:+.2f} m on average, and scatters by "
+        f"{scatter:.2f} m; a taut tether of {1e-3 * stiffness:.3g} kN/m makes {force:.3g} kN of that"
+    )
+
+
 def correction_of(names, values):
     """`Correction` of the numbers of `NAMES`."""
     known = dict(zip(names, values, strict=True))
@@ -73,7 +92,7 @@ def correction_of(names, values):
 
 
 def residual(flight, time, wanted):
-    """Length of the tether minus the logged one [m], (times,), minus its derivatives, (times, numbers), and where it is taut.
+    """Length of the tether minus the logged one [m], (times,), minus its derivatives, (times, numbers), where it is taut.
 
     LogError if it is nowhere taut.
     """
@@ -114,8 +133,8 @@ def refuse_far(names, values):
 def jackknife(columns, rest):
     """Least squares of columns x = rest, and the half widths of intervals of x, two arrays (numbers,)."""
     edges = np.linspace(0, len(rest), BLOCKS + 1).astype(int)
-    squares = [columns[i:j].T @ columns[i:j] for i, j in zip(edges[:-1], edges[1:], strict=True)]
-    rights = [columns[i:j].T @ rest[i:j] for i, j in zip(edges[:-1], edges[1:], strict=True)]
+    squares = [columns[i:j].T @ columns[i:j] for i, j in pairwise(edges)]
+    rights = [columns[i:j].T @ rest[i:j] for i, j in pairwise(edges)]
     whole, right = np.sum(squares, axis=0), np.sum(rights, axis=0)
     best = np.linalg.lstsq(whole, right)[0]
     without = np.array([np.linalg.lstsq(whole - a, right - b)[0] for a, b in zip(squares, rights, strict=True)])

@@ -22,13 +22,15 @@ SHORTEST_BEFORE = 20.0  # s before the flight, from which on they are the part o
 class Replay:
     """A measured flight with what the tethers gave: `flown`, dict from the name of a tether to `runs.Flown`.
 
-    `fit` : `fitting.Fit` or None.  `residuals`, `errors` : tables of `comparison`.
+    `fit` : `fitting.Fit` or None.  `tested` : a sentence on how it does on another part.  `residuals`, `errors` : tables of
+    `comparison`.
     """
 
     flight: Flight
     lead: str
     flown: dict
     fit: fitting.Fit | None
+    tested: str
     residuals: pd.DataFrame
     errors: pd.DataFrame
 
@@ -39,8 +41,8 @@ class Replay:
         if self.lead != "tension" and share > 0.0:
             noise = self.flight.log.map.smoothing.position_noise
             yield (
-                f"tension: for {100.0 * share:.0f} % of the time in which the tether is taut its stiffness times the noise of "
-                f"a position ({noise:g} m) is more than the measured tension: do not believe a taut force from positions; let "
+                f"for {100.0 * share:.0f} % of the time in which the tether is taut its stiffness times the noise of a "
+                f"position ({noise:g} m) is more than the measured tension: do not believe a taut force from positions; let "
                 "the tension lead"
             )
         for name, each in self.flown.items():
@@ -72,17 +74,18 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
     tethers : names of `runs.TETHERS`.  wanted : what is fitted, see `fitting.fit`; () for nothing.  fit_part : the `Flight`
     on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, or a tether cannot start.
     """
-    found = None
+    found, tested = None, ""
     if wanted:
         now("fitting")
         found = fitting.fit(fit_part or part_of_fit(flight), wanted)
+        tested = fitting.test(found, flight)
         flight = flight.corrected(found.correction)
     flown = {}
     for name in tethers:
         now(f"flying {name}")
         flown[name] = runs.fly(flight, name, lead, segments)
     table = comparison.residuals(flight, flown)
-    return Replay(flight, lead, flown, found, table, comparison.errors(table, flight.start))
+    return Replay(flight, lead, flown, found, tested, table, comparison.errors(table, flight.start, lead))
 
 
 def series(made):
@@ -100,14 +103,19 @@ def series(made):
     return pd.concat([pd.DataFrame(columns), *tables], axis=1)
 
 
-def text(made):
-    """What is printed: what was done to the log, what was fitted, errors and doubts."""
+def text(made, table):
+    """What was done to the log, what was fitted, a table of errors, and doubts."""
     flight = made.flight
     lines = [str(flight.log.report), ""]
     if made.fit:
-        lines += [str(made.fit)]
-    lines += [f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:", "", markdown(made.errors), ""]
+        lines += [str(made.fit), made.tested]
+    lines += [f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:", "", markdown(table), ""]
     return "\n".join([*lines, *(f"doubt: {each}" for each in made.doubts)])
+
+
+def whole(errors):
+    """The rows of a table of errors on the whole flight."""
+    return errors[errors.part == comparison.ALL].drop(columns="part")
 
 
 def run(options):
@@ -125,7 +133,7 @@ def run(options):
         raise WrongUse(f"--fit {' '.join(wanted)} is not possible; {NOTHING} stands alone")
     wanted = () if wanted == (NOTHING,) else wanted
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
-    print(text(made))
+    print(text(made, whole(made.errors)))
     place = options.out or Path("flights") / Path(options.log).stem
     for path in write(made, place):
         print(path)
@@ -135,7 +143,7 @@ def run(options):
 def write(made, place):
     """Write all results to a folder; returns their paths."""
     place.mkdir(parents=True, exist_ok=True)
-    (place / "report.md").write_text(text(made) + "\n", encoding="utf-8")
+    (place / "report.md").write_text(text(made, made.errors) + "\n", encoding="utf-8")
     series(made).to_csv(place / "series.csv", index=False, float_format="%.6g")
     made.errors.to_csv(place / "errors.csv", index=False, float_format="%.6g")
     return [place / name for name in ("report.md", "series.csv", "errors.csv")]
