@@ -14,7 +14,7 @@ ROOM = "tutorial"
 NEEDED = (  # what to install for the copied files
     'all of them: pip install "tetherfmu[examples]"',
     'the examples of first_flight and power_system/pumping_cycle.py with --html: pip install "tetherfmu[html]"',
-    "tutorial/tether_13.py, first_flight/logged_flight.py, coupling/coupling_limits.py, tetherfmu advise scenes/circle.toml: "
+    "first_flight/logged_flight.py, coupling/coupling_limits.py, tutorial/tether_13.py, tetherfmu advise SCENE: "
     'pip install "tetherfmu[study]"',
 )
 LINK_TO_DOCS = re.compile(r"\[([^]]*)\]\(\.\./docs/[^)]*\)")  # of a README, which leads nowhere from a copy
