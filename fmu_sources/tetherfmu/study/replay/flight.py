@@ -127,10 +127,9 @@ def prepare(log, start=None, end=None):
     noise = Noise(told.position_noise, told.velocity_noise, told.acceleration_change)
     motion = smooth(log.time, position, velocity, noise)
     rough = np.sqrt(np.nanmean((position - motion.position) ** 2))
-    known = "and velocities" if log.of(VELOCITY) is not None else "only"
+    also = f" and velocities (noise {noise.velocity:g} m/s)" if log.of(VELOCITY) is not None else ""
     log.report.say(
-        f"smoothed: positions (noise {noise.position:g} m) {known} (noise {noise.velocity:g} m/s), acceleration changing by "
-        f"{noise.acceleration:g} m/s2 in 1 s; positions were off by {rough:.2f} m rms, and are known to "
+        f"smoothed: positions (noise {noise.position:g} m){also}, acceleration changing by {noise.acceleration:g} m/s2 in 1 s; positions were off by {rough:.2f} m rms, and are known to "
         f"{motion.deviation:.2f} m"
     )
     return Flight(log, motion, start, end)
