@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
-from study.replay import logs_of_tests
 
+from study.replay import logs_of_tests
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import comparison, fitting, log, runs
