@@ -128,9 +128,10 @@ def prepare(log, start=None, end=None):
     motion = smooth(log.time, position, velocity, noise)
     rough = np.sqrt(np.nanmean((position - motion.position) ** 2))
     also = f" and velocities (noise {noise.velocity:g} m/s)" if log.of(VELOCITY) is not None else ""
+    changing = f"acceleration changing by {noise.acceleration:g} m/s2 in 1 s"
     log.report.say(
-        f"smoothed: positions (noise {noise.position:g} m){also}, acceleration changing by {noise.acceleration:g} m/s2 in 1 s; "
-        f"positions were off by {rough:.2f} m rms, and are known to {motion.deviation:.2f} m"
+        f"smoothed: positions (noise {noise.position:g} m){also}, {changing}; positions were off by {rough:.2f} m rms, and are "
+        f"known to {motion.deviation:.2f} m"
     )
     return Flight(log, motion, start, end)
 
