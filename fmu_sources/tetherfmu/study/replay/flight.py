@@ -130,8 +130,8 @@ def prepare(log, start=None, end=None):
     also = f" and velocities (noise {noise.velocity:g} m/s)" if log.of(VELOCITY) is not None else ""
     changing = f"acceleration changing by {noise.acceleration:g} m/s2 in 1 s"
     log.report.say(
-        f"smoothed: positions (noise {noise.position:g} m){also}, {changing}; positions were off by {rough:.2f} m rms, and are "
-        f"known to {motion.deviation:.2f} m"
+        f"smoothed: positions (noise {noise.position:g} m){also}, {changing}; positions were off by {rough:.2f} m rms, and "
+        f"are known to {motion.deviation:.2f} m"
     )
     return Flight(log, motion, start, end)
 
