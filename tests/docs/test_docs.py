@@ -44,7 +44,7 @@ def cited_sections():
     return found
 
 
-@pytest.mark.parametrize("name", ["make_interface", "make_value_references"])
+@pytest.mark.parametrize("name", ["make_interface", "make_value_references", "make_keys_of_maps"])
 def test_pages_are_what_their_scripts_write(monkeypatch, name):
     monkeypatch.syspath_prepend(ROOT / "docs" / "make")
     script = importlib.import_module(name)
