@@ -9,17 +9,19 @@ from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from .log import FASTEST, POSITION, VELOCITY, WIND
 
 WINDOW = 1.0  # s, over which motions are compared
-FEWEST = 10  # of them
+FEWEST = 4  # of them
 MOVING = 1.0  # m/s, root mean square of a motion from which on it can be compared
 REELING = 0.3  # m/s, likewise of a reel-out speed
 BLOWING = 2.0  # m/s, mean wind from which on it has a direction
-NEAR = 0.3  # of a factor to 1
+NEAR = 0.3  # of a factor to 1, beside what noise explains
+NOISE = 3.0  # standard deviations of a factor that noise explains
+MANY = 20  # rows, from which on those that fit worst are left out
 FARTHEST = 1.1  # distance of the kite over the length of the tether, 95th percentile
 DOUBTFUL = 1.02  # the same, from which on it is doubtful
 NEAREST = 0.4  # the same, at its largest
 TAUT = 10.0  # tension over the weight of the tether, from which on the tether is nearly straight
 LEAST_TAUT = 0.97  # median of distance over length while it is
-FORCE_COEFFICIENTS = 0.16, 1.5  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
+FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
 AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
 AXES = ("east", "north", "up")
 IN_MIDDLE = 0.5  # quantile
@@ -99,13 +101,15 @@ def compare_velocity(log, position):
         return False
     moved, velocity = moved[both], velocity[both]
     ways = ways_of(velocity)
-    for way, found in zip(ways, robust(velocity @ ways.T, moved), strict=True):
-        if np.abs(found - way).max() > NEAR:
+    if not len(ways):
+        return False
+    for way, found, noise in zip(ways, *robust(velocity @ ways.T, moved), strict=True):
+        if np.abs(found - way).max() > NEAR + NOISE * noise:
             raise log.wrong(
-                f"kite_velocity and kite_position do not fit: while the velocity goes 1 m {in_words(way)}, "
-                f"the position goes {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
+                f"kite_velocity and kite_position do not fit: while the velocity goes 1 m {in_words(way)}, the position "
+                f"goes {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
             )
-    return len(ways) > 0
+    return True
 
 
 def ways_of(velocity):
@@ -122,22 +126,24 @@ def in_words(way):
 
 
 def robust(a, b):
-    """Least squares of a x = b, array (columns of a, columns of b), without the rows that fit worst, a tenth."""
-    if a.shape[1] == 0:
-        return np.zeros((0, b.shape[1]))
+    """Least squares of a x = b without the rows that fit worst, a tenth: x and the standard deviations of its rows.
+
+    Arrays (columns of a, columns of b) and (columns of a,); a has at least one column.
+    """
     keep = np.ones(len(a), bool)
     for _ in range(3):
         found = np.linalg.lstsq(a[keep], b[keep], rcond=None)[0]
         rest = np.linalg.norm(b - a @ found, axis=1)
-        keep = rest <= np.quantile(rest, 0.9)
-    return found
+        noise = np.sqrt(np.mean(rest[keep] ** 2) * np.diag(np.linalg.pinv(a[keep].T @ a[keep])))
+        keep = rest <= np.quantile(rest, 0.9 if len(rest) >= MANY else 1.0)
+    return found, noise
 
 
 def compare_length(log, position):
     """Whether the tether is as long as the kite is far away; LogError if the kite is much farther away."""
     if "tether_length" not in log.table:
         return False
-    length = log.table["tether_length"].to_numpy() - log.map.station.drum_to_outlet
+    length = log.table["tether_length"].to_numpy() - log.map.station.drum_to_outlet + log.map.station.length_offset
     ratio = (np.linalg.norm(position, axis=1) - log.map.kite.end_below) / np.where(length > 0.0, length, np.nan)
     if not np.isfinite(ratio).any():
         return False
@@ -178,11 +184,11 @@ def compare_reeling(log, position):
     both = np.isfinite(rate[:, 0]) & np.isfinite(speed[:, 0])
     if both.sum() < FEWEST or np.sqrt(np.mean(speed[both] ** 2)) < REELING:
         return False
-    factor = robust(speed[both], rate[both])[0, 0]
+    (factor,), (noise,) = (each.ravel() for each in robust(speed[both], rate[both]))
     text = f"{what} changes by {factor:.2g} m for each metre of reel_out_speed; check the sign (positive pays out) and units"
-    if is_length and abs(factor - 1.0) > 2.0 * NEAR:
+    if is_length and abs(factor - 1.0) > 2.0 * NEAR + NOISE * noise:
         raise log.wrong(text)
-    if abs(factor - 1.0) > NEAR:
+    if abs(factor - 1.0) > NEAR + NOISE * noise:
         log.report.doubt(text)
     return True
 
@@ -193,7 +199,7 @@ def compare_tension(log, position):
         return None
     tension, area = log.table["ground_tension"].to_numpy(), log.map.kite.area
     low, high = np.nanquantile(tension, [0.05, 0.95])
-    if -low > max(high, weight(log) * np.nanmedian(np.linalg.norm(position, axis=1))):
+    if -low > max(high, TAUT * weight(log) * np.nanmedian(np.linalg.norm(position, axis=1))):
         raise log.wrong(
             f"ground_tension is {low:.4g} N at its lowest, {high:.4g} N at its highest; a tether pulls: check its sign"
         )
@@ -209,6 +215,7 @@ def compare_tension(log, position):
     if fast.sum() < FEWEST:
         return False
     found, (least, most) = np.median(tension[fast] / pressure[fast]), FORCE_COEFFICIENTS
+    log.report.say(f"size: ground_tension is {found:.2g} times dynamic pressure and area of the kite")
     if not least <= found <= most:
         log.report.doubt(
             f"ground_tension is {found:.2g} times dynamic pressure and area of the kite, {least:g} to {most:g} are usual of "

@@ -34,9 +34,9 @@ def repaired(cells, column, factor, report):
         report.say("reversed: the time falls from row to row")
     time = past_midnight(time[rows], report)
     time, rows = in_order(time, rows, column, report)
-    time, rows = apart(time, rows, cells, report)
-    if len(time) < 2:
+    if time[0] == time[-1]:
         raise ValueError(f"{column} does not grow: {cells[column].iloc[rows[0]]} in all rows")
+    time, rows = apart(time, rows, cells, report)
     if np.median(np.diff(time)) > LONGEST_STEP:
         raise ValueError(
             f"{column} grows by {np.median(np.diff(time)):.3g} s from row to row; {LONGEST_STEP:g} s at most is allowed; is "
@@ -120,7 +120,7 @@ def apart(time, rows, cells, report):
 def spread(time, report):
     """Times of rows whose clock was rounded: rows of the same time lie evenly in it; those of a part of it at its side."""
     values, first, counts = np.unique(time, return_index=True, return_counts=True)
-    whole, width = int(np.median(counts)), float(np.median(np.diff(values))) if len(values) > 1 else 1.0
+    whole, width = int(np.median(counts)), float(np.median(np.diff(values)))
     shift = np.maximum(whole, counts)  # rows of a time that has more are as close as they must be
     start = np.where(np.arange(len(values)) == 0, shift - counts, 0)
     place = np.arange(len(time)) - np.repeat(first, counts) + np.repeat(start, counts)

@@ -173,7 +173,7 @@ def log_of(cells, found, report=None, source=""):
     leave_out_zeros(table, report)
     for name in table.columns.drop("time"):
         leave_out_impossible(table, name, report)
-    found = usable(table, found, report)
+    table, found = usable(table, found, report)
     judge_frozen(table, report)
     judge_jumps(table, report)
     for label, name in found.labels.items():
@@ -231,7 +231,8 @@ def leave_out_impossible(table, name, report):
         if name == "tether_length":
             impossible |= values <= 0.0
     leave_out(values, impossible, name, time, report, "no kite has such a one")
-    step = float(np.median(np.diff(time)))
+    there = time[np.isfinite(values)]
+    step = float(np.median(np.diff(there))) if len(there) > 1 else 1.0
     leave_out(values, spikes_of(values, floor_of(name, values, step), step), name, time, report, "they stand out of others")
     table[name] = values
 
@@ -255,18 +256,23 @@ def floor_of(name, values, step):
 
 
 def spikes_of(values, floor, step):
-    """Which readings, `step` [s] apart, lie far from the median of their neighbours (Hampel 1974), array (rows,) of bool."""
+    """Which readings lie far from the median of their neighbours (Hampel 1974), array (rows,) of bool.
+
+    step : time between two readings [s].  The first and the last ones, which have neighbours on one side only, are not judged.
+    """
+    found, known = np.zeros(len(values), bool), np.isfinite(values)
     if floor is None:
-        return np.zeros(len(values), bool)
+        return found
     near = int(np.clip(round(NEARBY / step), *NEIGHBOURS)) // 2 * 2 + 1
-    series = pd.Series(values)
-    distance = (series - series.rolling(near, center=True, min_periods=3).median()).abs()
-    typical = 1.4826 * distance.rolling(5 * near, center=True, min_periods=3).median()
-    return (distance > np.maximum(SPIKE * typical, floor)).to_numpy()
+    readings = pd.Series(values[known])
+    distance = (readings - readings.rolling(near, center=True).median()).abs()
+    typical = 1.4826 * distance.rolling(5 * near, center=True, min_periods=1).median()
+    found[known] = distance > np.maximum(SPIKE * typical, floor)
+    return found
 
 
 def usable(table, found, report):
-    """The map without optional quantities that have too few readings; ValueError if another one has."""
+    """The table and the map without optional quantities that have too few readings; ValueError if another one has."""
     for name in [*found.vectors, *(["wind_velocity"] if found.wind_from else []), *found.scalars]:
         places = [each for each in table if each.partition("[")[0] == name]
         known = np.isfinite(table[places].to_numpy()).all(axis=1)
@@ -279,9 +285,8 @@ def usable(table, found, report):
         if name not in found.optional:
             raise ValueError(f"{text} ({'; '.join(reasons(report, (name, *found.columns_of(name))))})")
         report.doubt(f"{text}; the flight has no {name}")
-        found = found.without(name)
-        table.drop(columns=places, inplace=True)
-    return found
+        table, found = table.drop(columns=places), found.without(name)
+    return table, found
 
 
 def reasons(report, names):
