@@ -120,7 +120,8 @@ def apart(time, rows, cells, report):
 def spread(time, report):
     """Times of rows whose clock was rounded: rows of the same time lie evenly in it; those of a part of it at its side."""
     values, first, counts = np.unique(time, return_index=True, return_counts=True)
-    whole, width = int(np.median(counts)), float(np.median(np.diff(values)))
+    inner = counts[1:-1] if len(counts) > 2 else counts  # the first and the last one may be parts
+    whole, width = int(np.median(inner)), float(np.median(np.diff(values)))
     shift = np.maximum(whole, counts)  # rows of a time that has more are as close as they must be
     start = np.where(np.arange(len(values)) == 0, shift - counts, 0)
     place = np.arange(len(time)) - np.repeat(first, counts) + np.repeat(start, counts)
