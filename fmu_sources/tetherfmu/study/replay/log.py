@@ -147,8 +147,8 @@ def map_for(name, cells):
     """`Columns` of a map by its name; `kitepower` stands for that of the year of the log."""
     if str(name) != columns.KITEPOWER:
         return columns.load(name)
-    years = pd.to_datetime(pd.to_numeric(cells.get("time"), errors="coerce"), unit="s", errors="coerce")
-    year = years.dropna().dt.year.median() if years is not None and len(years.dropna()) else None
+    times = pd.to_numeric(cells["time"], errors="coerce") if "time" in cells else pd.Series(dtype=float)
+    year = pd.to_datetime(times, unit="s", errors="coerce").dt.year.median()
     if year not in columns.BY_YEAR:
         choices = ", ".join(columns.BY_YEAR.values())
         raise ValueError(f"has no column time of a year that Kitepower has published; name the map: {choices}")
@@ -184,6 +184,10 @@ def log_of(cells, found, report=None, source=""):
     unused = [name for name in cells if name not in (*found.columns, *found.labels.values(), "")]
     if unused:
         report.say(f"columns that are not used: {shown(unused)}")
+    if any(str(name).startswith("ground_position") for name in unused):
+        report.doubt(
+            "ground_position is not used; the outlet of the winch must stand still, and kite_position be seen from there"
+        )
     return Log(table, found, report, source)
 
 
