@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.study.logs_of_tests import AREA, FULL, KGF, WIND, enu, flown, full, map_of, motions, written
+from tests.study.replay.known_flight import AREA, FULL, KGF, WIND, enu, flown, full, map_of, motions, written
 from tetherfmu.study.replay import log
 from tetherfmu.study.replay.columns import MapError
 from tetherfmu.study.replay.flight import prepare
@@ -349,6 +349,8 @@ DOUBTED = {
         "ground_tension is 1.1 times",
     ),
     "airspeed in km/h": (lambda t: changed(t, airspeed=lambda c: 3.6 * c), "airspeed is 3.6 times"),
+    "wind in km/h": (lambda t: changed(t, wind=lambda c: 3.6 * c), "wind_velocity fits .* best times 0.3"),
+    "wind in ft/s": (lambda t: changed(t, wind=lambda c: c / 0.3048), "wind_velocity fits .* best times 0.3"),
     "wind from the wrong side": (
         lambda t: changed(t, wind_from=lambda c: c - 180.0),
         "wind_velocity blows from kite_position",

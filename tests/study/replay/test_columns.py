@@ -6,7 +6,7 @@ import tomllib
 import pandas as pd
 import pytest
 
-from tests.study.logs_of_tests import FULL, enu, full, map_of, written
+from tests.study.replay.known_flight import FULL, enu, full, map_of, written
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.study.replay import columns, log
 from tetherfmu.study.scenes.series import COLUMNS

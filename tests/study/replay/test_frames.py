@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.study.logs_of_tests import seen_from_origin
+from tests.study.replay.known_flight import seen_from_origin
 from tetherfmu.study.replay import frames, log
 from tetherfmu.study.replay.columns import read
 

@@ -23,6 +23,8 @@ TAUT = 10.0  # tension over the weight of the tether, from which on the tether i
 LEAST_TAUT = 0.97  # median of distance over length while it is
 FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
 AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
+WINDS = 0.33, 3.0  # factor of the wind with which the kite has its airspeed; km/h for m/s is outside
+FACTORS = np.linspace(0.0, 5.0, 101)  # of the wind that are tried
 AXES = ("east", "north", "up")
 IN_MIDDLE = 0.5  # quantile
 
@@ -237,10 +239,20 @@ def compare_wind(log, position):
     if log.map.environment.wind_profile == at.POWER_LAW:
         height = np.maximum(position[:, 2:], log.map.environment.wind_reference_height)
         wind = wind * (height / log.map.environment.wind_reference_height) ** log.map.environment.wind_exponent
-    ratio = np.nanmedian(log.table["airspeed"].to_numpy() / np.linalg.norm(velocity - wind, axis=1))
-    least, most = AIRSPEEDS
-    if not least <= ratio <= most:
+    rows = edges(log.time)
+    wind, velocity, airspeed = wind[rows], velocity[rows], log.table["airspeed"].to_numpy()[rows]
+    both = np.isfinite(wind).all(axis=1) & np.isfinite(velocity).all(axis=1) & np.isfinite(airspeed)
+    if both.sum() < FEWEST:
+        return False
+    speeds = np.linalg.norm(velocity[both] - FACTORS[:, None, None] * wind[both], axis=2)
+    ratio = np.median(airspeed[both] / np.maximum(speeds[FACTORS == 1.0], 1e-3))
+    best = FACTORS[np.argmin(np.median(np.abs(speeds - airspeed[both]), axis=1))]
+    if not AIRSPEEDS[0] <= ratio <= AIRSPEEDS[1]:
         log.report.doubt(f"airspeed is {ratio:.2g} times the speed of the kite in wind_velocity; check the units of both")
+    elif np.linalg.norm(mean) > BLOWING and not WINDS[0] <= best <= WINDS[1]:
+        log.report.doubt(
+            f"wind_velocity fits airspeed and kite_velocity best times {best:.2g}; check its unit and direction"
+        )
     return True
 
 
