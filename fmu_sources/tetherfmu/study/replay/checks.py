@@ -1,135 +1,273 @@
 """Do the quantities of a log fit each other? Positions, velocities, lengths, speeds and tensions in one system of units."""
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from tetherfmu.runtime.inputs import components
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 
-from .log import LogError
+from .log import FASTEST, POSITION, VELOCITY, WIND
 
 WINDOW = 1.0  # s, over which motions are compared
-FEWEST = 10  # of them
-MOVING = 1.0  # m/s, standard deviation of a component from which on it can be compared
-NEAR = 0.3  # of a factor to 1
+FEWEST = 4  # of them
+MOVING = 1.0  # m/s, root mean square of a motion from which on it can be compared
+REELING = 0.3  # m/s, likewise of a reel-out speed
+BLOWING = 2.0  # m/s, mean wind from which on it has a direction
+NEAR = 0.3  # of a factor to 1, beside what noise explains
+NOISE = 3.0  # standard deviations of a factor that noise explains
+MANY = 20  # rows, from which on those that fit worst are left out
 FARTHEST = 1.1  # distance of the kite over the length of the tether, 95th percentile
+DOUBTFUL = 1.02  # the same, from which on it is doubtful
 NEAREST = 0.4  # the same, at its largest
-FORCE_COEFFICIENTS = 0.02, 2.5  # of a kite: tension over dynamic pressure and area, 95th percentile
+TAUT = 10.0  # tension over the weight of the tether, from which on the tether is nearly straight
+LEAST_TAUT = 0.97  # median of distance over length while it is
+FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
+AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
+WINDS = 0.33, 3.0  # factor of the wind with which the kite has its airspeed; km/h for m/s is outside
+FACTORS = np.linspace(0.0, 5.0, 101)  # of the wind that are tried
 AXES = ("east", "north", "up")
+IN_MIDDLE = 0.5  # quantile
 
 
 def check(log):
-    """LogError if two quantities of a log contradict each other as wrong units, axes or signs do; doubts go to its report."""
-    position = log.of(components("kite_position", 3)) - np.array(log.map.station.outlet)
-    velocity = log.of(components("kite_velocity", 3))
-    radial = rates(log.time, np.linalg.norm(position, axis=1)[:, None])
-    checked = []
-    if velocity is not None:
-        check_velocity(rates(log.time, position), means(log.time, velocity))
-        checked.append("positions with velocities")
-    if "tether_length" in log.table:
-        check_length(np.linalg.norm(position, axis=1), log.table["tether_length"].to_numpy(), log.report)
-        checked.append("distance with tether_length")
-    if "reel_out_speed" in log.table:
-        speed = means(log.time, log.table[["reel_out_speed"]].to_numpy())
-        if "tether_length" in log.table:
-            check_factor(rates(log.time, log.table[["tether_length"]].to_numpy()), speed, "tether_length", log.report)
-        else:
-            check_factor(radial, speed, "the distance of the kite", log.report)
-        checked.append("reel_out_speed with what it changes")
-    if "ground_tension" in log.table:
-        checked += check_tension(log)
-    log.report.say(f"fit each other: {', '.join(checked) or 'nothing to compare'}")
+    """`LogError` if two quantities of a log contradict each other as wrong units, axes or signs do; doubts to its report.
+
+    What nothing in the log can be compared with is one of the doubts.
+    """
+    position = log.of(POSITION) - np.array(log.map.station.outlet)
+    done, undone = [], []
+    for name, compare in COMPARISONS.items():
+        found = compare(log, position)
+        done += [name] if found else []
+        undone += [name] if found is False else []
+    judge_height(position, log.report)
+    log.report.say(f"fit each other: {', '.join(done) or 'nothing to compare'}")
+    if undone:
+        log.report.doubt(f"not checked, for the log has nothing to compare with: {'; '.join(undone)}")
 
 
-def windows(time):
-    """Pairs of rows (first, behind the last) of windows of `WINDOW`."""
-    edges = np.arange(time[0], time[-1], WINDOW)
-    places = np.searchsorted(time, edges)
-    return list(zip(places[:-1], places[1:], strict=True))
+def edges(time):
+    """Rows at which windows of `WINDOW` begin, fewer than rows and than seconds + 2, array (windows + 1,)."""
+    return np.unique((time - time[0]) // WINDOW, return_index=True)[1]
 
 
-def rates(time, values):
-    """Rates of change over windows, array (windows, columns); NaN where a reading is missing."""
-    pairs = [(i, min(j, len(time) - 1)) for i, j in windows(time)]
-    return np.array([(values[j] - values[i]) / (time[j] - time[i]) if j > i else values[i] * np.nan for i, j in pairs])
+def known(time, values, longest_gap):
+    """Values [any] at the edges of windows, array (windows + 1, columns), linear between readings; NaN in longer gaps."""
+    places, made = edges(time), []
+    for column in values.T:
+        there = np.isfinite(column)
+        if there.sum() < 2:
+            made.append(np.full(len(places), np.nan))
+            continue
+        own = time[there]
+        found = np.interp(time[places], own, column[there], np.nan, np.nan)
+        after = np.clip(np.searchsorted(own, time[places]), 1, len(own) - 1)
+        found[own[after] - own[after - 1] > longest_gap] = np.nan
+        made.append(found)
+    return np.column_stack(made)
 
 
-def means(time, values):
-    """Means over the same windows."""
-    return np.array([values[i : j + 1].mean(axis=0) for i, j in windows(time)])
+def rates(log, values):
+    """Mean rates of change of values, array (rows, columns), over windows, array (windows, columns); NaN: not known."""
+    found = known(log.time, values, log.map.smoothing.longest_gap)
+    return np.diff(found, axis=0) / np.diff(log.time[edges(log.time)])[:, None]
 
 
-def check_velocity(moved, velocity):
-    """LogError unless the change of positions is the velocity, both arrays (windows, 3) [m/s]."""
-    known = np.isfinite(moved).all(axis=1) & np.isfinite(velocity).all(axis=1)
-    moves = np.flatnonzero(velocity[known].std(axis=0) > MOVING) if known.sum() >= FEWEST else []
-    if len(moves) == 0:
-        return
-    moved, velocity = moved[known] - moved[known].mean(axis=0), velocity[known] - velocity[known].mean(axis=0)
-    factors = robust(velocity[:, moves], moved)
-    for row, axis in zip(factors, moves, strict=True):
-        if np.abs(row - np.eye(3)[axis]).max() > NEAR:
-            way = ", ".join(f"{each:.2g}" for each in row)
-            raise LogError(
-                f"kite_velocity and kite_position do not fit: for each metre {AXES[axis]} by the velocity the position moves "
-                f"({way}) m east, north, up; check columns, signs and units of both, or leave kite_velocity out"
+def means(log, values):
+    """Means of values over windows, likewise: of the cubic splines through their readings."""
+    integrals = np.full(values.shape, np.nan)
+    for k, column in enumerate(values.T):
+        there = np.isfinite(column)
+        if there.sum() >= 4:
+            integrals[there, k] = CubicSpline(log.time[there], column[there]).antiderivative()(log.time[there])
+    return rates(log, integrals)
+
+
+def compare_speed(log, position):
+    """Whether the kite is known to move at a possible speed; LogError if it is impossible."""
+    speed = np.linalg.norm(rates(log, position), axis=1)
+    if not np.isfinite(speed).any():
+        return False
+    if np.nanmedian(speed) > FASTEST:
+        raise log.wrong(f"kite_position moves by {np.nanmedian(speed):.4g} m/s; check its unit, and that of the time")
+    return True
+
+
+def compare_velocity(log, position):
+    """Whether positions change as the velocity says; LogError if they do not."""
+    if log.of(VELOCITY) is None:
+        return False
+    moved, velocity = rates(log, position), means(log, log.of(VELOCITY))
+    both = np.isfinite(moved).all(axis=1) & np.isfinite(velocity).all(axis=1)
+    if both.sum() < FEWEST:
+        return False
+    moved, velocity = moved[both], velocity[both]
+    ways = ways_of(velocity)
+    if not len(ways):
+        return False
+    for way, found, noise in zip(ways, *robust(velocity @ ways.T, moved), strict=True):
+        if np.abs(found - way).max() > NEAR + NOISE * noise:
+            raise log.wrong(
+                f"kite_velocity and kite_position do not fit: while the velocity goes 1 m {in_words(way)}, the position "
+                f"goes {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
             )
+    return True
+
+
+def ways_of(velocity):
+    """Directions in which there is motion, array (ways, 3), unit vectors: the axes if there is some in each direction."""
+    _, sizes, ways = np.linalg.svd(velocity, full_matrices=False)
+    moving = sizes > MOVING * np.sqrt(len(velocity))
+    return np.eye(3) if moving.all() else ways[moving]
+
+
+def in_words(way):
+    """A displacement [m] in words; what is hardly there is left out."""
+    parts = [f"{each:.2g} m {axis}" for each, axis in zip(way, AXES, strict=True) if abs(each) > 0.1 * np.abs(way).max()]
+    return " and ".join(parts).replace("1 m ", "") if len(parts) == 1 and abs(way).max() == 1.0 else ", ".join(parts)
 
 
 def robust(a, b):
-    """Least squares of a x = b, array (columns of a, columns of b), without the rows that fit worst, a tenth."""
+    """Least squares of a x = b without the rows that fit worst, a tenth: x and the standard deviations of its rows.
+
+    Arrays (columns of a, columns of b) and (columns of a,); a has at least one column.
+    """
     keep = np.ones(len(a), bool)
     for _ in range(3):
         found = np.linalg.lstsq(a[keep], b[keep], rcond=None)[0]
         rest = np.linalg.norm(b - a @ found, axis=1)
-        keep = rest <= np.quantile(rest, 0.9)
-    return found
+        noise = np.sqrt(np.mean(rest[keep] ** 2) * np.diag(np.linalg.pinv(a[keep].T @ a[keep])))
+        keep = rest <= np.quantile(rest, 0.9 if len(rest) >= MANY else 1.0)
+    return found, noise
 
 
-def check_length(distance, length, report):
-    """LogError if the kite is farther away than the tether is long; a doubt if it is always near."""
-    known = np.isfinite(distance) & np.isfinite(length)
-    ratio = distance[known] / length[known]
-    if not len(ratio):
-        return
-    far = np.quantile(ratio, 0.95)
+def compare_length(log, position):
+    """Whether the tether is as long as the kite is far away; LogError if the kite is much farther away."""
+    if "tether_length" not in log.table:
+        return False
+    length = log.table["tether_length"].to_numpy() - log.map.station.drum_to_outlet + log.map.station.length_offset
+    ratio = (np.linalg.norm(position, axis=1) - log.map.kite.end_below) / np.where(length > 0.0, length, np.nan)
+    if not np.isfinite(ratio).any():
+        return False
+    far, check = (
+        np.nanquantile(ratio, 0.95),
+        "check the units of both, the origin and its altitude, and what length is counted",
+    )
     if far > FARTHEST:
-        raise LogError(
-            f"the kite is {far:.3g} times as far away as tether_length says (in 5 % of the rows, or farther); check the units "
-            "of both, the origin, and what length is counted"
+        raise log.wrong(
+            f"kite_position is {far:.3g} times as far away as tether_length, in 5 % of the rows or more; {check}"
         )
+    if far > DOUBTFUL:
+        log.report.doubt(f"kite_position is up to {far:.4g} times as far away as tether_length; {check}")
     if far < NEAREST:
-        report.doubt(f"the kite is never farther away than {far:.2g} times tether_length: are both in the same unit?")
+        log.report.doubt(f"kite_position is never farther away than {far:.2g} times tether_length; {check}")
+    if "ground_tension" in log.table:
+        taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * weight(log) * length]
+        middle = np.nanmedian(taut) if np.isfinite(taut).sum() >= FEWEST else 1.0
+        if middle < LEAST_TAUT:
+            log.report.doubt(
+                f"kite_position is only {middle:.3g} times as far away as tether_length while it is taut; {check}"
+            )
+    return True
 
 
-def check_factor(rate, speed, what, report):
-    """LogError unless the length, or the distance, changes as the reel-out speed says, arrays (windows, 1) [m/s]."""
-    known = np.isfinite(rate[:, 0]) & np.isfinite(speed[:, 0])
-    if known.sum() < FEWEST or speed[known].std() < 0.3:
-        return
-    (factor,) = robust(speed[known], rate[known])[0]
-    if abs(factor - 1.0) > 2.0 * NEAR:
-        raise LogError(
-            f"{what} changes by {factor:.2g} m for each metre of reel_out_speed; check the sign (positive pays out) and units"
-        )
-    if abs(factor - 1.0) > NEAR:
-        report.doubt(f"{what} changes by {factor:.2g} m for each metre of reel_out_speed")
+def weight(log):
+    """Weight of a metre of tether [N/m]."""
+    return log.map.tether.mass_per_meter * log.map.environment.gravity
 
 
-def check_tension(log):
-    """Doubt a tension that is negative, or too large or too small for the kite; what was compared."""
+def compare_reeling(log, position):
+    """Whether the length, or the distance, changes as the reel-out speed says; LogError if the length does not."""
+    if "reel_out_speed" not in log.table:
+        return None
+    speed, is_length = means(log, log.table[["reel_out_speed"]].to_numpy()), "tether_length" in log.table
+    what = "tether_length" if is_length else "the distance of kite_position"
+    rate = rates(log, log.table[["tether_length"]].to_numpy() if is_length else np.linalg.norm(position, axis=1)[:, None])
+    both = np.isfinite(rate[:, 0]) & np.isfinite(speed[:, 0])
+    if both.sum() < FEWEST or np.sqrt(np.mean(speed[both] ** 2)) < REELING:
+        return False
+    (factor,), (noise,) = (each.ravel() for each in robust(speed[both], rate[both]))
+    text = f"{what} changes by {factor:.2g} m for each metre of reel_out_speed; check the sign (positive pays out) and units"
+    if is_length and abs(factor - 1.0) > 2.0 * NEAR + NOISE * noise:
+        raise log.wrong(text)
+    if abs(factor - 1.0) > NEAR + NOISE * noise:
+        log.report.doubt(text)
+    return True
+
+
+def compare_tension(log, position):
+    """Whether the tension is that of a kite of this area; LogError if it has the wrong sign."""
+    if "ground_tension" not in log.table:
+        return None
     tension, area = log.table["ground_tension"].to_numpy(), log.map.kite.area
+    low, high = np.nanquantile(tension, [0.05, 0.95])
+    if -low > max(high, TAUT * weight(log) * np.nanmedian(np.linalg.norm(position, axis=1))):
+        raise log.wrong(
+            f"ground_tension is {low:.4g} N at its lowest, {high:.4g} N at its highest; a tether pulls: check its sign"
+        )
     if np.nanmedian(tension) < 0.0:
-        raise LogError(f"ground_tension is {np.nanmedian(tension):.4g} N in the middle; a tether pulls, so check its sign")
+        log.report.doubt(f"ground_tension is {np.nanmedian(tension):.3g} N in the middle: is its zero right?")
+    strain = high / log.map.tether.axial_stiffness
+    if strain > LARGEST_STRETCH - 1.0:
+        log.report.doubt(f"ground_tension would stretch the tether by {100.0 * strain:.3g} %; check its unit, and [tether]")
     if "airspeed" not in log.table or not area:
-        log.report.doubt("the size of ground_tension is not checked: the map has no column airspeed, or no kite.area")
-        return []
+        return False
     pressure = 0.5 * log.map.environment.air_density * log.table["airspeed"].to_numpy() ** 2 * area
     fast = np.isfinite(pressure) & np.isfinite(tension) & (pressure > np.nanmedian(pressure))
-    found = np.quantile(tension[fast] / pressure[fast], 0.95) if fast.any() else 1.0
-    low, high = FORCE_COEFFICIENTS
-    if not low <= found <= high:
+    if fast.sum() < FEWEST:
+        return False
+    found, (least, most) = np.median(tension[fast] / pressure[fast]), FORCE_COEFFICIENTS
+    log.report.say(f"size: ground_tension is {found:.2g} times dynamic pressure and area of the kite")
+    if not least <= found <= most:
         log.report.doubt(
-            f"ground_tension is {found:.2g} times dynamic pressure and area of the kite; from {low:g} to {high:g} are usual: "
-            "check its unit (N, kgf, kN)"
+            f"ground_tension is {found:.2g} times dynamic pressure and area of the kite, {least:g} to {most:g} are usual of "
+            "soft kites; check its unit (N, kgf, kN, lbf), that of airspeed, and kite.area"
         )
-    return ["ground_tension with airspeed and area"]
+    return True
+
+
+def compare_wind(log, position):
+    """Whether the wind is one in which the kite has its airspeed; doubts are on airspeed and direction."""
+    wind, velocity = log.of(WIND), log.of(VELOCITY)
+    if wind is None:
+        return None
+    mean, place = np.nanmean(wind, axis=0)[:2], np.nanmean(position, axis=0)
+    if np.linalg.norm(mean) > BLOWING and mean @ place[:2] < -0.3 * np.linalg.norm(mean) * np.linalg.norm(place):
+        log.report.doubt("wind_velocity blows from kite_position to the station: check direction and signs of both")
+    if velocity is None or "airspeed" not in log.table:
+        return False
+    if log.map.environment.wind_profile == at.POWER_LAW:
+        height = np.maximum(position[:, 2:], log.map.environment.wind_reference_height)
+        wind = wind * (height / log.map.environment.wind_reference_height) ** log.map.environment.wind_exponent
+    rows = edges(log.time)
+    wind, velocity, airspeed = wind[rows], velocity[rows], log.table["airspeed"].to_numpy()[rows]
+    both = np.isfinite(wind).all(axis=1) & np.isfinite(velocity).all(axis=1) & np.isfinite(airspeed)
+    if both.sum() < FEWEST:
+        return False
+    speeds = np.linalg.norm(velocity[both] - FACTORS[:, None, None] * wind[both], axis=2)
+    ratio = np.median(airspeed[both] / np.maximum(speeds[FACTORS == 1.0], 1e-3))
+    best = FACTORS[np.argmin(np.median(np.abs(speeds - airspeed[both]), axis=1))]
+    if not AIRSPEEDS[0] <= ratio <= AIRSPEEDS[1]:
+        log.report.doubt(f"airspeed is {ratio:.2g} times the speed of the kite in wind_velocity; check the units of both")
+    elif np.linalg.norm(mean) > BLOWING and not WINDS[0] <= best <= WINDS[1]:
+        log.report.doubt(
+            f"wind_velocity fits airspeed and kite_velocity best times {best:.2g}; check its unit and direction"
+        )
+    return True
+
+
+def judge_height(position, report):
+    """Doubt a kite that is below the winch."""
+    below = np.nanmean(position[:, 2] < 0.0)
+    if below > IN_MIDDLE:
+        report.doubt(f"kite_position is below the outlet of the winch in {100.0 * below:.0f} % of the rows: is up right?")
+
+
+COMPARISONS = {  # what is compared, and how: True if it was, False if nothing is there to compare with, None without it
+    "speed of kite_position": compare_speed,
+    "kite_position with kite_velocity": compare_velocity,
+    "kite_position with tether_length": compare_length,
+    "reel_out_speed with what it changes": compare_reeling,
+    "size of ground_tension with airspeed and kite.area": compare_tension,
+    "wind_velocity with airspeed and kite_velocity": compare_wind,
+}

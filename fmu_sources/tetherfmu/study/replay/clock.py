@@ -1,61 +1,127 @@
 """The time of a log: texts, Unix time, whole seconds, rows that are there twice or in the wrong order."""
 
+from bisect import bisect_right
+
 import numpy as np
 import pandas as pd
 
-MILLISECONDS = 1e11  # s, after which no flight was: Unix time in a smaller unit
-WHOLE = 3.0  # rows of the same time, on average, from which on times are taken as rounded
-MOST_BACK = 0.05  # of the rows that may stand before the row above them
+LATEST = 1e11  # s, after which no flight was: Unix time in a smaller unit
+LONGEST_STEP = 10.0  # s from row to row: time in a smaller unit
+ROUNDED = 1.5  # rows of the same time, on average, from which on times are taken as rounded
+SAME = 0.9  # of the rows whose time is that of another one: if so many are copies, times are not rounded, but rows copied
+MOST_BACK = 0.05  # of the rows whose time may not fit in with the others
+DAY = 86400.0  # s
+OF_DAY = r"\d{1,2}:\d{2}:\d{2}([.,]\d*)?"  # a time of the day, hours first
+ALLOWED = "numbers, dates such as 2019-10-08 13:12:08.8, or times of the day such as 13:12:08.8"
 
 
-def repaired(cells, factor, report):
-    """Times [s] of a column of texts, from 0 on and growing, array (kept,), and the rows that they belong to.
+def repaired(cells, column, factor, report):
+    """Times [s] of the rows of a log, from 0 on and growing, array (kept,), and these rows.
 
-    factor : of the unit of the column.  ValueError if these are no times of a flight.
+    cells : DataFrame of texts.  column, factor : that of the time, and from its unit to s.  ValueError if these are no times
+    of a flight.
     """
-    time, total = seconds(cells, factor, report), len(cells)
+    time = seconds(cells[column], factor, report)
     rows = np.flatnonzero(np.isfinite(time))
-    report.count("dropped", total - len(rows), total, "which have no time")
-    if len(rows) < 2:
-        raise ValueError(f"the column {cells.name} has no times")
-    time = time[rows]
-    if np.abs(time).max() > MILLISECONDS:
-        raise ValueError(f"{cells.name} is {time[0]:.6g} s; is it in another unit? time.unit may be ms, min, h")
-    if np.all(np.diff(time) <= 0.0) and time[0] > time[-1]:
-        time, rows = time[::-1], rows[::-1]
+    if len(rows) * 2 < len(time):
+        raise ValueError(f"{column} has no time in {len(time) - len(rows)} of {len(time)} rows; it must have {ALLOWED}")
+    if np.median(np.abs(time[rows])) > LATEST:
+        raise ValueError(f"{column} is {np.median(time[rows]):.6g} s; is it in another unit? time.unit may be ms, us, ns")
+    rows = rows[np.abs(time[rows]) <= LATEST]
+    report.count("dropped", len(time) - len(rows), len(time), "which have no time")
+    if np.all(np.diff(time[rows]) <= 0.0) and time[rows[0]] > time[rows[-1]]:
+        rows = rows[::-1]
         report.say("reversed: the time falls from row to row")
-    if len(time) > WHOLE * len(np.unique(time)):
-        time = spread(time, report)
-    order = np.concatenate([[True], time[1:] > np.maximum.accumulate(time)[:-1]])
-    back = np.concatenate([[False], np.diff(time) < 0.0])
-    if back.mean() > MOST_BACK:
-        raise ValueError(f"{cells.name} goes back in {int(back.sum())} of {total} rows; it must grow from row to row")
-    report.count("dropped", int((~order).sum()), total, "whose time is that of a row above, or before it")
-    time, rows = time[order], rows[order]
-    if len(time) < 2 or time[-1] <= time[0]:
-        raise ValueError(f"{cells.name} does not grow: {time[0]:g} in all rows")
-    report.say(f"time from 0 at {cells.name} = {cells.iloc[rows[0]]}, {time[-1] - time[0]:.1f} s")
+    time = past_midnight(time[rows], report)
+    time, rows = in_order(time, rows, column, report)
+    if time[0] == time[-1]:
+        raise ValueError(f"{column} does not grow: {cells[column].iloc[rows[0]]} in all rows")
+    time, rows = apart(time, rows, cells, report)
+    if np.median(np.diff(time)) > LONGEST_STEP:
+        raise ValueError(
+            f"{column} grows by {np.median(np.diff(time)):.3g} s from row to row; {LONGEST_STEP:g} s at most is allowed; is "
+            "it in another unit? time.unit may be ms, us, ns"
+        )
+    report.say(f"time from 0 at {column} = {cells[column].iloc[rows[0]]}, {time[-1] - time[0]:.1f} s")
     return time - time[0], rows
 
 
 def seconds(cells, factor, report):
-    """Times [s] of texts, numbers or dates, array (rows,); NaN for others."""
+    """Times [s] of a column of numbers, dates, or times of the day, array (rows,); NaN for others."""
     found = pd.to_numeric(cells, errors="coerce").to_numpy(float, copy=True)
     found[~np.isfinite(found)] = np.nan
-    if np.isfinite(found).sum() * 2 < len(cells):
-        dates = pd.to_datetime(cells, errors="coerce", format="mixed", utc=True)
-        if dates.notna().sum() * 2 > len(cells):
-            report.say(f"{cells.name} has dates")
-            return (dates - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy()
-    return found * factor
+    if np.isfinite(found).sum() * 2 >= len(cells):
+        return found * factor
+    of_day = cells.where(cells.str.fullmatch(OF_DAY)).str.replace(",", ".", regex=False)
+    times = pd.to_timedelta(of_day, errors="coerce")
+    if times.notna().sum() * 2 >= len(cells):
+        report.say(f"{cells.name} is the time of the day")
+        return times.dt.total_seconds().to_numpy()
+    dates = pd.to_datetime(cells, errors="coerce", format="ISO8601", utc=True)
+    if dates.notna().sum() * 2 >= len(cells):
+        report.say(f"{cells.name} has dates")
+        return (dates - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy()
+    return np.full(len(cells), np.nan)
+
+
+def past_midnight(time, report):
+    """Times [s] that go on after midnight where a time of the day begins again."""
+    if not np.all((time >= 0.0) & (time <= DAY)):
+        return time
+    days = np.concatenate([[0], np.cumsum(np.diff(time) < -0.99 * DAY)])
+    if days[-1]:
+        report.say(f"midnight: the time of the day begins again {days[-1]} times")
+    return time + DAY * days
+
+
+def in_order(time, rows, column, report):
+    """Times and rows without those that do not fit in with the others; ValueError if there are many."""
+    kept = never_falling(time)
+    if len(time) - len(kept) > MOST_BACK * len(time):
+        k = int(np.argmax(np.diff(time) < 0.0))
+        raise ValueError(
+            f"{column} goes back: {len(time) - len(kept)} of {len(time)} rows stand in the wrong order, the first after "
+            f"{time[k]:.10g} s, where {time[k + 1]:.10g} s follows; is this more than one log?"
+        )
+    report.count("dropped", len(time) - len(kept), len(time), "whose time does not fit in between those of the rows around")
+    return time[kept], rows[kept]
+
+
+def never_falling(time):
+    """Places of the longest part of some numbers that never falls, array (kept,); found by patience sorting."""
+    if np.all(np.diff(time) >= 0.0):
+        return np.arange(len(time))
+    last, places, before = [], [], []  # of the best part of each length: its last number, and where that stands
+    for place, number in enumerate(time.tolist()):
+        k = bisect_right(last, number)
+        before.append(places[k - 1] if k else -1)
+        last[k : k + 1], places[k : k + 1] = [number], [place]
+    kept = [places[-1]]
+    while before[kept[-1]] >= 0:
+        kept.append(before[kept[-1]])
+    return np.array(kept[::-1])
+
+
+def apart(time, rows, cells, report):
+    """Times and rows so that no two have the same time: copies of a row are dropped, rows of a rounded time are spread."""
+    again = np.concatenate([[False], np.diff(time) == 0.0])
+    if not again.any():
+        return time, rows
+    copies = cells.iloc[rows].duplicated().to_numpy() & again
+    if copies.sum() >= SAME * again.sum():
+        report.count("dropped", int(copies.sum()), len(rows), "which are copies of the row above")
+        time, rows, again = time[~copies], rows[~copies], again[~copies]
+    elif len(time) > ROUNDED * (len(time) - again.sum()):
+        return spread(time, report), rows
+    report.count("dropped", int(again.sum()), len(rows), "whose time is that of the row above")
+    return time[~again], rows[~again]
 
 
 def spread(time, report):
     """Times of rows whose clock was rounded: rows of the same time lie evenly in it; those of a part of it at its side."""
     values, first, counts = np.unique(time, return_index=True, return_counts=True)
-    if np.any(np.diff(time) < 0.0):
-        raise ValueError(f"time goes back after {time[np.argmax(np.diff(time) < 0.0)]:g} s")
-    whole, width = int(np.median(counts)), float(np.median(np.diff(values))) if len(values) > 1 else 1.0
+    inner = counts[1:-1] if len(counts) > 2 else counts  # the first and the last one may be parts
+    whole, width = int(np.median(inner)), float(np.median(np.diff(values)))
     shift = np.maximum(whole, counts)  # rows of a time that has more are as close as they must be
     start = np.where(np.arange(len(values)) == 0, shift - counts, 0)
     place = np.arange(len(time)) - np.repeat(first, counts) + np.repeat(start, counts)

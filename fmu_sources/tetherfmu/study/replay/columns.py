@@ -1,5 +1,6 @@
 """Which column of a log is what: maps, files in TOML; see docs/measurements/measured_flights.md, "Maps"."""
 
+import math
 import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,21 +15,30 @@ from tetherfmu.study.scenes.files import (
     ground_of,
     record,
     require,
-    spellings,
 )
 
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
 BY_YEAR = {2019: "kitepower_2019", 2023: "kitepower_2023", 2025: "kitepower_2025"}  # of the first row of a log
 KITEPOWER = "kitepower"  # stands for them
 AXES = {  # of a column: its axis, and its sign along it
-    **{"east": (0, 1.0), "x": (0, 1.0), "west": (0, -1.0), "north": (1, 1.0), "y": (1, 1.0), "south": (1, -1.0)},
-    **{"up": (2, 1.0), "z": (2, 1.0), "down": (2, -1.0)},
+    "east": (0, 1.0),
+    "x": (0, 1.0),
+    "west": (0, -1.0),
+    "north": (1, 1.0),
+    "y": (1, 1.0),
+    "south": (1, -1.0),
+    "up": (2, 1.0),
+    "z": (2, 1.0),
+    "down": (2, -1.0),
 }
 GEODETIC = ("latitude", "longitude", "altitude")
 POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
 DELAYED = ("kite_position", "kite_velocity", "tether_length", "reel_out_speed", "ground_tension")
 LABELS = ("phase", "cycle")
+MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # what a map may call optional
+SMALL_TIMES = {"us": 1e-6, "ns": 1e-9}  # units of time that only logs have, and the factor to s
+ANGLES = {"deg": 1.0, "rad": math.degrees(1.0), "1e-7 deg": 1e-7}  # of geodetic coordinates, and the factor to deg
 
 
 class MapError(SceneError):
@@ -99,14 +109,20 @@ class Vector:
     signs: tuple = (1.0, 1.0, 1.0)
     factor: float = 1.0  # to m or m/s; of geodetic coordinates, of the altitude
     is_geodetic: bool = False
+    angle: float = 1.0  # factor of latitude and longitude to deg
 
 
 @dataclass(frozen=True)
 class Scalar:
-    """Column of a number, and the factor to its unit."""
+    """Column of a number, and the factor to its unit; `others` may stand for it, the first one that a log has."""
 
     column: str
     factor: float = 1.0
+    others: tuple = ()
+
+    def among(self, there):
+        """The same number in the first of its columns that is there; its first one if none is."""
+        return replace(self, column=next((each for each in (self.column, *self.others) if each in there), self.column))
 
 
 @dataclass(frozen=True)
@@ -116,7 +132,7 @@ class Columns:
     `vectors`, `scalars` : dict from a name of the interface to `Vector` or `Scalar`.  `labels` : dict "phase", "cycle" to a
     column.  `origin` : the station in geodetic coordinates (deg, deg, m), or the `Vector` pair (geodetic, in metres) of one
     receiver; None: positions are seen from the station.  `wind_from` : column of the direction from which the wind comes
-    [deg, clockwise from north], beside the `Scalar` of its speed.
+    [deg, clockwise from north], beside the `Scalar` of its speed.  `optional` : quantities that a log need not have.
     """
 
     name: str
@@ -127,6 +143,7 @@ class Columns:
     labels: dict = field(default_factory=dict)
     origin: tuple | None = None
     wind_from: Scalar | None = None
+    optional: tuple = ()
     tether: Tether = field(default_factory=Tether)
     environment: Environment = field(default_factory=Environment)
     ground: Ground = field(default_factory=Ground)
@@ -143,6 +160,33 @@ class Columns:
             listed += [name for vector in self.origin for name in vector.columns]
         scalars = [*self.scalars.values(), *([self.wind_from] if self.wind_from else [])]
         return tuple(dict.fromkeys([*listed, *(scalar.column for scalar in scalars)]))
+
+    def columns_of(self, name):
+        """Names of the columns of a quantity, () if the map does not have it."""
+        if name in self.vectors:
+            return self.vectors[name].columns
+        if name == "wind_velocity" and self.wind_from:
+            return self.scalars["wind_speed"].column, self.wind_from.column
+        return (self.scalars[name].column,) if name in self.scalars else ()
+
+    def without(self, name):
+        """The same map without a quantity."""
+        keep = {name, "wind_speed"} if name == "wind_velocity" else {name}
+        vectors = {key: each for key, each in self.vectors.items() if key not in keep}
+        scalars = {key: each for key, each in self.scalars.items() if key not in keep}
+        wind_from = None if name == "wind_velocity" else self.wind_from
+        return replace(self, vectors=vectors, scalars=scalars, wind_from=wind_from)
+
+    def for_log(self, there, report):
+        """The same map for a log that has the columns `there`: without optional quantities whose columns are missing."""
+        scalars = {key: each.among(there) for key, each in self.scalars.items()}
+        found = replace(self, scalars=scalars)
+        for name in self.optional:
+            missing = [column for column in found.columns_of(name) if column not in there]
+            if missing:
+                report.say(f"no column {missing[0]}: the flight has no {name}")
+                found = found.without(name)
+        return found
 
     def with_constants(self, changes):
         """The same map with other constants; changes : dict "section.key" to a value as in a file. MapError names a key."""
@@ -172,9 +216,9 @@ def load(name):
 def read(table, name):
     """`Columns` from the table of a file; ValueError names the key."""
     vectors = (*POINTS, *SPEEDS)
-    require(table, "", ("about", "time", *vectors, *SCALARS, *LABELS, *OWN, *OF_SCENES), ())
-    found = {"name": name, "about": str(table.get("about", ""))}
-    found["time"] = scalar(table.get("time", {"column": "time"}), "time", "s")
+    require(table, "", ("about", "optional", "time", *vectors, *SCALARS, *LABELS, *OWN, *OF_SCENES), ())
+    found = {"name": name, "about": str(table.get("about", "")), "optional": optional(table.get("optional", []), table)}
+    found["time"] = scalar(table.get("time", {"column": "time"}), "time", "s", SMALL_TIMES)
     found["scalars"] = {key: scalar(table[key], key, unit) for key, unit in SCALARS.items() if key in table}
     found["labels"] = {key: scalar(table[key], key, None).column for key in LABELS if key in table}
     found["vectors"] = {key: vector(table[key], key) for key in vectors if key in table and key != "origin"}
@@ -229,22 +273,35 @@ def text_of(table, section, key):
     return value
 
 
-def factor_of(table, section, unit, key="unit"):
+def optional(names, table):
+    """Names of the quantities of a map that a log need not have, a tuple; ValueError if one cannot be missed."""
+    allowed = [name for name in MAY_MISS if name in table]
+    if not isinstance(names, list) or any(name not in allowed for name in names):
+        raise ValueError(f"optional is {names!r}; it must be a list of some of {', '.join(allowed) or 'nothing'}")
+    return tuple(names)
+
+
+def factor_of(table, section, unit, key="unit", more=None):
     """Factor of the unit that a table names to the unit of its quantity; ValueError says what is allowed."""
     spelled = table.get(key, unit)
-    known = factors(unit)
-    if spelled not in known:
-        raise ValueError(f"{section}.{key} is {spelled!r}; it must be one of {spellings(unit)}")
+    known = factors(unit) | (more or {})
+    if not isinstance(spelled, str) or spelled not in known:
+        raise ValueError(f"{section}.{key} is {spelled!r}; it must be one of {', '.join(known)}")
     return known[spelled]
 
 
-def scalar(table, section, unit):
-    """`Scalar` of a table {column, unit}, or of the name of a column; unit : of the quantity, None for texts."""
-    table = {"column": table} if isinstance(table, str) else table
+def scalar(table, section, unit, more=None):
+    """`Scalar` of a table {column, unit}, or of a column; unit : of the quantity, None for texts; more : units.
+
+    A list of columns stands for the first of them that a log has.
+    """
+    table = {"column": table} if isinstance(table, str | list) else table
     require(table, section, ("column", "unit") if unit else ("column",))
     if "column" not in table:
         raise ValueError(f"the key {section}.column is missing")
-    return Scalar(text_of(table, section, "column"), factor_of(table, section, unit) if unit else 1.0)
+    listed = table["column"] if isinstance(table["column"], list) and table["column"] else [table["column"]]
+    column, *others = (text_of({"column": each}, section, "column") for each in listed)
+    return Scalar(column, factor_of(table, section, unit, more=more) if unit else 1.0, tuple(others))
 
 
 def wind(table):
@@ -257,20 +314,17 @@ def wind(table):
     return speed, Scalar(text_of(table, section, "from"), factor_of({"angle": "deg"} | table, section, "rad", "angle"))
 
 
-def vector(table, section, more=()):
-    """`Vector` of a table that names a column for each axis; ValueError says what is missing."""
-    unit = "m" if section in POINTS else "m/s"
-    known = (*AXES, *(GEODETIC if unit == "m" else ()), *more, "unit")
-    known = (*known, "speed", "from", "angle") if section == "wind_velocity" else known
-    require(table, section, known)
-    if "speed" in table:
+def vector(table, section):
+    """`Vector` of a table that names a column for each axis; None of a wind that has speed and direction."""
+    if section == "wind_velocity" and "speed" in table:
         return None
-    factor = factor_of(table, section, unit)
-    if "latitude" in table:
-        for key in GEODETIC:
-            if key not in table:
-                raise ValueError(f"the key {section}.{key} is missing")
-        return Vector(tuple(text_of(table, section, key) for key in GEODETIC), factor=factor, is_geodetic=True)
+    is_position = section in POINTS
+    require(table, section, (*AXES, *((*GEODETIC, "angle") if is_position else ()), "unit"))
+    factor = factor_of(table, section, "m" if is_position else "m/s")
+    if any(key in table for key in GEODETIC):
+        require(table, section, (*GEODETIC, "angle", "unit"), GEODETIC)
+        columns = tuple(text_of(table, section, key) for key in GEODETIC)
+        return Vector(columns, factor=factor, is_geodetic=True, angle=angle_of(table, section))
     axes = {AXES[key][0]: (text_of(table, section, key), AXES[key][1]) for key in table if key in AXES}
     if len(axes) != 3 or sum(key in AXES for key in table) != 3:
         raise ValueError(f"{section} must name one column for each axis: east or x, north or y, up or down or z")
@@ -278,18 +332,25 @@ def vector(table, section, more=()):
     return Vector(columns, signs, factor)
 
 
+def angle_of(table, section):
+    """Factor of the unit of latitude and longitude to deg; ValueError says what is allowed."""
+    spelled = table.get("angle", "deg")
+    if not isinstance(spelled, str) or spelled not in ANGLES:
+        raise ValueError(f"{section}.angle is {spelled!r}; it must be one of {', '.join(ANGLES)}")
+    return ANGLES[spelled]
+
+
 def origin(table):
     """The station: three numbers (deg, deg, m), or the two `Vector` of a receiver that is logged in degrees and metres."""
     section = "origin"
-    require(table, section, (*GEODETIC, *AXES, "unit"))
-    for key in GEODETIC:
-        if key not in table:
-            raise ValueError(f"the key {section}.{key} is missing")
+    require(table, section, (*GEODETIC, *AXES, "angle", "unit"), GEODETIC)
     values = [table[key] for key in GEODETIC]
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        require(table, section, GEODETIC)
         latitude, longitude, altitude = map(float, values)
         if not (abs(latitude) < 90.0 and abs(longitude) <= 360.0 and abs(altitude) <= 1e4):
             raise ValueError(f"origin is {values}; it must be latitude and longitude in deg, altitude in m")
         return latitude, longitude, altitude
-    local = {key: value for key, value in table.items() if key not in GEODETIC}
-    return vector({key: table[key] for key in GEODETIC}, section), vector(local, section)
+    degrees = {key: value for key, value in table.items() if key in (*GEODETIC, "angle")}
+    metres = {key: value for key, value in table.items() if key in (*AXES, "unit")}
+    return vector(degrees, section), vector(metres, section)

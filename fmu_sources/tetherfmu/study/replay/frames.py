@@ -1,45 +1,64 @@
-"""From the columns of a log to SI units, x east, y north, z up, seen from where the tether leaves the winch."""
+"""From the columns of a log to SI units, x east, y north, z up, seen from the origin of its map."""
 
 import numpy as np
 
 from tetherfmu.runtime.inputs import components
 
 EARTH_RADIUS, FLATTENING = 6378137.0, 1.0 / 298.257223563  # of the ellipsoid WGS 84 [m, -]
+SQUARED = FLATTENING * (2.0 - FLATTENING)  # of its eccentricity
+ROUNDS = 5  # in which an origin is improved; each takes off three digits of what is left
+SCATTER = 10.0  # m, median, by which positions in degrees and in metres may differ
+TURN = 2.0 * np.pi  # rad
 
 
-def radii(latitude):
-    """Radii of curvature of the ellipsoid along a meridian and across it [m] at a latitude [rad]."""
-    squared = FLATTENING * (2.0 - FLATTENING)  # of the eccentricity
-    w = 1.0 - squared * np.sin(latitude) ** 2
-    return EARTH_RADIUS * (1.0 - squared) / w**1.5, EARTH_RADIUS / np.sqrt(w)
+def from_centre(latitude, longitude, altitude):
+    """Points from the centre of the Earth [m], array (..., 3), x to the meridian 0, z to the north pole.
+
+    latitude, longitude [rad] and altitude [m] of the ellipsoid, arrays or numbers.
+    """
+    across = EARTH_RADIUS / np.sqrt(1.0 - SQUARED * np.sin(latitude) ** 2)  # radius of curvature of the parallel's normal
+    outwards = (across + altitude) * np.cos(latitude)
+    upwards = (across * (1.0 - SQUARED) + altitude) * np.sin(latitude)
+    return np.stack([outwards * np.cos(longitude), outwards * np.sin(longitude), upwards], axis=-1)
 
 
 def local(latitude, longitude, altitude, origin):
-    """East, north, up [m], array (rows, 3), of geodetic coordinates [deg, deg, m] near an origin.
-
-    On the tangent plane of the ellipsoid at the origin; 1 km away it is wrong by 0.1 m at most.
-    """
-    meridian, across = radii(np.radians(origin[0]))
-    up = np.asarray(altitude) - origin[2]
-    east = np.radians(np.asarray(longitude) - origin[1]) * (across + origin[2]) * np.cos(np.radians(origin[0]))
-    north = np.radians(np.asarray(latitude) - origin[0]) * (meridian + origin[2])
-    return np.column_stack([east, north, up])
+    """East, north, up [m], array (rows, 3), of geodetic coordinates [deg, deg, m] seen from an origin, likewise."""
+    phi, lam = np.radians(origin[:2])
+    away = from_centre(np.radians(latitude), np.radians(longitude), np.asarray(altitude))
+    away = away - from_centre(phi, lam, np.float64(origin[2]))
+    east = [-np.sin(lam), np.cos(lam), 0.0]
+    north = [-np.sin(phi) * np.cos(lam), -np.sin(phi) * np.sin(lam), np.cos(phi)]
+    up = [np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)]
+    return away @ np.array([east, north, up]).T
 
 
 def origin_of(geodetic, metres):
     """Latitude, longitude [deg] and altitude [m] of the point from which positions in metres are counted.
 
     geodetic, metres : the same positions, arrays (rows, 3), NaN where they are not known. The median over the flight, which
-    a reading that is wrong does not move. ValueError if no row has both.
+    a reading that is wrong does not move. ValueError if no row has both, or if they are not the same positions.
     """
-    both = np.isfinite(geodetic).all(axis=1) & np.isfinite(metres).all(axis=1) & (np.abs(geodetic[:, 0]) <= 90.0)
+    both = np.isfinite(geodetic).all(axis=1) & np.isfinite(metres).all(axis=1)
+    both &= (np.abs(geodetic[:, 0]) < 90.0) & (np.abs(geodetic[:, 1]) <= 360.0) & geodetic[:, :2].any(axis=1)
     if not both.any():
         raise ValueError("the origin cannot be found: no row has a position in degrees and in metres")
     geodetic, metres = geodetic[both], metres[both]
-    meridian, across = radii(np.radians(np.median(geodetic[:, 0])))
-    latitude = np.median(geodetic[:, 0] - np.degrees(metres[:, 1] / meridian))
-    longitude = np.median(geodetic[:, 1] - np.degrees(metres[:, 0] / (across * np.cos(np.radians(latitude)))))
-    return float(latitude), float(longitude), float(np.median(geodetic[:, 2] - metres[:, 2]))
+    origin = np.median(geodetic, axis=0)
+    for _ in range(ROUNDS):
+        away = local(*geodetic.T, origin) - metres
+        east, north, up = np.median(away, axis=0)
+        circle = EARTH_RADIUS * np.cos(np.radians(origin[0]))
+        origin = origin + np.array([np.degrees(north / EARTH_RADIUS), np.degrees(east / circle), up])
+        if not np.abs(origin[0]) < 90.0:
+            break
+    scatter = np.median(np.linalg.norm(away - np.median(away, axis=0), axis=1))
+    if not scatter <= SCATTER:
+        raise ValueError(
+            f"the origin cannot be found: its positions in degrees and in metres differ by {scatter:.3g} m; "
+            f"{SCATTER:g} m at most is allowed; check columns, axes and units of [origin]"
+        )
+    return tuple(map(float, origin))
 
 
 def convert(raw, found, table, report):
@@ -47,7 +66,7 @@ def convert(raw, found, table, report):
     for name, vector in found.vectors.items():
         readings = np.column_stack([raw[column] for column in vector.columns])
         if vector.is_geodetic:
-            points = local(*readings[:, :2].T, readings[:, 2] * vector.factor, station_of(raw, found, report))
+            points = local(*degrees(vector, readings).T, station_of(raw, found, report))
         else:
             points = readings * vector.factor * vector.signs
         table[list(components(name, 3))] = points
@@ -59,7 +78,20 @@ def convert(raw, found, table, report):
         angle = raw[found.wind_from.column] * found.wind_from.factor
         to = np.column_stack([-np.sin(angle), -np.cos(angle), 0.0 * angle])
         table[list(components("wind_velocity", 3))] = speed[:, None] * to
-        judge_angle(found, raw[found.wind_from.column], report)
+        judge_angle(found.wind_from, raw[found.wind_from.column], report)
+
+
+def degrees(vector, readings):
+    """Geodetic coordinates [deg, deg, m] of readings, array (rows, 3); ValueError if most are none."""
+    found = readings * (vector.angle, vector.angle, vector.factor)
+    for name, column, values, most in zip(("latitude", "longitude"), vector.columns, found.T, (90.0, 360.0), strict=False):
+        known = values[np.isfinite(values)]
+        if len(known) and np.abs(np.median(known)) > most:
+            raise ValueError(
+                f"{column} is {np.median(known):.6g} deg in the middle; a {name} is at most {most:g} deg; check its "
+                'unit (angle = "1e-7 deg"?)'
+            )
+    return found
 
 
 def station_of(raw, found, report):
@@ -67,14 +99,15 @@ def station_of(raw, found, report):
     if not hasattr(found.origin[0], "columns"):
         return found.origin
     geodetic, metres = (np.column_stack([raw[column] for column in vector.columns]) for vector in found.origin)
-    geodetic = geodetic * (1.0, 1.0, found.origin[0].factor)
-    origin = origin_of(geodetic, metres * found.origin[1].factor * found.origin[1].signs)
+    origin = origin_of(degrees(found.origin[0], geodetic), metres * found.origin[1].factor * found.origin[1].signs)
     report.say(f"origin: latitude {origin[0]:.6f} deg, longitude {origin[1]:.6f} deg, altitude {origin[2]:.2f} m")
     return origin
 
 
-def judge_angle(found, readings, report):
-    """Doubt degrees that look like radians."""
-    known = readings[np.isfinite(readings)]
-    if found.wind_from.factor != 1.0 and len(known) and np.all(np.abs(known) <= 2.0 * np.pi):
-        report.doubt(f"{found.wind_from.column} is never above {np.abs(known).max():.3g} deg: is it in radians?")
+def judge_angle(direction, readings, report):
+    """Doubt a direction of the wind in degrees that looks like radians, and the other way round."""
+    largest = np.max(np.abs(readings), initial=0.0, where=np.isfinite(readings))
+    if direction.factor != 1.0 and 0.0 < largest <= TURN:
+        report.doubt(f"{direction.column}, from where wind_velocity comes, is {largest:.3g} deg at most: is it in radians?")
+    if direction.factor == 1.0 and largest > 2.0 * TURN:
+        report.doubt(f"{direction.column}, from where wind_velocity comes, is up to {largest:.3g} rad: is it in degrees?")

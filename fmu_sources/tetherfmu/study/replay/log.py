@@ -1,5 +1,6 @@
 """The log of a flight as it was written: read, in SI units, x east, y north, z up, with what is impossible left out."""
 
+import codecs
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
@@ -18,21 +19,31 @@ LARGEST = {  # what is larger in magnitude is no reading of a kite
     **dict.fromkeys(POSITION, 2e4),  # [m]
     **dict.fromkeys(VELOCITY, 150.0),  # [m/s]
     **dict.fromkeys(WIND, 80.0),
-    **{"tether_length": 2e4, "reel_out_speed": 50.0, "ground_tension": 1e7, "airspeed": 150.0},
+    "tether_length": 2e4,
+    "reel_out_speed": 50.0,
+    "ground_tension": 1e7,
+    "airspeed": 150.0,
 }
-FLOOR = {  # a reading that is farther than this from the median of its neighbours may be a spike
-    **dict.fromkeys(POSITION, 5.0),
-    **dict.fromkeys(VELOCITY, 8.0),
-    **{"tether_length": 2.0, "reel_out_speed": 3.0},
+FLOOR = {  # a reading that is farther than this from the median of its neighbours may be a spike; and what 1 s adds to it
+    **dict.fromkeys(POSITION, (5.0, 15.0)),
+    **dict.fromkeys(VELOCITY, (7.0, 20.0)),
+    "tether_length": (2.0, 5.0),
+    "reel_out_speed": (3.0, 3.0),
 }
 SPIKE = 8.0  # times the typical distance from the median of the neighbours, from which on it is one
-NEIGHBOURS = 11  # rows
+NEARBY = 1.1  # s, in which neighbours lie
+NEIGHBOURS = 5, 111  # rows: fewest and most neighbours
 OF_TENSION = 0.3  # of its 99th percentile: floor of a spike of the tension
+STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
+ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
+AWAY = 20.0  # m, from which on a position that is exactly 0 beside another one is no reading
 FEWEST_ROWS = 20
-MOST_LOST = 0.5  # of the rows of a column that is needed
-STUCK = 5.0  # s, from which on a reading that does not change is doubtful
-CHANGING = ("ground_tension", "kite_position[1]", "tether_length")  # readings that change in flight
+COVERED = 0.5  # of the time that readings of a quantity must cover
+FROZEN = 5.0  # s, from which on a reading that does not change is doubtful
+AT_REST = 0.2  # m/s: a position, or a length, may stay the same below it
+FASTEST = 150.0  # m/s, of a kite
 LONGEST_NAMES = 400  # characters of a message about columns
+COMMENT = "#"  # begins lines that are no rows
 
 
 class LogError(SceneError):
@@ -45,12 +56,14 @@ class Log:
 
     `table` : DataFrame with the column `time` [s], growing, from 0 at the first row; the components of `kite_position` [m]
     and, where the log has them, of `kite_velocity`, `wind_velocity` [m/s], and `tether_length`, `reel_out_speed`,
-    `ground_tension`, `airspeed`; NaN where a reading is missing; `phase`, `cycle` as texts.
+    `ground_tension`, `airspeed`; NaN where a reading is missing; `phase`, `cycle` as texts.  `map` : without the optional
+    quantities that the log does not have.  `source` : the file, for messages.
     """
 
     table: pd.DataFrame
     map: columns.Columns
     report: Report
+    source: str = ""
 
     @property
     def time(self):
@@ -61,140 +74,272 @@ class Log:
         """Readings of columns, array (rows, names); None if the log does not have them."""
         return self.table[list(names)].to_numpy() if names[0] in self.table else None
 
+    def wrong(self, text):
+        """`LogError` that names the file of the log."""
+        return LogError(f"{self.source}: {text}" if self.source else text)
+
 
 def read(path, of):
     """`Log` of a CSV file; of : a `Columns`, or the name or the file of a map. LogError says in one line what is wrong."""
-    path = Path(path)
+    path, report = Path(path), Report()
     try:
-        cells, skipped = read_cells(path)
+        cells = read_cells(path, report)
         found = of if isinstance(of, columns.Columns) else map_for(of, cells)
-        return log_of(cells, found, skipped)
+        return log_of(cells, found, report, str(path))
     except columns.MapError:
         raise
     except ValueError as error:
         raise LogError(f"{path}: {' '.join(str(error).split())}") from None
 
 
-def read_cells(path):
-    """Cells of a CSV file as texts, a DataFrame, and the number of rows that have too many of them."""
-    contents = contents_of(path)
-    try:
-        text = contents.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = contents.decode("latin-1")
-    lines = [line for line in text.splitlines() if line.strip()]
+def read_cells(path, report):
+    """Cells of a CSV file as texts, a DataFrame; ValueError says why there are none."""
+    written = [line for line in text_of(contents_of(path)).split("\n") if line.strip()]
+    lines = [line for line in written if not line.lstrip().startswith(COMMENT)]
     if len(lines) < 2:
         raise ValueError(f"has {len(lines)} lines; it must have a header row and {FEWEST_ROWS} rows at least")
+    report.count("dropped", len(written) - len(lines), len(written), f"which begin with {COMMENT}")
     separator = max(",;\t", key=lines[0].count)
+    lines = [line.rstrip(f"{separator} \r") for line in lines]
     options = {"sep": separator, "header": None, "dtype": str, "skipinitialspace": True, "na_filter": False}
     try:
         cells = pd.read_csv(StringIO("\n".join(lines)), on_bad_lines="skip", **options)
     except ValueError as error:
         raise ValueError(f"is no CSV file with a header row ({error})") from None
     names = cells.iloc[0].str.strip()
+    if pd.to_numeric(names, errors="coerce").notna().all():
+        raise ValueError("has a number in each cell of the first row; it must have the names of the columns there")
     repeated = names[names.duplicated() & (names != "")]
     if len(repeated):
-        raise ValueError(f"the column {repeated.iloc[0]} is there twice")
+        raise ValueError(f"the column {shown(repeated)} is there twice")
+    report.count("dropped", len(lines) - len(cells), len(lines), "which have more cells than the header")
     cells = cells[1:].set_axis(names, axis=1).reset_index(drop=True)
-    if separator == ";":
-        cells = cells.apply(lambda column: column.str.replace(",", ".", regex=False))
-    return cells, len(lines) - 1 - len(cells)
+    return cells if separator == "," else cells.apply(with_points)
+
+
+def text_of(contents):
+    """Text of the bytes of a file, lines separated by newlines; ValueError if it is none."""
+    utf_16 = contents.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    if b"\0" in contents and not utf_16:
+        raise ValueError("is no text file (it has bytes that are 0)")
+    try:
+        text = contents.decode("utf-16" if utf_16 else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = contents.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def with_points(cells):
+    """Texts of a column with decimal points for commas; ValueError if it has both."""
+    commas = cells.str.fullmatch(r"[-+\d]*,\d*([eE][-+]?\d+)?")
+    if commas.any() and cells.str.fullmatch(r"[-+\d]*\.\d*([eE][-+]?\d+)?").any():
+        raise ValueError(f"the column {shown([cells.name])} has decimal commas and points, as {cells[commas].iloc[0]!r}")
+    return cells.where(~commas, cells.str.replace(",", ".", regex=False)) if commas.any() else cells
+
+
+def shown(names):
+    """Names of columns in words, what is printable of them and not too many."""
+    text = ", ".join("".join(each for each in str(name) if each.isprintable()) for name in names)
+    return text if len(text) <= LONGEST_NAMES else f"{text[:LONGEST_NAMES]}..."
 
 
 def map_for(name, cells):
     """`Columns` of a map by its name; `kitepower` stands for that of the year of the log."""
     if str(name) != columns.KITEPOWER:
         return columns.load(name)
-    years = pd.to_datetime(pd.to_numeric(cells.get("time"), errors="coerce"), unit="s", errors="coerce")
-    year = years.dropna().dt.year.median() if years is not None and len(years.dropna()) else None
+    times = pd.to_numeric(cells["time"], errors="coerce") if "time" in cells else pd.Series(dtype=float)
+    year = pd.to_datetime(times, unit="s", errors="coerce").dt.year.median()
     if year not in columns.BY_YEAR:
         choices = ", ".join(columns.BY_YEAR.values())
         raise ValueError(f"has no column time of a year that Kitepower has published; name the map: {choices}")
     return columns.load(columns.BY_YEAR[year])
 
 
-def log_of(cells, found, skipped=0):
+def log_of(cells, found, report=None, source=""):
     """`Log` of the cells of a file (texts); ValueError says what is wrong."""
-    report = Report()
+    report = Report() if report is None else report
     report.say(f"map {found.name}: {found.about}" if found.about else f"map {found.name}")
-    report.count("dropped", skipped, skipped + len(cells), "which have more cells than the header")
+    found = found.for_log(cells, report)
     missing = [name for name in found.columns if name not in cells]
     if missing:
-        there = ", ".join(map(str, cells.columns))
-        there = there if len(there) <= LONGEST_NAMES else f"{there[:LONGEST_NAMES]}..."
-        raise ValueError(f"the column {missing[0]} of the map {found.name} is missing; there are {there}")
+        raise ValueError(f"the column {missing[0]} of the map {found.name} is missing; there are {shown(cells.columns)}")
     if len(cells) < FEWEST_ROWS:
         raise ValueError(f"has {len(cells)} rows; it must have at least {FEWEST_ROWS}")
-    time, kept = clock.repaired(cells[found.time.column], found.time.factor, report)
-    cells = cells.iloc[kept]
-    table = pd.DataFrame({"time": time})
+    say_units(cells, found, report)
+    time, kept = clock.repaired(cells, found.time.column, found.time.factor, report)
+    cells, table = cells.iloc[kept], pd.DataFrame({"time": time})
     raw = {name: numbers(cells, name, report) for name in found.columns if name != found.time.column}
     frames.convert(raw, found, table, report)
+    leave_out_zeros(table, report)
     for name in table.columns.drop("time"):
         leave_out_impossible(table, name, report)
-    judge_stuck(table, report)
+    table, found = usable(table, found, report)
+    judge_frozen(table, report)
+    judge_jumps(table, report)
     for label, name in found.labels.items():
         if name in cells:
             table[label] = cells[name].to_numpy()
         else:
             report.say(f"no column {name}: the flight has no {label}")
-    return Log(table, found, report)
+    unused = [name for name in cells if name not in (*found.columns, *found.labels.values(), "")]
+    if unused:
+        report.say(f"columns that are not used: {shown(unused)}")
+    if any(str(name).startswith("ground_position") for name in unused):
+        report.doubt(
+            "ground_position is not used; the outlet of the winch must stand still, and kite_position be seen from there"
+        )
+    return Log(table, found, report, source)
+
+
+def say_units(cells, found, report):
+    """A line on a second header row, which has units."""
+    first = cells.iloc[0][list(found.columns)].astype(str)
+    if not first.str.contains(r"^[-+.]*\d").any() and first.str.contains(r"[a-zA-Z]").any():
+        report.say(f"the first row has no numbers ({shown(first)}); units are those of the map")
 
 
 def numbers(cells, name, report):
-    """Readings of a column, array (rows,), NaN where a cell has no number."""
+    """Readings of a column, array (rows,), NaN where a cell has no number, or one that stands for none."""
     found = pd.to_numeric(cells[name], errors="coerce").to_numpy(float, copy=True)
     found[~np.isfinite(found)] = np.nan
     report.count(f"left out of {name}", int(np.isnan(found).sum()), len(found), "which have no number")
+    for number in STANDS_FOR_NONE:
+        equal = np.abs(found) == number
+        if equal.any() and not np.any(~equal & (np.abs(np.abs(found) - number) < ALONE * number)):
+            report.count(
+                f"left out of {name}", int(equal.sum()), len(found), f"which have {number:g}, and others nothing like it"
+            )
+            found[equal] = np.nan
     return found
 
 
+def leave_out_zeros(table, report):
+    """Put NaN for positions that are exactly 0 while the next ones are far away: no reading of a receiver yet."""
+    position = table[[*POSITION]].to_numpy(copy=True)
+    zero = ~position.any(axis=1)
+    away = pd.Series(np.where(zero, np.nan, np.linalg.norm(position, axis=1)))
+    nearest = np.fmin(away.ffill().to_numpy(), away.bfill().to_numpy())
+    none = zero & (nearest > AWAY)
+    report.count(
+        "left out of kite_position", int(none.sum()), len(none), f"which are 0, {AWAY:g} m or more from the next one"
+    )
+    position[none] = np.nan
+    table[[*POSITION]] = position
+
+
 def leave_out_impossible(table, name, report):
-    """Put NaN for readings that no kite has, and for spikes; ValueError if too few are left of a column."""
-    values = table[name].to_numpy(copy=True)
-    there = np.isfinite(values)
+    """Put NaN for readings that no kite has, and for spikes."""
+    values, time = table[name].to_numpy(copy=True), table["time"].to_numpy()
     with np.errstate(invalid="ignore"):
         impossible = np.abs(values) > LARGEST[name]
-    if name == "tether_length":
-        impossible |= values <= 0.0
-    values[impossible] = np.nan
-    report.count(f"left out of {name}", int(impossible.sum()), len(values), "which no kite has")
-    spikes = spikes_of(values, floor_of(name, values))
-    values[spikes] = np.nan
-    report.count(f"left out of {name}", int(spikes.sum()), len(values), "which stand out of their neighbours")
-    lost = 1.0 - np.isfinite(values).mean()
-    if lost > MOST_LOST:
-        raise ValueError(f"{name} has no usable reading in {100.0 * lost:.0f} % of the rows (of {int(there.sum())} numbers)")
+        if name == "tether_length":
+            impossible |= values <= 0.0
+    leave_out(values, impossible, name, time, report, "no kite has such a one")
+    there = time[np.isfinite(values)]
+    step = float(np.median(np.diff(there))) if len(there) > 1 else 1.0
+    leave_out(values, spikes_of(values, floor_of(name, values, step), step), name, time, report, "they stand out of others")
     table[name] = values
 
 
-def floor_of(name, values):
+def leave_out(values, which, name, time, report, why):
+    """Put NaN for some readings, and a line that says when the first one was."""
+    if which.any():
+        k = int(np.argmax(which))
+        report.say(
+            f"left out of {name}: {which.sum()} of {len(which)} rows, from {time[k]:.1f} s on ({values[k]:.4g}): {why}"
+        )
+        values[which] = np.nan
+
+
+def floor_of(name, values, step):
     """Distance from the median of the neighbours below which a reading is no spike; None: spikes are not sought."""
     if name == "ground_tension":
         return OF_TENSION * np.nanpercentile(np.abs(values), 99.0) if np.isfinite(values).any() else None
-    return FLOOR.get(name)
+    floor, grows = FLOOR.get(name, (None, 0.0))
+    return floor if floor is None else floor + grows * step
 
 
-def spikes_of(values, floor):
-    """Which readings lie far from the median of their neighbours (Hampel 1974), array (rows,) of bool."""
+def spikes_of(values, floor, step):
+    """Which readings lie far from the median of their neighbours (Hampel 1974), array (rows,) of bool.
+
+    step : time between two readings [s].  The first and the last ones, which have neighbours on one side only, are not judged.
+    """
+    found, known = np.zeros(len(values), bool), np.isfinite(values)
     if floor is None:
-        return np.zeros(len(values), bool)
-    series = pd.Series(values)
-    distance = (series - series.rolling(NEIGHBOURS, center=True, min_periods=3).median()).abs()
-    typical = 1.4826 * distance.rolling(5 * NEIGHBOURS, center=True, min_periods=3).median()
-    return (distance > np.maximum(SPIKE * typical, floor)).to_numpy()
+        return found
+    near = int(np.clip(round(NEARBY / step), *NEIGHBOURS)) // 2 * 2 + 1
+    readings = pd.Series(values[known])
+    distance = (readings - readings.rolling(near, center=True).median()).abs()
+    typical = 1.4826 * distance.rolling(5 * near, center=True, min_periods=1).median()
+    found[known] = distance > np.maximum(SPIKE * typical, floor)
+    return found
 
 
-def judge_stuck(table, report):
-    """Doubt readings that stay the same to the last digit for long."""
-    for name in CHANGING:
-        if name not in table:
+def usable(table, found, report):
+    """The table and the map without optional quantities that have too few readings; ValueError if another one has."""
+    for name in [*found.vectors, *(["wind_velocity"] if found.wind_from else []), *found.scalars]:
+        places = [each for each in table if each.partition("[")[0] == name]
+        known = np.isfinite(table[places].to_numpy()).all(axis=1)
+        if not places or is_covered(table["time"].to_numpy(), known, found.smoothing.longest_gap):
             continue
-        values, time = table[name].to_numpy(), table["time"].to_numpy()
-        ends = np.flatnonzero(np.diff(values, append=np.nan) != 0.0)
+        text = (
+            f"{name} has readings in {known.sum()} of {len(known)} rows, too few; check its columns "
+            f"{', '.join(found.columns_of(name))}, their units{' and the origin' if name == 'kite_position' else ''}"
+        )
+        if name not in found.optional:
+            raise ValueError(f"{text} ({'; '.join(reasons(report, (name, *found.columns_of(name))))})")
+        report.doubt(f"{text}; the flight has no {name}")
+        table, found = table.drop(columns=places), found.without(name)
+    return table, found
+
+
+def reasons(report, names):
+    """Lines of a report on what was left out of some columns."""
+    left_out = tuple(f"left out of {name}{end}" for name in names for end in (":", "["))
+    return [line for line in report.lines if line.startswith(left_out)]
+
+
+def is_covered(time, known, longest_gap):
+    """Whether enough readings are known for most of the time."""
+    steps = np.diff(time[known])
+    return known.sum() >= FEWEST_ROWS and steps[steps <= longest_gap].sum() >= COVERED * (time[-1] - time[0])
+
+
+def judge_frozen(table, report):
+    """Doubt readings that stay the same to the last digit for long although something moves."""
+    time = table["time"].to_numpy()
+    for names in (POSITION, ("tether_length",), ("ground_tension",)):
+        if names[0] not in table:
+            continue
+        values = table[[*names]].to_numpy()
+        ends = np.flatnonzero(np.append(np.any(np.diff(values, axis=0) != 0.0, axis=1), True))
         first = np.concatenate([[0], ends[:-1] + 1])
-        k = np.argmax(time[ends] - time[first])
-        if time[ends[k]] - time[first[k]] > STUCK:
-            report.doubt(
-                f"{name} reads {values[ends[k]]:g} from {time[first[k]]:.1f} to {time[ends[k]]:.1f} s without any change"
-            )
+        long = [(i, j) for i, j in zip(first, ends, strict=True) if time[j] - time[i] > FROZEN]
+        long = [(i, j) for i, j in long if moves(table, names, slice(i, j + 1))]
+        if long:
+            i, j = max(long, key=lambda pair: time[pair[1]] - time[pair[0]])
+            name, shown_values = names[0].partition("[")[0], ", ".join(f"{each:g}" for each in values[i])
+            report.doubt(f"{name} reads {shown_values} from {time[i]:.1f} to {time[j]:.1f} s without any change")
+
+
+def moves(table, names, rows):
+    """Whether the rest of a log contradicts, or cannot confirm, that a reading stays the same in some rows."""
+    others = {POSITION: VELOCITY, ("tether_length",): ("reel_out_speed",)}.get(names, (None,))
+    if others[0] in table:
+        speed = np.linalg.norm(table[[*others]].to_numpy()[rows], axis=1)
+        return not np.nanmean(np.append(speed, AT_REST)) < AT_REST
+    if names != ("tether_length",):
+        return True
+    distance = np.linalg.norm(table[[*POSITION]].to_numpy()[rows], axis=1)
+    return bool(np.nanmax(distance) - np.nanmin(distance) > FLOOR[POSITION[0]][0]) if np.isfinite(distance).any() else True
+
+
+def judge_jumps(table, report):
+    """Doubt positions between which no kite can fly."""
+    known = table[["time", *POSITION]].dropna().to_numpy()
+    steps = np.diff(known, axis=0)
+    way = np.linalg.norm(steps[:, 1:], axis=1)
+    jumps = way > FLOOR[POSITION[0]][0] + FASTEST * steps[:, 0]
+    if jumps.any():
+        k = int(np.argmax(jumps))
+        report.doubt(f"kite_position jumps {jumps.sum()} times, first by {way[k]:.3g} m at {known[k, 0]:.1f} s")

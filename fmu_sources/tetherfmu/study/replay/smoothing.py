@@ -3,9 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solveh_banded
+from scipy.interpolate import CubicHermiteSpline
+from scipy.linalg import LinAlgError, solveh_banded
+
+from tetherfmu.console.ending import WrongUse
 
 STATES = 3  # position, velocity, acceleration
+RESOLVED = 0.02, 0.1  # of the times in which shaking exceeds the noise of a position, of a velocity: rows closer are joined
+FEWEST_NODES = 10
+LOST = 0.01  # of the noise of a position: mean residual, which is 0 without rounding
 
 
 class Noise(NamedTuple):
@@ -32,18 +38,62 @@ def smooth(time, positions, velocities, noise):
 
     The acceleration of the point is a Wiener process, s' = (v, a, white noise) for s = (x, v, a). Its most probable motion
     is what the smoother of Rauch, Tung and Striebel (AIAA J. 3, 1965) gives; here it is found at once, as the least squares
-    of all deviations over their standard deviations, a banded system. All axes have the same one.
+    of all deviations over their standard deviations, a banded system. All axes have the same one. Its unknowns are the states
+    at the rows of `nodes_of`; what is measured after a node, and before the next one, is compared with x + v d + a d^2/2 and
+    v + a d. WrongUse if the noises are too far apart to be computed with.
     """
-    bands, right = _transitions(np.diff(time), noise.acceleration), np.zeros((STATES * len(time), 3))
-    for state, (measured, deviation) in enumerate([(positions, noise.position), (velocities, noise.velocity)]):
-        known = np.isfinite(measured).all(axis=1)
-        bands[0, state::STATES] += known / deviation**2
-        right[state::STATES] = np.where(known[:, None], measured, 0.0) / deviation**2
+    nodes = nodes_of(time, noise)
+    bands, right = _transitions(np.diff(time[nodes]), noise.acceleration), np.zeros((STATES * len(nodes), 3))
+    node = np.searchsorted(nodes, np.arange(len(time)), side="right") - 1
+    late = time - time[nodes[node]]
+    sees = np.stack([np.ones_like(late), late, late**2 / 2.0]), np.stack([np.zeros_like(late), np.ones_like(late), late])
+    for seen, measured, deviation in zip(sees, (positions, velocities), noise[:2], strict=True):
+        weights = np.isfinite(measured).all(axis=1) * seen / deviation**2
+        for row in range(STATES):
+            np.add.at(right, STATES * node + row, weights[row][:, None] * np.nan_to_num(measured))
+            for column in range(row + 1):
+                np.add.at(bands[row - column], STATES * node + column, weights[row] * seen[column])
     middle = np.zeros((len(right), 1))
-    middle[len(time) // 2 * STATES] = 1.0
-    found = solveh_banded(bands, np.hstack([right, middle]), lower=True)
-    motion = found[:, :3].reshape(len(time), STATES, 3)
-    return Smoothed(*motion.transpose(1, 0, 2), float(np.sqrt(found[len(time) // 2 * STATES, 3])))
+    middle[len(nodes) // 2 * STATES] = 1.0
+    try:
+        found = solveh_banded(bands, np.hstack([right, middle]), lower=True)
+    except LinAlgError:
+        found = np.full((len(right), 4), np.nan)
+    motion = found[:, :3].reshape(len(nodes), STATES, 3).transpose(1, 0, 2)
+    if len(nodes) < len(time):
+        curve = CubicHermiteSpline(time[nodes], *motion[:2])
+        shaken = np.column_stack([np.interp(time, time[nodes], axis) for axis in motion[2].T])
+        motion = np.stack([curve(time), curve(time, 1), shaken])
+    refuse_rounding(positions - motion[0], noise)
+    return Smoothed(*motion, float(np.sqrt(found[len(nodes) // 2 * STATES, 3])))
+
+
+def nodes_of(time, noise):
+    """Rows at which the state is an unknown, array (nodes,): the first, the last, and all that are not too close together.
+
+    The weight of a transition over h is 720 / (q^2 h^5) for shaking q, that of a position 1 / r^2; what is closer than a few
+    hundredths of (r/q)^(2/5), in which shaking moves the kite by r, would make the other disappear in rounding.
+    """
+    of_position = (noise.position / noise.acceleration) ** 0.4
+    of_velocity = (noise.velocity / noise.acceleration) ** (2.0 / 3.0)
+    closest = min(RESOLVED[0] * of_position, RESOLVED[1] * of_velocity, (time[-1] - time[0]) / FEWEST_NODES)
+    if np.diff(time).min() >= closest:
+        return np.arange(len(time))
+    nodes = [0]
+    for row, each in enumerate(time.tolist()):
+        if each - time[nodes[-1]] >= closest:
+            nodes.append(row)
+    nodes[-1] = len(time) - 1
+    return np.array(nodes)
+
+
+def refuse_rounding(residuals, noise):
+    """WrongUse if the residuals of the positions [m], array (times, 3), have a mean, which a shift of the motion removes."""
+    if not np.abs(np.nanmean(residuals, axis=0)).max() < LOST * noise.position:
+        raise WrongUse(
+            f"positions cannot be smoothed with smoothing.position_noise {noise.position:g} m, velocity_noise "
+            f"{noise.velocity:g} m/s and acceleration_change {noise.acceleration:g} m/s2: they are too far apart"
+        )
 
 
 def _transitions(steps, strength):

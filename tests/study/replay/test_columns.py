@@ -1,0 +1,251 @@
+"""Maps: what they say of the columns of a log, and how a wrong one is refused in one line that names the key."""
+
+import re
+import tomllib
+
+import pandas as pd
+import pytest
+
+from tests.study.replay.known_flight import FULL, enu, full, map_of, written
+from tetherfmu.runtime.inputs import INPUT_TABLE, components
+from tetherfmu.study.replay import columns, log
+from tetherfmu.study.scenes.series import COLUMNS
+
+LEAST = 'kite_position = {x = "x", y = "y", z = "z"}\n'
+GEODETIC = '[kite_position]\nlatitude = "a"\nlongitude = "b"\naltitude = "c"\n'
+
+
+@pytest.mark.parametrize("name", columns.MAPS)
+def test_maps_of_this_package_are_right(name):
+    found = columns.load(name)
+    assert found.name == name
+    assert found.about
+    assert "kite_position" in found.vectors
+    assert len(found.columns) == len(set(found.columns))
+
+
+def test_there_are_maps_for_plain_logs_names_of_fmus_and_kitepower():
+    assert {"enu", "fmu", *columns.BY_YEAR.values()} == set(columns.MAPS)
+
+
+def test_the_least_map_has_a_position():
+    found = columns.read(tomllib.loads(LEAST), "least")
+    assert found.columns == ("time", "x", "y", "z")
+    assert found.vectors["kite_position"] == columns.Vector(("x", "y", "z"))
+    assert found.tether == columns.Tether()
+
+
+def test_a_map_says_columns_signs_and_units(tmp_path):
+    found = map_of(FULL, tmp_path)
+    assert found.vectors["kite_velocity"] == columns.Vector(("ve", "vn", "vd"), (1.0, 1.0, -1.0))
+    assert found.vectors["kite_position"].is_geodetic
+    assert found.origin == (52.0, 4.0, 10.0)
+    assert found.scalars["ground_tension"] == columns.Scalar("force", 9.80665)
+    assert found.tether.diameter == pytest.approx(0.010)
+    assert found.tether.axial_stiffness == pytest.approx(3.8e6)
+    assert set(found.columns) == {
+        "time",
+        "lat",
+        "lon",
+        "alt",
+        "ve",
+        "vn",
+        "vd",
+        "length",
+        "speed",
+        "force",
+        "airspeed",
+        "wind",
+        "wind_from",
+    }
+
+
+WRONG = {  # a map, and the sentence
+    "": "the table [kite_position] is missing",
+    "kite_position = 3": "kite_position is 3; it must be a table [kite_position]",
+    'kite_position = "x"': "kite_position is 'x'; it must be a table",
+    'kite_position = {x = "x", y = "y"}': "kite_position must name one column for each axis",
+    'kite_position = {x = "x", east = "e", y = "y", z = "z"}': "kite_position must name one column for each axis",
+    'kite_position = {x = "x", west = "e", z = "z"}': "kite_position must name one column for each axis",
+    'kite_position = {x = 1, y = "y", z = "z"}': "kite_position.x is 1; it must be the name of a column",
+    'kite_position = {x = "", y = "y", z = "z"}': "kite_position.x is ''; it must be the name of a column",
+    'kite_position = {x = "x", y = "y", z = "z", unit = "yd"}': "kite_position.unit is 'yd'; it must be one of m, mm, cm, km, ft",
+    'kite_position = {x = "x", y = "y", z = "z", unit = ["m"]}': "kite_position.unit is ['m']; it must be one of",
+    'kite_position = {x = "x", y = "y", z = "z", units = "m"}': "unknown key kite_position.units; known are east, x",
+    GEODETIC: "kite_position is in degrees: the table [origin] of the station is missing",
+    '[kite_position]\nlatitude = "a"\nlongitude = "b"\n': "the key kite_position.altitude is missing",
+    GEODETIC + 'east = "e"\n': "unknown key kite_position.east",
+    GEODETIC + 'angle = "grad"\n': "kite_position.angle is 'grad'; it must be one of deg, rad, 1e-7 deg",
+    LEAST
+    + "[origin]\nlatitude = 1.0\nlongitude = 2.0\naltitude = 3.0\n": "origin is given, but kite_position is not in degrees",
+    GEODETIC
+    + "[origin]\nlatitude = 91.0\nlongitude = 2.0\naltitude = 3.0\n": "origin is [91.0, 2.0, 3.0]; it must be latitude",
+    GEODETIC + "[origin]\nlatitude = 1.0\nlongitude = nan\naltitude = 3.0\n": "origin is [1.0, nan, 3.0]; it must be",
+    GEODETIC + '[origin]\nlatitude = 1.0\nlongitude = 2.0\naltitude = 3.0\nunit = "ft"\n': "unknown key origin.unit",
+    GEODETIC
+    + '[origin]\nlatitude = 1.0\nlongitude = 2.0\naltitude = "h"\n': "origin.latitude is 1.0; it must be the name of a column",
+    GEODETIC + "[origin]\nlatitude = 1.0\n": "the key origin.longitude is missing",
+    GEODETIC + '[origin]\nlatitude = "d"\nlongitude = "e"\naltitude = "f"\n': "origin must name one column for each axis",
+    LEAST + "speed = 3": "unknown key speed; known are about, optional, time, kite_position",
+    LEAST + "time = 3": "time is 3; it must be a table [time]",
+    LEAST + 'time = {unit = "ms"}': "the key time.column is missing",
+    LEAST + 'time = {column = "t", unit = "days"}': "time.unit is 'days'; it must be one of s, ms, min, h, us, ns",
+    LEAST + "ground_tension = []": "ground_tension.column is []; it must be the name of a column",
+    LEAST + 'ground_tension = ["a", 3]': "ground_tension.column is 3; it must be the name of a column",
+    LEAST
+    + 'ground_tension = {column = "f", unit = "kg"}': "ground_tension.unit is 'kg'; it must be one of N, kN, MN, kgf, lbf",
+    LEAST + 'tether_length = {column = "l", unit = "N"}': "tether_length.unit is 'N'; it must be one of m, mm",
+    LEAST + 'phase = {column = "p", unit = "m"}': "unknown key phase.unit",
+    LEAST + 'kite_velocity = {speed = "s", from = "d"}': "unknown key kite_velocity.speed",
+    LEAST + 'wind_velocity = "wind"': "wind_velocity is 'wind'; it must be a table",
+    LEAST + 'wind_velocity = {speed = "w"}': "the key wind_velocity.from is missing",
+    LEAST
+    + 'wind_velocity = {speed = "w", from = "d", angle = "turns"}': "wind_velocity.angle is 'turns'; it must be one of rad, deg",
+    LEAST + 'wind_velocity = {speed = "w", from = "d", x = "x"}': "unknown key wind_velocity.x",
+    LEAST + 'optional = "airspeed"': "optional is 'airspeed'; it must be a list of some of nothing",
+    LEAST
+    + 'airspeed = "v"\noptional = ["kite_position"]': "optional is ['kite_position']; it must be a list of some of airspeed",
+    LEAST + 'optional = ["airspeed"]': "optional is ['airspeed']; it must be a list of some of nothing",
+    LEAST + "[kite]\narea = -1.0": "kite.area is -1.0; it must be at least 0 m2",
+    LEAST + '[kite]\nend_below = "11 N"': "kite.end_below is '11 N'",
+    LEAST + "[station]\noutlet = 3.0": "unknown key station.outlet",
+    LEAST + "[smoothing]\nposition_noise = 0.0": "smoothing.position_noise is 0.0; it must be at least 0.0001 m",
+    LEAST + "[delay]\nground_tension = 11.0": "delay.ground_tension is 11.0",
+    LEAST + "[tether]\nsegments = 20": "unknown key tether.segments",
+    LEAST + '[tether]\ndiameter = "10 kg"': "tether.diameter is '10 kg'",
+    LEAST + '[environment]\nwind_profile = "steep"': "environment.wind_profile is 'steep'",
+    LEAST + '[ground]\ncontact = "bumpy"': "ground.contact is 'bumpy'",
+    LEAST + "kite = 3": "kite is 3; it must be a table [kite]",
+    "kite_position = [": "",  # of tomllib
+    "[" * 2000: "",
+}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_a_wrong_map_is_refused_in_one_line(text, tmp_path):
+    with pytest.raises(columns.MapError) as raised:
+        map_of(text, tmp_path, "wrong")
+    message = str(raised.value)
+    assert "\n" not in message
+    assert "wrong.toml: " in message
+    assert WRONG[text] in message
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("kitepower_2020", "there is no map kitepower_2020; it must be one of kitepower, enu, fmu, kitepower_2019, "),
+        ("nowhere.toml", r"nowhere.toml: cannot be read \(No such file or directory\)"),
+    ],
+)
+def test_a_map_that_is_not_there_is_refused(name, sentence):
+    with pytest.raises(columns.MapError, match=sentence):
+        columns.load(name)
+
+
+def test_a_map_that_is_no_text_is_refused(tmp_path):
+    (tmp_path / "m.toml").write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(columns.MapError, match="m.toml: "):
+        columns.load(tmp_path / "m.toml")
+
+
+def test_constants_can_be_changed(tmp_path):
+    found = map_of(FULL, tmp_path).with_constants(
+        {"tether.diameter": "12 mm", "kite.area": 30.0, "smoothing.longest_gap": "5 s"}
+    )
+    assert found.tether.diameter == pytest.approx(0.012)
+    assert found.tether.axial_stiffness == pytest.approx(3.8e6)
+    assert (found.kite.area, found.smoothing.longest_gap) == (30.0, 5.0)
+    assert found.vectors == map_of(FULL, tmp_path).vectors
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"airspeed.column": "v"}, "airspeed.column is no constant of a map; sections are kite, station"),
+        ({"diameter": 3}, "diameter is no constant of a map"),
+        ({"tether.size": 3}, "unknown key tether.size"),
+        ({"tether.diameter": -1.0}, "tether.diameter is -1.0; it must be"),
+    ],
+)
+def test_wrong_constants_are_refused(changes, sentence):
+    with pytest.raises(columns.MapError, match=re.escape(sentence)):
+        columns.load("enu").with_constants(changes)
+
+
+OPTIONAL = ["kite_velocity", "wind_velocity", "tether_length", "reel_out_speed", "ground_tension", "airspeed"]
+COLUMNS_OF = {"kite_velocity": ["vx", "vy", "vz"], "wind_velocity": ["wind_x", "wind_y", "wind_z"]}
+
+
+@pytest.mark.parametrize("name", OPTIONAL)
+def test_what_is_optional_may_be_missing(name, tmp_path):
+    left_out = COLUMNS_OF.get(name, [name])
+    read = log.read(written(tmp_path, enu(duration=10.0).drop(columns=left_out)), "enu")
+    assert f"no column {left_out[0]}: the flight has no {name}" in read.report.lines
+    assert not any(each.startswith(name) for each in read.table)
+    assert not read.map.columns_of(name)
+
+
+def test_a_part_of_an_optional_vector_is_no_vector(tmp_path):
+    read = log.read(written(tmp_path, enu(duration=10.0).drop(columns="vz")), "enu")
+    assert "no column vz: the flight has no kite_velocity" in read.report.lines
+    assert log.VELOCITY[0] not in read.table
+
+
+def test_what_is_not_optional_must_be_there(tmp_path):
+    with pytest.raises(log.LogError, match="the column force of the map own is missing; there are time, lat, lon"):
+        log.read(written(tmp_path, full(duration=10.0).drop(columns="force")), map_of(FULL, tmp_path))
+
+
+def test_a_wind_of_speed_and_direction_may_be_missing(tmp_path):
+    found = map_of('optional = ["wind_velocity"]\n' + FULL, tmp_path)
+    read = log.read(written(tmp_path, full(duration=10.0).drop(columns="wind_from")), found)
+    assert "no column wind_from: the flight has no wind_velocity" in read.report.lines
+    assert read.map.wind_from is None
+    assert "wind_speed" not in read.map.scalars
+
+
+def test_unused_columns_are_named(tmp_path):
+    read = log.read(written(tmp_path, enu(duration=10.0).assign(pitch=1.0)), "enu")
+    assert "columns that are not used: pitch" in read.report.lines
+
+
+@pytest.mark.parametrize(("length", "force"), [("tether_length", "ground_tension"), ("winch_length", "winch_force")])
+def test_a_log_with_the_names_of_a_series_is_read(length, force, tmp_path):
+    """All names that a series of a scene may have, except those of a ground end that moves."""
+    table = enu(duration=10.0).rename(columns={"tether_length": length, "ground_tension": force})
+    for name, letters in (
+        ("kite_position", "xyz"),
+        ("kite_velocity", ["vx", "vy", "vz"]),
+        ("wind_velocity", ["wind_x", "wind_y", "wind_z"]),
+    ):
+        table = table.rename(columns=dict(zip(letters, components(name, 3), strict=True)))
+    read = log.read(written(tmp_path, table), "fmu")
+    assert read.report.doubts == []
+    plain = log.read(written(tmp_path, enu(duration=10.0)), "enu")
+    assert read.table.equals(plain.table[read.table.columns])
+    assert {*table} - {"airspeed", "phase"} <= {*COLUMNS}
+
+
+def test_the_map_fmu_names_inputs_of_a_tether():
+    names = {name for each in INPUT_TABLE for name in components(each.name, each.size)}
+    found = columns.load("fmu")
+    assert {name for vector in found.vectors.values() for name in vector.columns} <= names
+    assert {found.scalars[name].others[0] for name in ("tether_length", "ground_tension")} <= names
+
+
+def test_the_map_of_kitepower_is_that_of_the_year():
+    cells = pd.DataFrame({"time": ["1570533128.8", "1570533128.9"]})
+    assert log.map_for("kitepower", cells).name == "kitepower_2019"
+    with pytest.raises(ValueError, match="name the map: kitepower_2019, kitepower_2023, kitepower_2025"):
+        log.map_for("kitepower", pd.DataFrame({"time": ["0.0"]}))
+    with pytest.raises(ValueError, match="name the map"):
+        log.map_for("kitepower", pd.DataFrame({"t": ["0.0"]}))
+
+
+def test_a_ground_end_that_moves_is_doubted(tmp_path):
+    table = enu(duration=10.0).rename(columns=dict(zip("xyz", components("kite_position", 3), strict=True)))
+    read = log.read(written(tmp_path, table.assign(**{"ground_position[1]": 5.0})), "fmu")
+    assert read.report.doubts == [
+        "ground_position is not used; the outlet of the winch must stand still, and kite_position be seen from there"
+    ]
