@@ -8,7 +8,7 @@ import pandas as pd
 from tetherfmu import MovingEnd, Tether, TetherDynamic, inputs_along
 from tetherfmu.study.replay import columns, log
 
-STEP, DURATION = 0.02, 120.0  # s
+STEP, DURATION, SEGMENTS = 0.02, 120.0, 8  # s, s, -
 WIND = (8.0, 0.0, 0.0)
 TETHER = Tether(diameter=0.0135, drag_coefficient=1.1, axial_stiffness=7.0e6, axial_damping=5388.0)
 MAP = columns.Columns(
@@ -40,7 +40,9 @@ def force(time):
 def flown():
     """Times [s], unstretched length [m] and tension at the ground [N] of a dynamic tether on which the winch pulls."""
     count = round(DURATION / STEP)
-    tether = TetherDynamic(TETHER, initial_length=float(np.linalg.norm(path(0.0))), winch_control="force", shape_points=0)
+    tether = TetherDynamic(
+        TETHER, segments=SEGMENTS, initial_length=float(np.linalg.norm(path(0.0))), winch_control="force", shape_points=0
+    )
     tether.initialize(path(0.0), wind_velocity=WIND)
     rows = inputs_along(count, STEP, MovingEnd(path), winch_force=force, wind_velocity=WIND)
     made = tether.fly(rows, STEP)

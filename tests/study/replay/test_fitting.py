@@ -29,7 +29,7 @@ def fits():
     for seed in range(CASES):
         wrong = errors(seed)
         log = logs_of_tests.made(seed=seed, end=65.0, **wrong)
-        found.append((wrong, fitting.fit(prepare(log), ("offset", "origin", "delay"))))
+        found.append((wrong, fitting.fit(prepare(log), ("offset", "origin", "delay"), logs_of_tests.SEGMENTS)))
     return found
 
 

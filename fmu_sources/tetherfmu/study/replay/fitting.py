@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 from .flight import SHORTEST, Correction
 from .log import LogError
-from .runs import fly
+from .runs import SEGMENTS, fly
 
 NAMES = {"offset": "length offset m", "origin": ("origin east m", "origin north m", "origin up m"), "delay": "delay s"}
 BLOCKS = 20  # of the part, from whose differences the uncertainty comes
@@ -17,7 +17,7 @@ TAUT = 0.01  # length of the tether over the distance, minus 1, above which it t
 SETTLED = 2.0  # s from the start, after which the tether has forgotten it
 FEWEST = 100  # rows of a taut tether
 ROUNDS = 6  # of Gauss and Newton, at most
-SMALL = 0.02  # of the half width of its interval: a step of a number after which it is found
+SMALL = 0.05  # of the half width of its interval: a step of a number after which it is found
 LONGEST_DELAY = 2.0  # s
 LARGEST = 0.9999  # correlation of two columns, from which on they cannot be told apart
 
@@ -41,8 +41,8 @@ class Fit:
         return f"fitted from {self.start:.1f} to {self.end:.1f} s: {numbers}; {self.rms:.2f} m rms are left"
 
 
-def fit(flight, wanted=("offset",)):
-    """`Fit` of a taut part of a `Flight`: some of "offset", "origin" and "delay".
+def fit(flight, wanted=("offset",), segments=SEGMENTS):
+    """`Fit` of a taut part of a `Flight`: some of "offset", "origin" and "delay". segments : of the tether.
 
     The dynamic tether follows the measured tension along the logged positions. Its length minus the logged one is, to first
     order, offset - u d - tau u v with the direction u of the kite, its velocity v, the error d of the origin and the delay
@@ -51,9 +51,9 @@ def fit(flight, wanted=("offset",)):
     Statistics 17, 1989). LogError if the tether is nowhere taut, or if the part cannot tell two of them apart.
     """
     names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
-    values, time = np.zeros(len(names)), flight.times
+    values = np.zeros(len(names))
     for _ in range(ROUNDS):
-        rest, columns, taut = residual(flight.corrected(correction_of(names, values)), time, wanted)
+        rest, columns, taut = residual(flight.corrected(correction_of(names, values)), wanted, segments)
         refuse_alike(columns[taut], names)
         step, half = jackknife(columns[taut], rest[taut])
         values, rest = values + step, rest - columns @ step
@@ -72,7 +72,7 @@ def test(found, flight):
         return "not tested: the flight lies in the part on which was fitted"
     part = flight.part(start, flight.end).corrected(found.correction)
     try:
-        rest, _, taut = residual(part, part.times, ("offset",))
+        rest, _, taut = residual(part, ("offset",))
     except LogError:
         return f"not tested: nothing is taut from {start:.1f} to {flight.end:.1f} s"
     mean, scatter = rest[taut].mean(), rest[taut].std()
@@ -91,12 +91,13 @@ def correction_of(names, values):
     return Correction(float(known.get(NAMES["offset"], 0.0)), origin, float(known.get(NAMES["delay"], 0.0)))
 
 
-def residual(flight, time, wanted):
+def residual(flight, wanted, segments=SEGMENTS):
     """Length of the tether minus the logged one [m], (times,), minus its derivatives, (times, numbers), where it is taut.
 
     LogError if it is nowhere taut.
     """
-    length = fly(flight, "dynamic", "tension", shape_points=0).table.tether_length.to_numpy()
+    time = flight.times
+    length = fly(flight, "dynamic", "tension", segments, shape_points=0).table.tether_length.to_numpy()
     position, velocity = flight.kite(time)
     distance = np.linalg.norm(position, axis=1)
     direction = position / distance[:, None]
