@@ -13,6 +13,7 @@ from tetherfmu.console.colours import BLACK, COLOUR, GREY, GROUND, REFERENCE
 from tetherfmu.runtime import layout as at
 
 from .comparison import SETTLED, averaged, measured_tension
+from .facts import finest, is_slack, words
 from .flight import EVERY
 from .runs import TETHERS
 
@@ -20,24 +21,13 @@ WIDTH, DPI = 9.0, 100  # inches, and dots in each
 SHARE = 0.5, 99.5  # percentiles that set the scale of an axis
 MARGIN = 0.08  # of an axis beyond them
 MOST_BEYOND = 0.6  # of the range of what is measured: how far an axis reaches beyond it for the tethers
-SLACK = 0.01  # length of the tether over the distance of its ends, minus 1, from which on its sag is shown
 NEWTONS = 5000.0  # largest tension that is shown in N; above, in kN
 SHAPES = 10  # shapes that are drawn
-BORDERS, TALLEST = (0.7, 0.2, 1.25, 0.65), 6.5  # inches: left, right, below and above the views of shapes; their height
+BORDERS, TALLEST = (0.85, 0.2, 1.25, 0.65), 6.5  # inches: left, right, below and above the views of shapes; their height
 ROOM = 5.0  # m, at least around shapes
 PALE = ("#BBCCEE", "#EEEEBB", "#CCDDAA", "#FFCCCC", "#CCEEFF", "#DDDDDD")  # of phases, from the palette of Tol (2021)
 LOGGED = {"color": REFERENCE, "linewidth": 3.0, "alpha": 0.8}  # looks of a measured curve
 LEADING = {"tension": "tension", "length": "length", "speed": "reel-out speed"}
-
-
-def words(name):
-    """Name of a tether for people."""
-    return name.replace("_", "-")
-
-
-def finest(made):
-    """The name of the finest tether of a `Replay`, and its `runs.Flown`."""
-    return min(made.flown.items(), key=lambda each: list(TETHERS).index(each[0]))
 
 
 def without(values, missing):
@@ -183,12 +173,6 @@ def draw_ground(axes, made):
     ground = made.flight.log.map.ground
     if ground.ground_contact == at.FLAT:
         axes.axhline(ground.ground_height, color=GROUND, linewidth=1.5, zorder=1.0)
-
-
-def is_slack(made):
-    """Whether the finest tether is much longer than the distance of its ends for a tenth of the time, or lies anywhere."""
-    table, distance = finest(made)[1].table, np.linalg.norm(made.flight.kite(made.flight.times)[0], axis=1)
-    return np.nanquantile(table.tether_length / distance, 0.9) > 1.0 + SLACK or table.grounded_length.max() > 0.0
 
 
 def panels(made):
