@@ -5,7 +5,6 @@ import numpy as np
 from .runs import TETHERS
 
 SLACK = 0.01  # length of the tether over the distance of its ends, minus 1, from which on it is slack
-SOME = 0.1  # of the time, from which on a slack tether counts
 
 
 def words(name):
@@ -18,12 +17,10 @@ def finest(made):
     return min(made.flown.items(), key=lambda each: list(TETHERS).index(each[0]))
 
 
-def is_slack(made):
-    """Whether the finest tether is slack for some of the time, or lies anywhere on the ground."""
+def slack_share(made):
+    """Share of the time in which the finest tether is slack, or lies on the ground."""
     table, distance = finest(made)[1].table, np.linalg.norm(made.flight.kite(made.flight.times)[0], axis=1)
-    return bool(
-        np.nanquantile(table.tether_length / distance, 1.0 - SOME) > 1.0 + SLACK or table.grounded_length.max() > 0.0
-    )
+    return float(((table.tether_length > (1.0 + SLACK) * distance) | (table.grounded_length > 0.0)).mean())
 
 
 def rounded(errors):
@@ -31,7 +28,7 @@ def rounded(errors):
     table = errors.copy()
     for head in table.columns:
         if head.endswith(" m"):
-            table[head] = table[head].round(2)
+            table[head] = table[head].round(2) + 0.0  # not -0
         elif head.endswith(" N"):
-            table[head] = table[head].map(lambda force: round(float(f"{force:.3g}"), 1))
+            table[head] = table[head].map(lambda force: round(float(f"{force:.3g}"), 1) + 0.0)
     return table

@@ -13,7 +13,7 @@ from tetherfmu.console.colours import BLACK, COLOUR, GREY, GROUND, REFERENCE
 from tetherfmu.runtime import layout as at
 
 from .comparison import SETTLED, averaged, measured_tension
-from .facts import finest, is_slack, words
+from .facts import finest, slack_share, words
 from .flight import EVERY
 from .runs import TETHERS
 
@@ -22,6 +22,7 @@ SHARE = 0.5, 99.5  # percentiles that set the scale of an axis
 MARGIN = 0.08  # of an axis beyond them
 MOST_BEYOND = 0.6  # of the range of what is measured: how far an axis reaches beyond it for the tethers
 NEWTONS = 5000.0  # largest tension that is shown in N; above, in kN
+SOME = 0.03  # of the time in which the tether is slack, above which its sag is shown
 SHAPES = 10  # shapes that are drawn
 BORDERS, TALLEST = (0.85, 0.2, 1.25, 0.65), 6.5  # inches: left, right, below and above the views of shapes; their height
 ROOM = 5.0  # m, at least around shapes
@@ -181,7 +182,7 @@ def panels(made):
     found = [draw_tension]
     if made.lead == "tension" and made.flight.has("length"):
         found.append(draw_length)
-    if is_slack(made):
+    if slack_share(made) > SOME:
         found.append(draw_sag)
     if made.lead == "tension" and "reel_out_speed" in table:
         found.append(draw_speed)

@@ -16,14 +16,18 @@ from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.advice import scene_build
 from tetherfmu.study.scenes.files import GROUND
 
-from .facts import finest, is_slack, words
+from .facts import finest, slack_share, words
 
 FILE, SERIES = "scene.toml", "flight.csv"
-ALLOWED = 0.05  # error of what is wanted [-]
 FROM_SERIES = ("segments", "initial_length")  # of a tether: what the table [tether] goes without
-FORCES, SHAPE = ("kite_force", "ground_force"), ("shape",)  # what is wanted of a taut and of a slack tether
-TAUT = "The tether is taut: its forces count."
-HANGING = "The tether is slack for a while: its forces then change from moment to moment, so its shape counts."
+TAUT = (
+    ("kite_force", "ground_force"),
+    0.05,
+    "The tether is taut for most of the time: its forces count.",
+)  # what is wanted of it, allowed error
+HANGING = "The tether is slack for most of the time: its forces change from moment to moment, so its shape counts."
+SLACK = ("shape",), 0.03, HANGING
+MOST = 0.5  # of the time in which the tether is slack, above which its shape counts
 UNUSUAL = re.compile(r"[^\w .~-]", re.ASCII)  # characters that some hosts cannot have in the path of an FMU
 
 
@@ -58,11 +62,11 @@ def first_length(made):
 
 def toml(made, name):
     """Text of the scene file of a `Replay`; name : of its log."""
-    table, left_out = series(made)
+    (table, left_out), (outputs, allowed, why) = series(made), wanted_of(made)
     found, variant = made.flight.log.map, words(finest(made)[0])
     length = {"tension": f"that of the {variant} tether under the measured tension", "length": "that of the log"}
     name, about = UNUSUAL.sub("_", name), " ".join((found.about or found.name).split())
-    lines = [f"# The measured flight {name} ({about}).", f"# {wanted_of(made)[1]}"]
+    lines = [f"# The measured flight {name} ({about}).", f"# {why}"]
     if made.lead in length:
         lines.append(f"# The length in {SERIES} is {length[made.lead]}.")
     if left_out:
@@ -75,13 +79,13 @@ def toml(made, name):
     lines += section("environment", found.environment)
     if found.ground.ground_contact == at.FLAT:
         lines += section("ground", found.ground)
-    outputs = ", ".join(map(quoted, wanted_of(made)[0]))
-    return "\n".join([*lines, "[wanted]", f"outputs = [{outputs}]", f"allowed_error = {ALLOWED}", ""])
+    names = ", ".join(map(quoted, outputs))
+    return "\n".join([*lines, "[wanted]", f"outputs = [{names}]", f"allowed_error = {allowed}", ""])
 
 
 def wanted_of(made):
-    """Names of the outputs that are wanted of this flight, and why."""
-    return (SHAPE, HANGING) if is_slack(made) else (FORCES, TAUT)
+    """Names of the outputs that are wanted of this flight, their allowed error [-], and why."""
+    return SLACK if slack_share(made) > MOST else TAUT
 
 
 def section(name, record, without=()):
