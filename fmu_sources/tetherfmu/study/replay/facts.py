@@ -17,10 +17,15 @@ def finest(made):
     return min(made.flown.items(), key=lambda each: list(TETHERS).index(each[0]))
 
 
+def is_slack(made):
+    """Where the finest tether is slack, or lies on the ground, array (times,) of bool."""
+    table, distance = finest(made)[1].table, np.linalg.norm(made.flight.kite(made.flight.times)[0], axis=1)
+    return ((table.tether_length > (1.0 + SLACK) * distance) | (table.grounded_length > 0.0)).to_numpy()
+
+
 def slack_share(made):
     """Share of the time in which the finest tether is slack, or lies on the ground."""
-    table, distance = finest(made)[1].table, np.linalg.norm(made.flight.kite(made.flight.times)[0], axis=1)
-    return float(((table.tether_length > (1.0 + SLACK) * distance) | (table.grounded_length > 0.0)).mean())
+    return float(is_slack(made).mean())
 
 
 def rounded(errors):

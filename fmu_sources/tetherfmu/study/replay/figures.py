@@ -13,7 +13,7 @@ from tetherfmu.console.colours import BLACK, COLOUR, GREY, GROUND, REFERENCE
 from tetherfmu.runtime import layout as at
 
 from .comparison import SETTLED, averaged, measured_tension
-from .facts import finest, slack_share, words
+from .facts import finest, is_slack, slack_share, words
 from .flight import EVERY
 from .runs import TETHERS
 
@@ -91,7 +91,7 @@ def draw_tension(axes, made):
 def noise_in(made):
     """A sentence on how much the noise of a position moves the tension of the finest tether where that is taut."""
     band = made.residuals[made.residuals.tether == finest(made)[0]].band.to_numpy()
-    taut, noise = np.isfinite(band), made.flight.log.map.smoothing.position_noise
+    taut, noise = np.isfinite(band) & ~is_slack(made), made.flight.log.map.smoothing.position_noise
     if taut.any():
         share = 100.0 * taut.mean()
         yield f"taut for {share:.0f} % of the time: {noise:g} m of position is then {newtons(np.median(band[taut]))}"
@@ -211,7 +211,7 @@ def shade_phases(all_axes, made):
     found = list(intervals(made.flight.times, labels))
     if len({label for label, _, _ in found}) < 2:
         return []
-    colours = dict(zip(dict.fromkeys(label for label, _, _ in found), PALE, strict=False))
+    colours = dict(zip(sorted({label for label, _, _ in found}), PALE, strict=False))
     for label, start, end in found:
         for axes in all_axes:
             axes.axvspan(start, end, color=colours.get(label, "white"), alpha=0.6, linewidth=0.0, zorder=0.0)
