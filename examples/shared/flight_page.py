@@ -10,7 +10,7 @@ from tetherfmu.console.colours import BLACK, GREY, GROUND, coloured
 
 ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
-LONGEST = 1.7  # side of a scene as it is drawn: of a longer one not all is seen from there
+LONGEST = 1.7, 1.7, 1.4  # sides x, y, z of a scene as it is drawn: of longer ones not all is seen from there
 HEAD = 0.18  # of an arrow, part of its length
 MOST = 10_000  # points of the path of the kite
 PAGE = """<!DOCTYPE html>
@@ -68,7 +68,7 @@ def scene(points):
     low, high = points.min(axis=0) - 10.0, points.max(axis=0) + 10.0
     axes = {f"{axis}axis": {"title": f"{axis} [m]", "range": [low[i], high[i]]} for i, axis in enumerate("xyz")}
     sides = (high - low) / np.cbrt(np.prod(high - low))  # as they are drawn: the volume is that of a cube
-    way = max(1.0, sides.max() / LONGEST)
+    way = max(1.0, (sides / LONGEST).max())
     eye = {axis: way * place for axis, place in EYE.items()}
     return {"aspectmode": "data", "camera": {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.15}}, **axes}
 

@@ -127,7 +127,7 @@ def build_for_scene(wanted):
 
     wanted : as `parse` returns it, also in `build`.
     """
-    from .scene_build import advised
+    from tetherfmu.study.advice.scene_build import advised
 
     now(f"flying {wanted.scene} with what may do, and with a finer model")
     text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms)

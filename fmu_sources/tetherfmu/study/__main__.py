@@ -135,6 +135,8 @@ def add_replay(added):
     option("--fit-to", type=number(unit="s"), metavar="T", help="end of that part")
     option("--out", type=folder, metavar="DIR", help="folder of the results (default: flights/NAME)")
     option("--html", action="store_true", help="also write a page with the tether in space (needs plotly)")
+    about = "also build the FMU that is advised for this flight, with its values as start values"
+    option("--fmu", action="store_true", help=about)
 
 
 def parse(arguments, prog):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
-from tetherfmu.commands.scene_build import advised
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise, explain
+from tetherfmu.study.advice.scene_build import advised
 from tetherfmu.study.measuring.runs import Config, parameters_of, run
 from tetherfmu.study.scenes.files import load
 

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.ending import WrongUse
+from tetherfmu.console.ending import FAILED, WrongUse
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.tables import markdown
 
-from . import comparison, fitting, log, runs
+from . import comparison, figures, fitting, log, page, runs, scene
 from .columns import KITEPOWER
+from .facts import rounded
 from .flight import MEASURED, Flight, prepare
 
 NOTHING = "nothing"  # of --fit
@@ -109,7 +110,7 @@ def text(made, table):
     lines = [str(flight.log.report), ""]
     if made.fit:
         lines += [str(made.fit), made.tested]
-    lines += [f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:", "", markdown(table), ""]
+    lines += [f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:", "", markdown(rounded(table)), ""]
     return "\n".join([*lines, *(f"doubt: {each}" for each in made.doubts)])
 
 
@@ -119,7 +120,9 @@ def whole(errors):
 
 
 def run(options):
-    """The command `replay`."""
+    """The command `replay`; returns 1 if no FMU meets what its scene asks for."""
+    if options.html:
+        page.drawing()  # before the flight, which would be in vain without plotly
     read = log.read(options.log, options.map or KITEPOWER)
     if options.set:
         read = log.read(options.log, read.map.with_constants(dict(options.set)))
@@ -135,15 +138,30 @@ def run(options):
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
     print(text(made, whole(made.errors)))
     place = options.out or Path("flights") / Path(options.log).stem
-    for path in write(made, place):
+    now("drawing")
+    for path in write(made, place, Path(options.log).stem, options.html):
         print(path)
+    return build_fmu(place) if options.fmu else 0
+
+
+def build_fmu(place):
+    """Build the FMU of the scene in a folder, and print where it is; returns 1 if none meets what the scene asks for."""
+    path = scene.build(place)
+    if path is None:
+        return FAILED
+    print(path)
     return 0
 
 
-def write(made, place):
-    """Write all results to a folder; returns their paths."""
+def write(made, place, name, html=False):
+    """Write all results to a folder; returns their paths.
+
+    name : of the log.  html : whether also the page in space, which needs plotly.
+    """
     place.mkdir(parents=True, exist_ok=True)
     (place / "report.md").write_text(text(made, made.errors) + "\n", encoding="utf-8")
     series(made).to_csv(place / "series.csv", index=False, float_format="%.6g")
     made.errors.to_csv(place / "errors.csv", index=False, float_format="%.6g")
-    return [place / name for name in ("report.md", "series.csv", "errors.csv")]
+    written = [place / each for each in ("report.md", "series.csv", "errors.csv")]
+    written += [*figures.write(made, place, name), *scene.write(made, place, name)]
+    return [*written, page.write(made, place, name)] if html else written

@@ -3,12 +3,13 @@
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
-from tetherfmu.study.advice.advise import advise, explain
-from tetherfmu.study.advice.scene_report import html
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import by_name
 from tetherfmu.study.scenes.files import SceneError, load
+
+from .advise import advise, explain
+from .scene_report import html
 
 VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name
     "kite_direction": {"kite_force"},

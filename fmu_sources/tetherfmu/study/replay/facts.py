@@ -1,0 +1,39 @@
+"""What a replay was like: its finest tether, whether that was slack, and its errors for people."""
+
+import numpy as np
+
+from .runs import TETHERS
+
+SLACK = 0.01  # length of the tether over the distance of its ends, minus 1, from which on it is slack
+
+
+def words(name):
+    """Name of a tether for people."""
+    return name.replace("_", "-")
+
+
+def finest(made):
+    """The name of the finest tether of a `Replay`, and its `runs.Flown`."""
+    return min(made.flown.items(), key=lambda each: list(TETHERS).index(each[0]))
+
+
+def is_slack(made):
+    """Where the finest tether is slack, or lies on the ground, array (times,) of bool."""
+    table, distance = finest(made)[1].table, np.linalg.norm(made.flight.kite(made.flight.times)[0], axis=1)
+    return ((table.tether_length > (1.0 + SLACK) * distance) | (table.grounded_length > 0.0)).to_numpy()
+
+
+def slack_share(made):
+    """Share of the time in which the finest tether is slack, or lies on the ground."""
+    return float(is_slack(made).mean())
+
+
+def rounded(errors):
+    """A table of errors, see `comparison.errors`, for people: lengths to 1 cm, tensions to three digits, and to 0.1 N."""
+    table = errors.copy()
+    for head in table.columns:
+        if head.endswith(" m"):
+            table[head] = table[head].round(2) + 0.0  # not -0
+        elif head.endswith(" N"):
+            table[head] = table[head].map(lambda force: round(float(f"{force:.3g}"), 1) + 0.0)
+    return table

@@ -1,0 +1,127 @@
+"""A measured flight as a scene for the advisor, and for an FMU that has its values."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+
+from tetherfmu.console.progress import now
+from tetherfmu.export import archive
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import components
+from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.quantities import quantities
+from tetherfmu.study.advice import scene_build
+from tetherfmu.study.scenes.files import GROUND
+
+from .facts import finest, slack_share, words
+
+FILE, SERIES = "scene.toml", "flight.csv"
+FROM_SERIES = ("segments", "initial_length")  # of a tether: what the table [tether] goes without
+TAUT = (
+    ("kite_force", "ground_force"),
+    0.05,
+    "The tether is taut for most of the time: its forces count.",
+)  # what is wanted of it, allowed error
+HANGING = "The tether is slack for most of the time: its forces change from moment to moment, so its shape counts."
+SLACK = ("shape",), 0.03, HANGING
+MOST = 0.5  # of the time in which the tether is slack, above which its shape counts
+UNUSUAL = re.compile(r"[^\w .~-]", re.ASCII)  # characters that some hosts cannot have in the path of an FMU
+
+
+def series(made):
+    """Inputs of a tether along a `Replay`, a DataFrame with the column `time` from 0 on, and how many times it leaves out.
+
+    The winch gets the length that led it, or that the finest tether found; led by the speed, it gets that. Left out are
+    times at which that is not known: no reading, or a step that the tether refused.
+    """
+    flight, times = made.flight, made.flight.times
+    position, velocity = flight.kite(times)
+    vectors = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": flight.wind(times)}
+    if not vectors["wind_velocity"].any():
+        del vectors["wind_velocity"]
+    columns = {"time": np.round(times - times[0], 9)}
+    for name, values in vectors.items():
+        columns |= dict(zip(components(name, 3), values.T, strict=True))
+    if made.lead == "speed":
+        columns["reel_out_speed"] = flight.measured("reel_out_speed", times)
+    else:
+        found = flight.length(times) if made.lead == "length" else finest(made)[1].table.tether_length.to_numpy()
+        columns["winch_length"] = found
+    table = pd.DataFrame(columns)
+    known = table.dropna()
+    return known, len(table) - len(known)
+
+
+def first_length(made):
+    """Unstretched length of the tether at the start [m]."""
+    return float(finest(made)[1].table.tether_length.iloc[0])
+
+
+def toml(made, name):
+    """Text of the scene file of a `Replay`; name : of its log."""
+    (table, left_out), (outputs, allowed, why) = series(made), wanted_of(made)
+    found, variant = made.flight.log.map, words(finest(made)[0])
+    length = {"tension": f"that of the {variant} tether under the measured tension", "length": "that of the log"}
+    name, about = UNUSUAL.sub("_", name), " ".join((found.about or found.name).split())
+    lines = [f"# The measured flight {name} ({about}).", f"# {why}"]
+    if made.lead in length:
+        lines.append(f"# The length in {SERIES} is {length[made.lead]}.")
+    if left_out:
+        lines.append(f"# {left_out} times are left out, at which it is not known.")
+    lines += [f"name = {quoted(name)}", f"duration = {float(table.time.iloc[-1])!r} # s", ""]
+    lines += ["[flight]", 'kind = "series"', f"file = {quoted(SERIES)}", ""]
+    lines += section("tether", found.tether, FROM_SERIES)
+    if made.lead == "speed":
+        lines.insert(-1, f"initial_length = {first_length(made)!r} # m")
+    lines += section("environment", found.environment)
+    if found.ground.ground_contact == at.FLAT:
+        lines += section("ground", found.ground)
+    names = ", ".join(map(quoted, outputs))
+    return "\n".join([*lines, "[wanted]", f"outputs = [{names}]", f"allowed_error = {allowed}", ""])
+
+
+def wanted_of(made):
+    """Names of the outputs that are wanted of this flight, their allowed error [-], and why."""
+    return SLACK if slack_share(made) > MOST else TAUT
+
+
+def section(name, record, without=()):
+    """Lines of a table of a scene file with all quantities of a record, an enumeration by its name, and an empty line."""
+    lines = [f"[{name}]"]
+    for key, declared in quantities(record):
+        if key not in without:
+            value = getattr(record, key)
+            text = quoted(declared.choices[value - 1]) if declared.choices else repr(float(value))
+            lines.append(f"{key.removeprefix(GROUND) if name == 'ground' else key} = {text}{unit_of(declared)}")
+    return [*lines, ""]
+
+
+def unit_of(declared):
+    """Comment with the unit of a quantity, if it has one."""
+    return f" # {declared.unit}" if declared.unit else ""
+
+
+def quoted(text):
+    """A text as TOML has it."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def build(place):
+    """Build the FMU that is advised for the scene in a folder; returns its path, None if nothing meets what is wanted.
+
+    It has the values of the scene as start values, see `advice.scene_build`.  SceneError if the scene cannot be flown.
+    """
+    now("flying the scene with what may do, and with a finer model")
+    text, met, name, options = scene_build.advised(place / FILE, BuildOptions.shape_points, (this_platform(),))
+    print(text)
+    return archive.build(name, place, options) if met else None
+
+
+def write(made, place, name):
+    """Write the scene and its series to a folder; returns their paths."""
+    (place / FILE).write_text(toml(made, name), encoding="utf-8")
+    series(made)[0].to_csv(place / SERIES, index=False, float_format="%.9g")
+    return [place / FILE, place / SERIES]
