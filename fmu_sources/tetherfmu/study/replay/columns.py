@@ -180,7 +180,7 @@ class Columns:
     def for_log(self, there, report):
         """The same map for a log that has the columns `there`: without optional quantities whose columns are missing."""
         scalars = {key: each.among(there) for key, each in self.scalars.items()}
-        found = replace(self, scalars=scalars)
+        found = replace(self, scalars=scalars, wind_from=self.wind_from.among(there) if self.wind_from else None)
         for name in self.optional:
             missing = [column for column in found.columns_of(name) if column not in there]
             if missing:
@@ -299,9 +299,14 @@ def scalar(table, section, unit, more=None):
     require(table, section, ("column", "unit") if unit else ("column",))
     if "column" not in table:
         raise ValueError(f"the key {section}.column is missing")
-    listed = table["column"] if isinstance(table["column"], list) and table["column"] else [table["column"]]
-    column, *others = (text_of({"column": each}, section, "column") for each in listed)
-    return Scalar(column, factor_of(table, section, unit, more=more) if unit else 1.0, tuple(others))
+    return among(table, section, "column", factor_of(table, section, unit, more=more) if unit else 1.0)
+
+
+def among(table, section, key, factor):
+    """`Scalar` of a column, or of a list of columns, under a key of a table."""
+    listed = table[key] if isinstance(table[key], list) and table[key] else [table[key]]
+    column, *others = (text_of({key: each}, section, key) for each in listed)
+    return Scalar(column, factor, tuple(others))
 
 
 def wind(table):
@@ -310,8 +315,8 @@ def wind(table):
     require(table, section, ("speed", "from", "unit", "angle"))
     if "from" not in table:
         raise ValueError(f"the key {section}.from is missing: the column of the direction from which the wind comes")
-    speed = Scalar(text_of(table, section, "speed"), factor_of(table, section, "m/s"))
-    return speed, Scalar(text_of(table, section, "from"), factor_of({"angle": "deg"} | table, section, "rad", "angle"))
+    speed = among(table, section, "speed", factor_of(table, section, "m/s"))
+    return speed, among(table, section, "from", factor_of({"angle": "deg"} | table, section, "rad", "angle"))
 
 
 def vector(table, section):

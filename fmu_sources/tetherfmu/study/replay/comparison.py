@@ -7,7 +7,7 @@ from .flight import EVERY
 
 MEAN = 1.0  # s, over which tensions are averaged before they are compared
 SETTLED = 1.2  # s from the start that are not compared: a tether starts in equilibrium
-ALL = "all"
+ALL, NONE = "all", "not named"
 LABELS = ("phase", "cycle")
 
 
@@ -37,10 +37,11 @@ def residuals(flight, flown):
     parts = []
     for name, each in flown.items():
         table = each.table
-        band = table.kite_stiffness.where(table.slack_segments == 0) * flight.log.map.smoothing.position_noise
-        taut = {"stiffness": table.kite_stiffness, "band": band}
+        taut = flight.is_taut(table.tether_length.to_numpy())
+        band = table.kite_stiffness.where(taut) * flight.log.map.smoothing.position_noise
+        noise = {"stiffness": table.kite_stiffness, "band": band}
         found = {"length": table.tether_length - length, "tension": averaged(table.mean_tension) - measured}
-        parts.append(pd.DataFrame({"time": flight.times, "tether": name, **found, "measured": measured, **taut} | labels))
+        parts.append(pd.DataFrame({"time": flight.times, "tether": name, **found, "measured": measured, **noise} | labels))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -53,7 +54,11 @@ def errors(found, start, lead):
     rows = []
     for label in (None, *(name for name in LABELS if name in found and found[name].nunique() > 1)):
         for keys, part in found.groupby(["tether", label] if label else ["tether"], sort=False):
-            row = {"part": f"{label} {keys[1]}" if label else ALL, "tether": keys[0], "time s": round(len(part) * EVERY, 1)}
+            row = {
+                "part": f"{label} {keys[1] or NONE}" if label else ALL,
+                "tether": keys[0],
+                "time s": round(len(part) * EVERY, 1),
+            }
             rows.append(row | judged(part))
     return pd.DataFrame(rows).dropna(axis=1, how="all")
 

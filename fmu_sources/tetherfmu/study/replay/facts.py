@@ -1,10 +1,6 @@
 """What a replay was like: its finest tether, whether that was slack, and its errors for people."""
 
-import numpy as np
-
 from .runs import TETHERS
-
-SLACK = 0.01  # length of the tether over the distance of its ends, minus 1, from which on it is slack
 
 
 def words(name):
@@ -19,8 +15,8 @@ def finest(made):
 
 def is_slack(made):
     """Where the finest tether is slack, or lies on the ground, array (times,) of bool."""
-    table, distance = finest(made)[1].table, np.linalg.norm(made.flight.kite(made.flight.times)[0], axis=1)
-    return ((table.tether_length > (1.0 + SLACK) * distance) | (table.grounded_length > 0.0)).to_numpy()
+    table = finest(made)[1].table
+    return ~made.flight.is_taut(table.tether_length.to_numpy()) | (table.grounded_length.to_numpy() > 0.0)
 
 
 def slack_share(made):

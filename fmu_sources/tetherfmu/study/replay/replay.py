@@ -1,11 +1,13 @@
 """Fly a measured flight with tethers: what the log says, what they say, and how far to trust either."""
 
+from argparse import ArgumentTypeError
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
 from tetherfmu.console.ending import FAILED, WrongUse
+from tetherfmu.console.options import folder
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.tables import markdown
 
@@ -119,6 +121,14 @@ def whole(errors):
     return errors[errors.part == comparison.ALL].drop(columns="part")
 
 
+def own_folder(name):
+    """Folder of the results of a log if none is named; WrongUse if it cannot be one."""
+    try:
+        return folder(str(Path("flights") / Path(name).stem))
+    except ArgumentTypeError as error:
+        raise WrongUse(str(error)) from None
+
+
 def run(options):
     """The command `replay`; returns 1 if no FMU meets what its scene asks for."""
     if options.html:
@@ -128,16 +138,16 @@ def run(options):
         read = log.read(options.log, read.map.with_constants(dict(options.set)))
     flight = prepare(read, options.start, options.end)
     lead = options.lead or default_lead(read)
-    fit_part = part_of_fit(flight, options.fit_from, options.fit_to)
     can_fit = flight.has("length") and "ground_tension" in read.table
     can_fit = can_fit and not read.map.station.length_offset
     wanted = tuple(dict.fromkeys(options.fit or (["offset"] if can_fit else [NOTHING])))
     if NOTHING in wanted and len(wanted) > 1:
         raise WrongUse(f"--fit {' '.join(wanted)} is not possible; {NOTHING} stands alone")
     wanted = () if wanted == (NOTHING,) else wanted
+    place = options.out or own_folder(options.log)
+    fit_part = part_of_fit(flight, options.fit_from, options.fit_to) if wanted else None
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
     print(text(made, whole(made.errors)))
-    place = options.out or Path("flights") / Path(options.log).stem
     now("drawing")
     for path in write(made, place, Path(options.log).stem, options.html):
         print(path)

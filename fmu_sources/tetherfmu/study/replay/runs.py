@@ -72,6 +72,7 @@ def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
     rows, found = flight.inputs(lead), flight.log.map
     start = by_name(rows[0])
     told = {"winch_control": LEADS[lead], "segments": segments, "initial_length": first_length(flight, rows, lead)}
+    told["initial_shape"] = "quasi_steady"  # the kite is in flight
     with warnings.catch_warnings(action="ignore", category=PlausibilityWarning):
         tether = TETHERS[variant](found.tether, found.environment, ground=found.ground, **told | quantities)
         try:
