@@ -58,6 +58,11 @@ def spread_over(count, seed=1):
     return np.sort(np.random.default_rng(seed).choice(rows, len(rows) // count, replace=False))
 
 
+def held(table, names, rows):
+    """The same table, in which some columns change only every few rows, as those of a slower sensor."""
+    return table.assign(**{name: table[name].where(table.index % rows == 0).ffill() for name in names})
+
+
 def of_the_day(time):
     """Times of the day, hh:mm:ss.fff, the first of which is one minute before midnight."""
     at = 86340.0 + np.asarray(time)
@@ -225,6 +230,10 @@ MENDED = {
         0.05,
         RATHER,
     ),  # ends of the log with 10 Hz are known less well
+    "positions held for 1 s": (lambda t: held(t, ["lat", "lon", "alt"], 10), "kite_position: 1080 of .*repeat", FEW, RATHER),
+    "velocities held for 0.5 s": (lambda t: held(t, ["vn", "ve", "vd"], 5), "kite_velocity: 960 of .*repeat", FEW, RATHER),
+    "tension held for 0.5 s": (lambda t: held(t, ["force"], 5), "ground_tension: 960 of .*repeat", ROUNDED, 3.0),
+    "length held for 1 s": (lambda t: held(t, ["length"], 10), "tether_length: 1080 of .*repeat", ROUNDED, RATHER),
     "drift of 1 m": (lambda t: changed(t, alt=lambda c: c + np.linspace(0.0, 1.0, len(c))), "noise 1 m", 1.05, RATHER),
 }
 MAPS_OF_MENDED = {
@@ -303,6 +312,11 @@ REFUSED = {
     ),
     "altitude 300 m off": (lambda t: changed(t, alt=lambda c: c + 300.0), "kite_position is .* as far away .*altitude"),
     "altitude in feet": (lambda t: changed(t, alt=lambda c: c / 0.3048), "kite_velocity and kite_position do not fit"),
+    "no velocity sensor": (lambda t: t.assign(vn=0.0, ve=0.0, vd=0.0), "kite_velocity and kite_position do not fit"),
+    "velocity in km/s": (
+        lambda t: changed(t, vn=lambda c: c / 1e3, ve=lambda c: c / 1e3, vd=lambda c: c / 1e3),
+        "kite_velocity and kite_position do not fit",
+    ),
     "north and east swapped": (
         lambda t: t.rename(columns={"vn": "ve", "ve": "vn"}),
         "kite_velocity and kite_position do not fit",
@@ -371,6 +385,14 @@ DOUBTED = {
             **{name: t[name].where((t.index < 500) | (t.index > 560), t[name][500]) for name in ("lat", "lon", "alt")}
         ),
         "kite_position reads .* from 50.0 to 56.0 s",
+    ),
+    "a small jump that stays": (
+        lambda t: changed(t, alt=lambda c: c.where(c.index < 500, c + 8.0)),
+        "kite_position jumps 1 times, first by 7.* m at 49.9 s|kite_position jumps 1 times, first by 8.* m at 49.9 s, which kite_velocity does not explain",
+    ),
+    "a jump of the length": (
+        lambda t: changed(t, length=lambda c: c.where(c.index < 500, c - 4.0)),
+        "tether_length jumps 1 times, first by 4.* m at 49.9 s, which reel_out_speed does not explain",
     ),
     "a jump that stays": (
         lambda t: changed(t, alt=lambda c: c.where((c.index < 500) | (c.index > 540), c - 60.0)),

@@ -64,7 +64,7 @@ def smooth(time, positions, velocities, noise):
         curve = CubicHermiteSpline(time[nodes], *motion[:2])
         shaken = np.column_stack([np.interp(time, time[nodes], axis) for axis in motion[2].T])
         motion = np.stack([curve(time), curve(time, 1), shaken])
-    refuse_rounding(positions - motion[0], noise)
+    refuse_rounding((positions - motion[0])[np.isfinite(positions).all(axis=1)], noise)
     return Smoothed(*motion, float(np.sqrt(found[len(nodes) // 2 * STATES, 3])))
 
 
@@ -88,8 +88,8 @@ def nodes_of(time, noise):
 
 
 def refuse_rounding(residuals, noise):
-    """WrongUse if the residuals of the positions [m], array (times, 3), have a mean, which a shift of the motion removes."""
-    if not np.abs(np.nanmean(residuals, axis=0)).max() < LOST * noise.position:
+    """WrongUse if the residuals of the positions [m], array (known, 3), have a mean, which a shift of the motion removes."""
+    if not np.abs(residuals.mean(axis=0)).max() < LOST * noise.position:
         raise WrongUse(
             f"positions cannot be smoothed with smoothing.position_noise {noise.position:g} m, velocity_noise "
             f"{noise.velocity:g} m/s and acceleration_change {noise.acceleration:g} m/s2: they are too far apart"
