@@ -14,10 +14,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.study.replay.known_flight import AREA, FULL, KGF, WIND, enu, flown, full, map_of, motions, written
-from tetherfmu.study.replay import log
-from tetherfmu.study.replay.columns import MapError
+from tests.study.replay.known_flight import AREA, FULL, KGF, WIND, enu, flown, full, map_of, motions, path, written
+from tetherfmu.study.replay import checks, log
 from tetherfmu.study.replay.flight import prepare
+
+pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
 
 CYCLE = Path(__file__).parents[2] / "reference" / "kitepower_20191008_0012.csv"  # no length, no velocity
 FORCE, SPEED_2019 = "ground_tether_force", "ground_tether_reelout_speed"
@@ -388,7 +389,7 @@ DOUBTED = {
     ),
     "a small jump that stays": (
         lambda t: changed(t, alt=lambda c: c.where(c.index < 500, c + 8.0)),
-        "kite_position jumps 1 times, first by 7.* m at 49.9 s|kite_position jumps 1 times, first by 8.* m at 49.9 s, which kite_velocity does not explain",
+        "kite_position jumps 1 times, first by [78].* m at 49.9 s, which kite_velocity does not explain",
     ),
     "a jump of the length": (
         lambda t: changed(t, length=lambda c: c.where(c.index < 500, c - 4.0)),
@@ -590,12 +591,11 @@ def test_no_cells_whatever_end_in_another_exception(cells, folder):
         table.iloc[row : row + count, column % len(table.columns)] = cell
     try:
         found = flown(folder, "\n".join([",".join(table), *(",".join(row) for row in table.to_numpy())]), "enu")
-    except (log.LogError, MapError) as error:
-        assert "\n" not in str(error)
-    else:
-        position, velocity = found.kite(found.times)
-        assert np.isfinite(position).all()
-        assert np.isfinite(velocity).all()
+    except log.LogError:
+        return
+    position, velocity = found.kite(found.times)
+    assert np.isfinite(position).all()
+    assert np.isfinite(velocity).all()
 
 
 def calm(time, position, length=None, tension=None, **more):
@@ -663,11 +663,36 @@ def test_what_rests_is_not_called_frozen(kind, folder):
     assert not any("without any change" in each for each in doubts)
 
 
-def test_the_work_on_a_long_log_grows_with_its_seconds(folder):
+NOISY = {  # noise of a position [m], every [s], drift [m]
+    "good receiver": (0.05, 0.1, 0.0),
+    "usual receiver": (1.0, 0.1, 3.0),
+    "bad receiver": (2.5, 0.2, 3.0),
+    "slow receiver": (1.5, 1.0, 3.0),
+    "fast receiver": (1.0, 0.02, 3.0),
+}
+
+
+@pytest.mark.parametrize("receiver", NOISY)
+@pytest.mark.parametrize("kind", ["still", "flying"])
+def test_noise_is_no_contradiction(kind, receiver, folder):
+    """White noise and a slow drift of a receiver, 0.1 m/s noise of velocities: the log is flown without a jump."""
+    noise, every, drift = NOISY[receiver]
+    random, time = np.random.default_rng(7), np.arange(0.0, 60.0, every)
+    position, velocity = (
+        path(time) if kind == "flying" else (np.tile([60.0, 0.0, 150.0], (len(time), 1)), np.zeros((len(time), 3)))
+    )
+    table = calm(time, position)
+    wandered = position + drift * np.sin(0.05 * time)[:, None] + noise * random.normal(size=position.shape)
+    table[["x", "y", "z"]] = wandered.round(2)
+    table[["vx", "vy", "vz"]] = (velocity + 0.1 * random.normal(size=velocity.shape)).round(2)
+    found = flown(folder, table, "enu")
+    assert not any("jumps" in each or "without any change" in each for each in found.log.report.doubts)
+    assert found.log.table[["kite_position[1]"]].notna().mean().item() > 0.99
+
+
+def test_the_work_on_a_long_log_grows_with_its_seconds():
     """20 minutes at 100 Hz are compared over windows of 1 s, and a reading with neighbours of 1.1 s."""
     time = np.arange(0.0, 1200.0, 0.01)
-    from tetherfmu.study.replay import checks
-
     assert len(checks.edges(time)) == 1200
     assert len(checks.edges(np.append(time, 1e10))) == 1201
     values = np.zeros(len(time))

@@ -164,7 +164,7 @@ def compare_length(log, position):
         raise log.wrong(
             f"kite_position is {far:.3g} times as far away as tether_length, in 5 % of the rows or more; {check}"
         )
-    elif far > DOUBTFUL and excess > NOISE * log.map.smoothing.position_noise:
+    if far > DOUBTFUL and excess > NOISE * log.map.smoothing.position_noise:
         log.report.doubt(f"kite_position is up to {far:.4g} times as far away as tether_length; {check}")
     if far < NEAREST:
         log.report.doubt(f"kite_position is never farther away than {far:.2g} times tether_length; {check}")

@@ -35,6 +35,7 @@ NEARBY = 1.1  # s, in which neighbours lie
 NEIGHBOURS = 5, 111  # rows: fewest and most neighbours
 OF_TENSION = 0.3  # of its 99th percentile: floor of a spike of the tension
 STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
+HUGE = 1e100  # of whatever unit: no number; what is less than its inverse is 0
 ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
 AWAY = 20.0  # m, from which on a position that is exactly 0 beside another one is no reading
 FEWEST_ROWS = 20
@@ -207,7 +208,8 @@ def say_units(cells, found, report):
 def numbers(cells, name, report):
     """Readings of a column, array (rows,), NaN where a cell has no number, or one that stands for none."""
     found = pd.to_numeric(cells[name], errors="coerce").to_numpy(float, copy=True)
-    found[~np.isfinite(found)] = np.nan
+    found[~(np.abs(found) < HUGE)] = np.nan
+    found[np.abs(found) < 1.0 / HUGE] = 0.0
     report.count(f"left out of {name}", int(np.isnan(found).sum()), len(found), "which have no number")
     for number in STANDS_FOR_NONE:
         equal = np.abs(found) == number
@@ -261,7 +263,7 @@ def leave_out_held(table, names, longest_gap, report):
 
 
 def is_coarse(values):
-    """Whether readings, array (rows, columns), repeat because they have few digits: each change is one or two of the last."""
+    """Whether readings, array (rows, columns), repeat because they have few digits: changes are one or two of the last."""
     for column in values.T:
         known = column[np.isfinite(column)]
         changes, differences = np.abs(np.diff(known)), np.diff(np.unique(known))
@@ -305,7 +307,7 @@ def floor_of(name, values, step):
 def spikes_of(values, floor, step):
     """Which readings lie far from the median of their neighbours (Hampel 1974), array (rows,) of bool.
 
-    step : time between two readings [s].  The first and the last ones, which have neighbours on one side only, are not judged.
+    step : time between two readings [s].  The first and the last ones have neighbours on one side only: not judged.
     """
     found, known = np.zeros(len(values), bool), np.isfinite(values)
     if floor is None:

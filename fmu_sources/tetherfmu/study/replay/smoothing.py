@@ -38,8 +38,8 @@ def smooth(time, positions, velocities, noise):
 
     The acceleration of the point is a Wiener process, s' = (v, a, white noise) for s = (x, v, a). Its most probable motion
     is what the smoother of Rauch, Tung and Striebel (AIAA J. 3, 1965) gives; here it is found at once, as the least squares
-    of all deviations over their standard deviations, a banded system. All axes have the same one. Its unknowns are the states
-    at the rows of `nodes_of`; what is measured after a node, and before the next one, is compared with x + v d + a d^2/2 and
+    of all deviations over their standard deviations, a banded system, the same for all axes. Its unknowns are the states at
+    the rows of `nodes_of`; what is measured after a node, and before the next one, is compared with x + v d + a d^2/2 and
     v + a d. WrongUse if the noises are too far apart to be computed with.
     """
     nodes = nodes_of(time, noise)
