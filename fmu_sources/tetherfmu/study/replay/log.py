@@ -35,7 +35,6 @@ NEARBY = 1.1  # s, in which neighbours lie
 NEIGHBOURS = 5, 111  # rows: fewest and most neighbours
 OF_TENSION = 0.3  # of its 99th percentile: floor of a spike of the tension
 STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
-HUGE = 1e100  # of whatever unit: no number; what is less than its inverse is 0
 ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
 AWAY = 20.0  # m, from which on a position that is exactly 0 beside another one is no reading
 FEWEST_ROWS = 20
@@ -208,8 +207,8 @@ def say_units(cells, found, report):
 def numbers(cells, name, report):
     """Readings of a column, array (rows,), NaN where a cell has no number, or one that stands for none."""
     found = pd.to_numeric(cells[name], errors="coerce").to_numpy(float, copy=True)
-    found[~(np.abs(found) < HUGE)] = np.nan
-    found[np.abs(found) < 1.0 / HUGE] = 0.0
+    found[~(np.abs(found) < clock.HUGE)] = np.nan
+    found[np.abs(found) < 1.0 / clock.HUGE] = 0.0
     report.count(f"left out of {name}", int(np.isnan(found).sum()), len(found), "which have no number")
     for number in STANDS_FOR_NONE:
         equal = np.abs(found) == number
