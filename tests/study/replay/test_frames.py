@@ -30,7 +30,7 @@ def test_points_are_those_of_the_transform_by_the_centre_of_the_earth(origin):
 
 
 def test_a_minute_of_latitude_is_a_nautical_mile_and_some_metres():
-    """Meridian arc of WGS 84 at 45 deg: M = a (1 - e2) / (1 - e2/2)^1.5 = 6367381.8 m, times 1/60 deg: 1852.2 m; bent down."""
+    """Meridian arc of WGS 84 at 45 deg: M = a (1 - e2) / (1 - e2/2)^1.5 = 6367381.8 m, times 1/60 deg: 1852.2 m."""
     ((east, north, up),) = frames.local([45.0 + 1.0 / 120.0], [7.0], [0.0], (45.0 - 1.0 / 120.0, 7.0, 0.0))
     assert abs(east) < ROUNDING
     assert north == pytest.approx(np.radians(1.0 / 60.0) * 6367381.8, abs=2e-3)

@@ -141,7 +141,7 @@ def test_rows_that_are_very_close_are_joined():
 
 @pytest.mark.parametrize("step", [1.0, 0.1, 0.01, 0.003, 0.001, 0.0001])
 def test_the_step_between_rows_does_no_harm(step):
-    """The weight of a step grows as step^-5; the motion of a smooth flight stays right to a centimetre from 1 Hz to 10 kHz."""
+    """The weight of a step grows as step^-5; a smooth flight stays right to a centimetre from 1 Hz to 10 kHz."""
     time = np.arange(0.0, 20.0, step)
     positions = 40.0 * np.sin(0.3 * time[:, None] + (0.0, 0.7, 1.9))
     velocities = 12.0 * np.cos(0.3 * time[:, None] + (0.0, 0.7, 1.9))
@@ -160,5 +160,5 @@ def test_the_unknowns_do_not_grow_with_the_rate():
 def test_noises_that_are_too_far_apart_are_refused():
     time = np.arange(0.0, 20.0, 0.002)
     positions = 40.0 * np.sin(0.3 * time[:, None] + (0.0, 0.7, 1.9))
-    with pytest.raises(WrongUse, match="position_noise 0.0001 m, velocity_noise 100 m/s .* too far apart"):
+    with pytest.raises(WrongUse, match=r"position_noise 0.0001 m, velocity_noise 100 m/s .* too far apart"):
         smooth(time, positions, np.full_like(positions, np.nan), Noise(1e-4, 1e2, 1e-3))

@@ -4,12 +4,14 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.plausibility import LARGEST_STRETCH
+from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 
 from .log import FASTEST, POSITION, VELOCITY, WIND
 
 WINDOW = 1.0  # s, over which motions are compared
 FEWEST = 4  # of them
+UNEXPLAINED = 0.7  # part of the motion that the velocity need not explain
+IMPOSSIBLE_NOISE = 10.0  # m/s, in rates of positions over windows, which no receiver has
 MOVING = 1.0  # m/s, root mean square of a motion from which on it can be compared
 REELING = 0.3  # m/s, likewise of a reel-out speed
 BLOWING = 2.0  # m/s, mean wind from which on it has a direction
@@ -103,15 +105,22 @@ def compare_velocity(log, position):
         return False
     moved, velocity = moved[both], velocity[both]
     ways = ways_of(velocity)
-    if not len(ways):
-        return False
-    for way, found, noise in zip(ways, *robust(velocity @ ways.T, moved), strict=True):
-        if np.abs(found - way).max() > NEAR + NOISE * noise:
-            raise log.wrong(
-                f"kite_velocity and kite_position do not fit: while the velocity goes 1 m {in_words(way)}, the position "
-                f"goes {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
-            )
-    return True
+    if len(ways):
+        for way, found, noise in zip(ways, *robust(velocity @ ways.T, moved), strict=True):
+            if np.abs(found - way).max() > NEAR + NOISE * noise:
+                raise log.wrong(
+                    f"kite_velocity and kite_position do not fit: while the velocity goes {in_words(way)}, the position "
+                    f"goes {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
+                )
+    rest, moves = np.median(np.linalg.norm(moved - velocity, axis=1)), np.median(np.linalg.norm(moved, axis=1))
+    text = f"the position moves by {moves:.3g} m/s, and by {rest:.3g} m/s differently from the velocity; check columns, axes"
+    if rest > max(UNEXPLAINED * moves, IMPOSSIBLE_NOISE):
+        raise log.wrong(f"kite_velocity and kite_position do not fit: {text}, signs and units of both")
+    if rest > max(UNEXPLAINED * moves, NOISE * (MOVING + log.map.smoothing.position_noise / WINDOW)):
+        log.report.doubt(
+            f"kite_velocity explains little of the motion of kite_position: {text}, and smoothing.position_noise"
+        )
+    return len(ways) > 0 or moves < MOVING
 
 
 def ways_of(velocity):
@@ -124,7 +133,7 @@ def ways_of(velocity):
 def in_words(way):
     """A displacement [m] in words; what is hardly there is left out."""
     parts = [f"{each:.2g} m {axis}" for each, axis in zip(way, AXES, strict=True) if abs(each) > 0.1 * np.abs(way).max()]
-    return " and ".join(parts).replace("1 m ", "") if len(parts) == 1 and abs(way).max() == 1.0 else ", ".join(parts)
+    return ", ".join(parts) or "nowhere"
 
 
 def robust(a, b):
@@ -149,15 +158,13 @@ def compare_length(log, position):
     ratio = (np.linalg.norm(position, axis=1) - log.map.kite.end_below) / np.where(length > 0.0, length, np.nan)
     if not np.isfinite(ratio).any():
         return False
-    far, check = (
-        np.nanquantile(ratio, 0.95),
-        "check the units of both, the origin and its altitude, and what length is counted",
-    )
-    if far > FARTHEST:
+    far, check = np.nanquantile(ratio, 0.95), "check both units, the origin and its altitude, and what length is counted"
+    excess = np.nanquantile((ratio - 1.0) * length, 0.95)
+    if far > FARTHEST and excess > NEARBY:
         raise log.wrong(
             f"kite_position is {far:.3g} times as far away as tether_length, in 5 % of the rows or more; {check}"
         )
-    if far > DOUBTFUL:
+    if far > DOUBTFUL and excess > NOISE * log.map.smoothing.position_noise:
         log.report.doubt(f"kite_position is up to {far:.4g} times as far away as tether_length; {check}")
     if far < NEAREST:
         log.report.doubt(f"kite_position is never farther away than {far:.2g} times tether_length; {check}")

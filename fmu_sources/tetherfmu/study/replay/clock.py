@@ -5,6 +5,7 @@ from bisect import bisect_right
 import numpy as np
 import pandas as pd
 
+HUGE = 1e100  # of whatever unit: no number
 LATEST = 1e11  # s, after which no flight was: Unix time in a smaller unit
 LONGEST_STEP = 10.0  # s from row to row: time in a smaller unit
 ROUNDED = 1.5  # rows of the same time, on average, from which on times are taken as rounded
@@ -49,7 +50,7 @@ def repaired(cells, column, factor, report):
 def seconds(cells, factor, report):
     """Times [s] of a column of numbers, dates, or times of the day, array (rows,); NaN for others."""
     found = pd.to_numeric(cells, errors="coerce").to_numpy(float, copy=True)
-    found[~np.isfinite(found)] = np.nan
+    found[~(np.abs(found) < HUGE)] = np.nan
     if np.isfinite(found).sum() * 2 >= len(cells):
         return found * factor
     of_day = cells.where(cells.str.fullmatch(OF_DAY)).str.replace(",", ".", regex=False)

@@ -39,9 +39,13 @@ ALONE = 0.1  # of such a number: if no other reading is so near to it, it is non
 AWAY = 20.0  # m, from which on a position that is exactly 0 beside another one is no reading
 FEWEST_ROWS = 20
 COVERED = 0.5  # of the time that readings of a quantity must cover
+COARSE = 3.0  # times its smallest difference: a reading that changes by less, in the median, has few digits
+HELD = 0.5  # of the rows: if so many repeat the reading above, a slower sensor is held
 FROZEN = 5.0  # s, from which on a reading that does not change is doubtful
 AT_REST = 0.2  # m/s: a position, or a length, may stay the same below it
 FASTEST = 150.0  # m/s, of a kite
+FAR_FROM_USUAL = 5.0  # times the median of such differences, which a noisy receiver has in all rows
+JUMP = 5.0, 5.0  # m by which a position may differ from what its velocity says from row to row, and what 1 s adds to it
 LONGEST_NAMES = 400  # characters of a message about columns
 COMMENT = "#"  # begins lines that are no rows
 
@@ -171,6 +175,8 @@ def log_of(cells, found, report=None, source=""):
     raw = {name: numbers(cells, name, report) for name in found.columns if name != found.time.column}
     frames.convert(raw, found, table, report)
     leave_out_zeros(table, report)
+    for names in (POSITION, VELOCITY, ("tether_length",), ("ground_tension",)):
+        leave_out_held(table, names, found.smoothing.longest_gap, report)
     for name in table.columns.drop("time"):
         leave_out_impossible(table, name, report)
     table, found = usable(table, found, report)
@@ -201,7 +207,8 @@ def say_units(cells, found, report):
 def numbers(cells, name, report):
     """Readings of a column, array (rows,), NaN where a cell has no number, or one that stands for none."""
     found = pd.to_numeric(cells[name], errors="coerce").to_numpy(float, copy=True)
-    found[~np.isfinite(found)] = np.nan
+    found[~(np.abs(found) < clock.HUGE)] = np.nan
+    found[np.abs(found) < 1.0 / clock.HUGE] = 0.0
     report.count(f"left out of {name}", int(np.isnan(found).sum()), len(found), "which have no number")
     for number in STANDS_FOR_NONE:
         equal = np.abs(found) == number
@@ -225,6 +232,43 @@ def leave_out_zeros(table, report):
     )
     position[none] = np.nan
     table[[*POSITION]] = position
+
+
+def runs_of(values):
+    """First and last rows of the runs of the same readings, arrays (runs,); values : array (rows, columns)."""
+    last = np.flatnonzero(np.append(np.any(np.diff(values, axis=0) != 0.0, axis=1), True))
+    return np.concatenate([[0], last[:-1] + 1]), last
+
+
+def leave_out_held(table, names, longest_gap, report):
+    """Put NaN for readings that repeat the one above, if most do: a slower sensor, or receiver, whose reading is held.
+
+    They would be late by half the time for which they are held. Runs that are longer than the longest gap [s] stay.
+    """
+    if names[0] not in table:
+        return
+    values, time = table[[*names]].to_numpy(copy=True), table["time"].to_numpy()
+    first, last = runs_of(values)
+    held = np.zeros(len(time), bool)
+    for i, j in zip(first, last, strict=True):
+        held[i + 1 : j + 1] = time[j] - time[i] <= longest_gap
+    if held.mean() > HELD and not is_coarse(values):
+        name = names[0].partition("[")[0]
+        report.count(
+            f"left out of {name}", int(held.sum()), len(held), "which repeat the reading above: a sensor that is slower"
+        )
+        values[held] = np.nan
+        table[[*names]] = values
+
+
+def is_coarse(values):
+    """Whether readings, array (rows, columns), repeat because they have few digits: changes are one or two of the last."""
+    for column in values.T:
+        known = column[np.isfinite(column)]
+        changes, differences = np.abs(np.diff(known)), np.diff(np.unique(known))
+        if len(differences) and np.median(changes[changes > 0.0]) > COARSE * differences.min():
+            return False
+    return True
 
 
 def leave_out_impossible(table, name, report):
@@ -262,7 +306,7 @@ def floor_of(name, values, step):
 def spikes_of(values, floor, step):
     """Which readings lie far from the median of their neighbours (Hampel 1974), array (rows,) of bool.
 
-    step : time between two readings [s].  The first and the last ones, which have neighbours on one side only, are not judged.
+    step : time between two readings [s].  The first and the last ones have neighbours on one side only: not judged.
     """
     found, known = np.zeros(len(values), bool), np.isfinite(values)
     if floor is None:
@@ -312,10 +356,9 @@ def judge_frozen(table, report):
         if names[0] not in table:
             continue
         values = table[[*names]].to_numpy()
-        ends = np.flatnonzero(np.append(np.any(np.diff(values, axis=0) != 0.0, axis=1), True))
-        first = np.concatenate([[0], ends[:-1] + 1])
-        long = [(i, j) for i, j in zip(first, ends, strict=True) if time[j] - time[i] > FROZEN]
-        long = [(i, j) for i, j in long if moves(table, names, slice(i, j + 1))]
+        first, last = runs_of(values)
+        frozen = np.flatnonzero(time[last] - time[first] > FROZEN)
+        long = [(first[k], last[k]) for k in frozen if moves(table, names, slice(first[k], last[k] + 1))]
         if long:
             i, j = max(long, key=lambda pair: time[pair[1]] - time[pair[0]])
             name, shown_values = names[0].partition("[")[0], ", ".join(f"{each:g}" for each in values[i])
@@ -335,11 +378,27 @@ def moves(table, names, rows):
 
 
 def judge_jumps(table, report):
-    """Doubt positions between which no kite can fly."""
-    known = table[["time", *POSITION]].dropna().to_numpy()
-    steps = np.diff(known, axis=0)
-    way = np.linalg.norm(steps[:, 1:], axis=1)
-    jumps = way > FLOOR[POSITION[0]][0] + FASTEST * steps[:, 0]
-    if jumps.any():
-        k = int(np.argmax(jumps))
-        report.doubt(f"kite_position jumps {jumps.sum()} times, first by {way[k]:.3g} m at {known[k, 0]:.1f} s")
+    """Doubt positions between which no kite can fly, and steps of position or length that their speeds do not explain."""
+    allowed = JUMP if VELOCITY[0] in table else (JUMP[0], FASTEST)
+    judge_steps(table, POSITION, VELOCITY, allowed, report)
+    if "reel_out_speed" in table and "tether_length" in table:
+        judge_steps(table, ("tether_length",), ("reel_out_speed",), FLOOR["tether_length"], report)
+
+
+def judge_steps(table, names, speeds, allowed, report):
+    """Doubt steps of a reading that are longer than allowed, (m, m/s), beside what the speeds explain, if they are known."""
+    table = table[["time", *names, *(name for name in speeds if name in table)]].dropna()
+    steps = np.diff(table[[*names]].to_numpy(), axis=0)
+    time, speed = np.diff(table["time"].to_numpy()), np.zeros((len(table), 1))
+    if speeds[0] in table:
+        speed = table[[*speeds]].to_numpy()
+    way = np.linalg.norm(steps - 0.5 * (speed[1:] + speed[:-1]) * time[:, None], axis=1)
+    jumps = np.flatnonzero(way > allowed[0] + allowed[1] * time + FAR_FROM_USUAL * np.median(way)) if len(way) else []
+    if len(jumps):
+        k = jumps[0]
+        name, why = (
+            names[0].partition("[")[0],
+            f", which {speeds[0].partition('[')[0]} does not explain" * (speeds[0] in table),
+        )
+        at = table["time"].iloc[k]
+        report.doubt(f"{name} jumps {len(jumps)} times, first by {way[k]:.3g} m at {at:.1f} s{why}")

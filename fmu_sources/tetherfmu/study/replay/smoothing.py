@@ -38,8 +38,8 @@ def smooth(time, positions, velocities, noise):
 
     The acceleration of the point is a Wiener process, s' = (v, a, white noise) for s = (x, v, a). Its most probable motion
     is what the smoother of Rauch, Tung and Striebel (AIAA J. 3, 1965) gives; here it is found at once, as the least squares
-    of all deviations over their standard deviations, a banded system. All axes have the same one. Its unknowns are the states
-    at the rows of `nodes_of`; what is measured after a node, and before the next one, is compared with x + v d + a d^2/2 and
+    of all deviations over their standard deviations, a banded system, the same for all axes. Its unknowns are the states at
+    the rows of `nodes_of`; what is measured after a node, and before the next one, is compared with x + v d + a d^2/2 and
     v + a d. WrongUse if the noises are too far apart to be computed with.
     """
     nodes = nodes_of(time, noise)
@@ -64,7 +64,7 @@ def smooth(time, positions, velocities, noise):
         curve = CubicHermiteSpline(time[nodes], *motion[:2])
         shaken = np.column_stack([np.interp(time, time[nodes], axis) for axis in motion[2].T])
         motion = np.stack([curve(time), curve(time, 1), shaken])
-    refuse_rounding(positions - motion[0], noise)
+    refuse_rounding((positions - motion[0])[np.isfinite(positions).all(axis=1)], noise)
     return Smoothed(*motion, float(np.sqrt(found[len(nodes) // 2 * STATES, 3])))
 
 
@@ -88,8 +88,8 @@ def nodes_of(time, noise):
 
 
 def refuse_rounding(residuals, noise):
-    """WrongUse if the residuals of the positions [m], array (times, 3), have a mean, which a shift of the motion removes."""
-    if not np.abs(np.nanmean(residuals, axis=0)).max() < LOST * noise.position:
+    """WrongUse if the residuals of the positions [m], array (known, 3), have a mean, which a shift of the motion removes."""
+    if not np.abs(residuals.mean(axis=0)).max() < LOST * noise.position:
         raise WrongUse(
             f"positions cannot be smoothed with smoothing.position_noise {noise.position:g} m, velocity_noise "
             f"{noise.velocity:g} m/s and acceleration_change {noise.acceleration:g} m/s2: they are too far apart"
