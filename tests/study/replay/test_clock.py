@@ -11,7 +11,8 @@ from tetherfmu.study.replay.report import Report
 def repaired(times, factor=1.0, **more):
     """Times, rows and report of a column of texts."""
     report, cells = Report(), pd.DataFrame({"t": [str(each) for each in times], **more})
-    return *clock.repaired(cells, "t", factor, report), report
+    time, rows = clock.repaired(cells, "t", factor, report)
+    return time - time[0], rows, report
 
 
 @pytest.mark.parametrize(

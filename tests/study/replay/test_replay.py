@@ -1,5 +1,7 @@
 """Measured flights as a user flies them again: one command for each log, and numbers that are those of the physics."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -61,13 +63,15 @@ def test_the_length_leads_to_the_tension(clean):
     found = comparison.residuals(clean, {"dynamic": runs.fly(clean, "dynamic", "length")})
     settled = found.time > clean.start + 5.0
     assert comparison.rms(found.tension[settled]) < 60.0  # N of 3000: twice the noise of a position
-    assert comparison.untrustworthy(found) == 0.0
+    assert comparison.untrustworthy(found) == (pytest.approx(1.0, abs=0.01), 0.0)  # the means of the ends may be missing
 
 
 def test_noise_of_positions_is_said_where_the_length_leads():
     made = replay(prepare(logs_of_tests.made(noise=0.5), 0.0, 20.0), "length", ("quasi_steady",), wanted=())
     (doubt,) = made.doubts
-    assert doubt.startswith("for 100 % of the time")
+    assert re.match(
+        "the tether is taut for (9[5-9]|100) % of the time; for 100 % of that its stiffness times the noise", doubt
+    )
     assert "do not believe a taut force from positions" in doubt
     stiffness = logs_of_tests.TETHER.axial_stiffness / made.flown["quasi_steady"].table.tether_length
     np.testing.assert_allclose(made.residuals.band.dropna(), (0.5 * stiffness)[made.residuals.band.notna()], rtol=1e-3)

@@ -25,6 +25,7 @@ TAUT = 10.0  # tension over the weight of the tether, from which on the tether i
 LEAST_TAUT = 0.97  # median of distance over length while it is
 FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
 AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
+FLYING = 3.0  # m/s, from which on a kite has its airspeed
 WINDS = 0.33, 3.0  # factor of the wind with which the kite has its airspeed; km/h for m/s is outside
 FACTORS = np.linspace(0.0, 5.0, 101)  # of the wind that are tried
 AXES = ("east", "north", "up")
@@ -248,7 +249,7 @@ def compare_wind(log, position):
         wind = wind * (height / log.map.environment.wind_reference_height) ** log.map.environment.wind_exponent
     rows = edges(log.time)
     wind, velocity, airspeed = wind[rows], velocity[rows], log.table["airspeed"].to_numpy()[rows]
-    both = np.isfinite(wind).all(axis=1) & np.isfinite(velocity).all(axis=1) & np.isfinite(airspeed)
+    both = np.isfinite(wind).all(axis=1) & (np.linalg.norm(velocity, axis=1) > FLYING) & np.isfinite(airspeed)
     if both.sum() < FEWEST:
         return False
     speeds = np.linalg.norm(velocity[both] - FACTORS[:, None, None] * wind[both], axis=2)

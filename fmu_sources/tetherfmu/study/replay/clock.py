@@ -17,7 +17,7 @@ ALLOWED = "numbers, dates such as 2019-10-08 13:12:08.8, or times of the day suc
 
 
 def repaired(cells, column, factor, report):
-    """Times [s] of the rows of a log, from 0 on and growing, array (kept,), and these rows.
+    """Times [s] of the rows of a log, growing, array (kept,), and these rows.
 
     cells : DataFrame of texts.  column, factor : that of the time, and from its unit to s.  ValueError if these are no times
     of a flight.
@@ -44,7 +44,7 @@ def repaired(cells, column, factor, report):
             "it in another unit? time.unit may be ms, us, ns"
         )
     report.say(f"time from 0 at {column} = {cells[column].iloc[rows[0]]}, {time[-1] - time[0]:.1f} s")
-    return time - time[0], rows
+    return time, rows
 
 
 def seconds(cells, factor, report):

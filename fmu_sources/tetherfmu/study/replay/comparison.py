@@ -96,6 +96,11 @@ def rms(values):
 
 
 def untrustworthy(found):
-    """Share of the time of a taut tether in which the noise of the positions alone is more than the measured tension."""
-    taut = found[np.isfinite(found.band) & np.isfinite(found.measured)]
-    return float((taut.band > taut.measured.abs()).mean()) if len(taut) else 0.0
+    """Share of the time in which the finest tether is taut, and of that the share in which noise is more than tension.
+
+    Noise: that of the positions alone, as tension of the taut tether; tension: the measured one. NaN if it is never taut.
+    """
+    finest = found[(found.tether == found.tether.iloc[0]) & np.isfinite(found.measured)]
+    taut = finest[np.isfinite(finest.band)]
+    share = float((taut.band > taut.measured.abs()).mean()) if len(taut) else np.nan
+    return len(taut) / max(1, len(finest)), share

@@ -14,7 +14,7 @@ from .smoothing import Noise, Smoothed, smooth
 
 SHORTEST = 5.0  # s, a flight
 EVERY = 0.1  # s between two rows of the results
-TAUT = 0.01  # difference of length and distance, over the distance, below which a tether is taut
+TAUT = 0.01  # length over distance, minus 1, below which a tether is taut
 STEP = 0.02  # communication step of the tethers [s]
 LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and what the winch is then told
 MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "reel_out_speed"}
@@ -90,7 +90,7 @@ class Flight:
     def is_taut(self, length):
         """Where a tether of this unstretched length [m], array (times,), is so taut that it is nearly straight."""
         distance = np.linalg.norm(self.kite(self.times)[0], axis=1)
-        return np.abs(length - distance) < TAUT * distance
+        return length < (1.0 + TAUT) * distance
 
     def has(self, lead):
         """Whether the log can lead a winch by this."""

@@ -61,13 +61,15 @@ class Log:
     `table` : DataFrame with the column `time` [s], growing, from 0 at the first row; the components of `kite_position` [m]
     and, where the log has them, of `kite_velocity`, `wind_velocity` [m/s], and `tether_length`, `reel_out_speed`,
     `ground_tension`, `airspeed`; NaN where a reading is missing; `phase`, `cycle` as texts.  `map` : without the optional
-    quantities that the log does not have.  `source` : the file, for messages.
+    quantities that the log does not have.  `source` : the file, for messages.  `begin` : time of the
+    first row in the file [s].
     """
 
     table: pd.DataFrame
     map: columns.Columns
     report: Report
     source: str = ""
+    begin: float = 0.0
 
     @property
     def time(self):
@@ -171,7 +173,7 @@ def log_of(cells, found, report=None, source=""):
         raise ValueError(f"has {len(cells)} rows; it must have at least {FEWEST_ROWS}")
     say_units(cells, found, report)
     time, kept = clock.repaired(cells, found.time.column, found.time.factor, report)
-    cells, table = cells.iloc[kept], pd.DataFrame({"time": time})
+    cells, table = cells.iloc[kept], pd.DataFrame({"time": time - time[0]})
     raw = {name: numbers(cells, name, report) for name in found.columns if name != found.time.column}
     frames.convert(raw, found, table, report)
     leave_out_zeros(table, report)
@@ -194,7 +196,7 @@ def log_of(cells, found, report=None, source=""):
         report.doubt(
             "ground_position is not used; the outlet of the winch must stand still, and kite_position be seen from there"
         )
-    return Log(table, found, report, source)
+    return Log(table, found, report, source, float(time[0]))
 
 
 def say_units(cells, found, report):

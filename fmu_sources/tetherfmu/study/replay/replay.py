@@ -40,13 +40,13 @@ class Replay:
     @property
     def doubts(self):
         """Sentences on what not to believe."""
-        share = comparison.untrustworthy(self.residuals)
+        taut, share = comparison.untrustworthy(self.residuals)
         if self.lead != "tension" and share > 0.0:
             noise = self.flight.log.map.smoothing.position_noise
             yield (
-                f"for {100.0 * share:.0f} % of the time in which the tether is taut its stiffness times the noise of a "
-                f"position ({noise:g} m) is more than the measured tension: do not believe a taut force from positions; let "
-                "the tension lead"
+                f"the tether is taut for {100.0 * taut:.0f} % of the time; for {100.0 * share:.0f} % of that its stiffness "
+                f"times the noise of a position ({noise:g} m) is more than the measured tension: do not believe a taut "
+                "force from positions; let the tension lead"
             )
         for name, each in self.flown.items():
             if each.refused:
