@@ -22,13 +22,13 @@ from tetherfmu.console.colours import BLUE, COLOUR, REFERENCE
 from tetherfmu.console.options import file
 from tetherfmu.study.measuring.tables import circumstances, markdown
 from tetherfmu.study.replay import comparison, fitting, log, runs
-from tetherfmu.study.replay.flight import prepare
+from tetherfmu.study.replay.flight import Correction, prepare
 from tetherfmu.study.replay.replay import replay
 
 DOCS = Path(__file__).resolve().parents[1]
 LOGS = DOCS.parent / "examples" / "flights"
 CYCLES = {f"8 October 2019, cycle {int(cycle)}": f"kitepower_20191008_{cycle}.csv" for cycle in ("0012", "0031", "0064")}
-FLIGHT_2023, FLIGHT_2025 = "12 May 2023, 300 s", "9 October 2025, 27 minutes"
+FLIGHT_2023, FLIGHT_2025 = "12 May 2023, 299 s", "9 October 2025, 28 minutes"
 BEGUN_2023, LAUNCHED_2025, FALLING = 1683900945.6, 1760024111.0, 1760025801.6  # Unix time [s]
 LYING = 11.0  # s of the drop, after which the tether lies
 DROP, COMPARED, WHOLE_DROP = "drop", 7.2, 46.1  # and s of it
@@ -36,6 +36,8 @@ OF_DROP = {
     "dynamic, 40 segments": {"segments": 40},
     "the same, friction 0": {"segments": 40, "ground_friction": 0.0},
     "the same without ground": {"segments": 40, "ground_contact": "none"},
+    "the same, 1 m longer": {"segments": 40, "longer": 1.0},
+    "the same, wind from 10 m on with exponent 0.1": {"segments": 40, "wind_reference_height": 10.0, "wind_exponent": 0.1},
     "dynamic, 20 segments": {"segments": 20},
     "dynamic, 40 segments, fixed step 5 ms": {"segments": 40, "fixed_step": 0.005},
     "quasi-steady, 40 segments": {"variant": "quasi_steady", "segments": 40},
@@ -48,31 +50,45 @@ NAMES = {"dynamic": "dynamic", "quasi_steady": "quasi-steady", "catenary": "cate
 
 def led_by_tension(name, flight):
     """A row of the table of lengths: all tethers led by the tension, an offset fitted on the first half."""
-    found = replay(flight, "tension")
+    half = first_half(flight)
+    found = replay(flight, "tension", fit_part=half)
     errors = found.errors[found.errors.part == comparison.ALL].set_index("tether")
-    (value, half), start = found.fit.found["length offset m"], found.fit.end
+    (value, width), start = found.fit.found["length offset m"], half.end
     rest = found.residuals[(found.residuals.time >= start) & (found.residuals.tether == "dynamic")]
+    distance = np.linalg.norm(flight.kite(flight.times)[0], axis=1)
+    more = np.abs(found.flown["dynamic"].table.tether_length - distance)
+    with_origin = replay(flight, "tension", ("dynamic",), ("offset", "origin"), half).residuals
+    rest_with_origin = with_origin[with_origin.time >= start].length
     row = {
         "flight": name,
         "measured tension, mean N": errors.at["dynamic", "measured tension N"],
-        "offset m": f"{value:.1f} ± {half:.1f}",
+        "offset m": f"{value:.1f} ± {width:.1f}",
         "second half: mean m": rest.length.mean(),
         "scatter m": rest.length.std(),
+        "with the origin fitted: mean m": rest_with_origin.mean(),
+        "its scatter m": rest_with_origin.std(),
         "as tension, if taut kN": 1e-3 * rest.stiffness.mean() * rest.length.std(),
     }
-    return row | {f"{label}: rms m": errors.at[key, "rms about it m"] for key, label in NAMES.items()}
+    row |= {f"{label}: rms m": errors.at[key, "rms about it m"] for key, label in NAMES.items()}
+    return row | {"sag and stretch: mean m": more.mean(), "at most m": more.max()}
+
+
+def first_half(flight):
+    """Part of a flight on which is fitted."""
+    return flight.part(flight.start, 0.5 * (flight.start + flight.end))
 
 
 def led_by_length(name, flight):
     """A row of the table of tensions: the same offset, all tethers led by the length."""
-    found = replay(flight, "length")
+    found = replay(flight, "length", fit_part=first_half(flight))
     errors = found.errors[found.errors.part == comparison.ALL].set_index("tether")
     row = {"flight": name, "measured tension, mean N": errors.at["dynamic", "measured tension N"]}
     return row | {f"{label}: rms N": errors.at[key, "rms N"] for key, label in NAMES.items()}
 
 
-def of_drop(flight, variant="dynamic", **options):
-    """What a tether gives along the drop; a row of its table, and time and mean tension of each row, and the lowest node."""
+def of_drop(flight, variant="dynamic", longer=0.0, **options):
+    """What a tether, longer by so many m, gives along the drop: a row of its table; over time tensions and lowest node."""
+    flight = flight.corrected(Correction(length=longer))
     flown = runs.fly(flight, variant, "length", **options)
     table = comparison.residuals(flight, {variant: flown})
     since = table.time - flight.start
@@ -122,7 +138,7 @@ def fly_2019():
 def fly_2023(path):
     """Rows of the tables of lengths and of tensions of the flight of 2023."""
     read = log.read(path, "kitepower_2023")
-    flight = prepare(read, BEGUN_2023 - read.begin, BEGUN_2023 - read.begin + 300.0)
+    flight = prepare(read, BEGUN_2023 - read.begin, BEGUN_2023 - read.begin + 299.0)
     return [led_by_tension(FLIGHT_2023, flight)], [led_by_length(FLIGHT_2023, flight)]
 
 

@@ -13,6 +13,7 @@ from .runs import SEGMENTS, fly
 NAMES = {"offset": "length offset m", "origin": ("origin east m", "origin north m", "origin up m"), "delay": "delay s"}
 BLOCKS = 20  # of the part, from whose differences the uncertainty comes
 CONFIDENCE = 0.95  # that all intervals hold at once
+PULLED = 3.0  # tension over the weight of the tether, below which it hangs or lies: sag makes 0.5 % of the length there
 SETTLED = 2.0  # s from the start, after which the tether has forgotten it
 FEWEST = 100  # rows of a taut tether
 ROUNDS = 6  # of Gauss and Newton, at most
@@ -103,7 +104,9 @@ def residual(flight, wanted, segments=SEGMENTS):
     rest = length - flight.length(time)
     slopes = {"offset": np.ones((len(time), 1)), "origin": -direction}
     slopes["delay"] = -np.sum(direction * velocity, axis=1, keepdims=True)
-    taut = np.isfinite(rest) & flight.is_taut(length)
+    tether, gravity = flight.log.map.tether, flight.log.map.environment.gravity
+    pulled = flight.measured("ground_tension", time) > PULLED * tether.mass_per_meter * gravity * distance
+    taut = np.isfinite(rest) & flight.is_taut(length) & pulled
     taut[time < time[0] + SETTLED] = False
     if taut.sum() < FEWEST:
         raise LogError(f"the part from {flight.start:g} to {flight.end:g} s has no taut tether: nothing can be fitted")

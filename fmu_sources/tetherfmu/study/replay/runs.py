@@ -50,7 +50,9 @@ def first_length(flight, rows, lead):
         return distance
     found = flight.log.map
     options = {"winch_control": "force", "input_continuation": "held", "shape_points": 0}
-    tether = TetherQuasiSteady(replace(found.tether, initial_length=distance), found.environment, **options)
+    tether = TetherQuasiSteady(
+        replace(found.tether, initial_length=distance), found.environment, ground=found.ground, **options
+    )
     still = {"kite_position": start["kite_position"], "wind_velocity": start["wind_velocity"]}
     force = float(flight.measured("ground_tension", flight.times[:1])[0])
     try:
@@ -71,9 +73,9 @@ def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
         raise LogError(f"the log has no {lead} that could lead the winch")
     rows, found = flight.inputs(lead), flight.log.map
     start = by_name(rows[0])
-    told = {"winch_control": LEADS[lead], "segments": segments, "initial_length": first_length(flight, rows, lead)}
-    told["initial_shape"] = "quasi_steady"  # the kite is in flight
+    told = {"winch_control": LEADS[lead], "segments": segments, "initial_shape": "quasi_steady"}  # the kite is in flight
     with warnings.catch_warnings(action="ignore", category=PlausibilityWarning):
+        told["initial_length"] = first_length(flight, rows, lead)
         tether = TETHERS[variant](found.tether, found.environment, ground=found.ground, **told | quantities)
         try:
             tether.initialize(**{name: start[name] for name in ("kite_position", "kite_velocity", "wind_velocity")})
