@@ -417,6 +417,8 @@ DOUBTED_ENU = {
         lambda t: changed(t.drop(columns=["vx", "vy", "vz"]), z=np.negative),
         "kite_position is below the outlet",
     ),
+    "no wind": (lambda t: t.drop(columns="wind_x"), "no wind_velocity: the tethers fly in still air"),
+    "no tether": (lambda t: t, "the map does not say which tether flew: a default one of 4 mm and 9.1 g/m does"),
     "no length": (lambda t: t.drop(columns="tether_length"), "not checked.*kite_position with tether_length"),
     "speed with the wrong sign, no length": (
         lambda t: changed(t.drop(columns="tether_length"), reel_out_speed=np.negative),
@@ -554,7 +556,7 @@ def test_a_folder_and_a_missing_file_are_refused(folder, own):
 
 @pytest.mark.parametrize("name", ["kitepower_2019", "kitepower_2023", "kitepower", "fmu"])
 def test_a_map_of_another_log_is_refused(name, folder):
-    refused(folder, full(), name, "is missing|name the map")
+    refused(folder, full(), name, "is missing|name its map")
 
 
 NASTY = [

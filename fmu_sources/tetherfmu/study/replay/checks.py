@@ -4,6 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 
 from .log import FASTEST, POSITION, VELOCITY, WIND
@@ -44,6 +45,7 @@ def check(log):
         done += [name] if found else []
         undone += [name] if found is False else []
     judge_height(position, log.report)
+    judge_what_is_not_said(log)
     log.report.say(f"fit each other: {', '.join(done) or 'nothing to compare'}")
     if undone:
         log.report.doubt(f"not checked, for the log has nothing to compare with: {'; '.join(undone)}")
@@ -269,6 +271,18 @@ def judge_height(position, report):
     below = np.nanmean(position[:, 2] < 0.0)
     if below > IN_MIDDLE:
         report.doubt(f"kite_position is below the outlet of the winch in {100.0 * below:.0f} % of the rows: is up right?")
+
+
+def judge_what_is_not_said(log):
+    """Doubt a tether that is none of the user's, and still air."""
+    tether = log.map.tether
+    if tether == Tether():
+        log.report.doubt(
+            f"the map does not say which tether flew: a default one of {1000.0 * tether.diameter:g} mm and "
+            f"{1000.0 * tether.mass_per_meter:.3g} g/m does; give a table [tether], or set tether.diameter, ..."
+        )
+    if log.of(WIND) is None:
+        log.report.doubt("there is no wind_velocity: the tethers fly in still air")
 
 
 COMPARISONS = {  # what is compared, and how: True if it was, False if nothing is there to compare with, None without it

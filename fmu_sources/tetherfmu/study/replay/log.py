@@ -156,8 +156,8 @@ def map_for(name, cells):
     times = pd.to_numeric(cells["time"], errors="coerce") if "time" in cells else pd.Series(dtype=float)
     year = pd.to_datetime(times, unit="s", errors="coerce").dt.year.median()
     if year not in columns.BY_YEAR:
-        choices = ", ".join(columns.BY_YEAR.values())
-        raise ValueError(f"has no column time of a year that Kitepower has published; name the map: {choices}")
+        choices = f"{', '.join(columns.MAPS)}, or a file (.toml)"
+        raise ValueError(f"has no column time of a year that Kitepower has published; name its map: {choices}")
     return columns.load(columns.BY_YEAR[year])
 
 
