@@ -7,7 +7,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 
-from .log import FASTEST, POSITION, VELOCITY, WIND
+from .readings import FASTEST, POSITION, VELOCITY, WIND
 
 WINDOW = 1.0  # s, over which motions are compared
 FEWEST = 4  # of them
@@ -157,27 +157,25 @@ def compare_length(log, position):
     """Whether the tether is as long as the kite is far away; LogError if the kite is much farther away."""
     if "tether_length" not in log.table:
         return False
-    length = log.table["tether_length"].to_numpy() - log.map.station.drum_to_outlet + log.map.station.length_offset
-    ratio = (np.linalg.norm(position, axis=1) - log.map.kite.end_below) / np.where(length > 0.0, length, np.nan)
+    station, noise = log.map.station, log.map.smoothing.position_noise
+    length = log.table["tether_length"].to_numpy() - station.drum_to_outlet + station.length_offset
+    distance = np.linalg.norm(position, axis=1) - log.map.kite.end_below
+    ratio = distance / np.where(length > 0.0, length, np.nan)
     if not np.isfinite(ratio).any():
         return False
-    far, check = np.nanquantile(ratio, 0.95), "check both units, the origin and its altitude, and what length is counted"
-    excess = np.nanquantile((ratio - 1.0) * length, 0.95)
+    far, excess = np.nanquantile(ratio, 0.95), np.nanquantile(distance - length, 0.95)
+    check = "as far away as tether_length; check both units, the origin and its altitude, and what length is counted"
     if far > FARTHEST and excess > NEARBY:
-        raise log.wrong(
-            f"kite_position is {far:.3g} times as far away as tether_length, in 5 % of the rows or more; {check}"
-        )
-    if far > DOUBTFUL and excess > NOISE * log.map.smoothing.position_noise:
-        log.report.doubt(f"kite_position is up to {far:.4g} times as far away as tether_length; {check}")
+        raise log.wrong(f"kite_position is, in 5 % of the rows or more, {far:.3g} times {check}")
+    if far > DOUBTFUL and excess > NOISE * noise:
+        log.report.doubt(f"kite_position is up to {far:.4g} times {check}")
     if far < NEAREST:
-        log.report.doubt(f"kite_position is never farther away than {far:.2g} times tether_length; {check}")
+        log.report.doubt(f"kite_position is never more than {far:.2g} times {check}")
     if "ground_tension" in log.table:
         taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * weight(log) * length]
         middle = np.nanmedian(taut) if np.isfinite(taut).sum() >= FEWEST else 1.0
         if middle < LEAST_TAUT:
-            log.report.doubt(
-                f"kite_position is only {middle:.3g} times as far away as tether_length while it is taut; {check}"
-            )
+            log.report.doubt(f"kite_position is, while the tether is taut, only {middle:.3g} times {check}")
     return True
 
 
