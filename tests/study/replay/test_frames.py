@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.study.replay.known_flight import seen_from_origin
-from tetherfmu.study.replay import frames, log
+from tetherfmu.study.replay import frames, log, readings
 from tetherfmu.study.replay.columns import read
 
 ROUNDING = 1e-7  # m: 6e6 m from the centre, 16 digits, some operations
@@ -109,7 +109,7 @@ METRES = {"x": 100.0, "y": 20.0, "z": 150.0}
 )
 def test_velocities_are_turned_to_east_north_up(axes, right):
     found = log_of({**POINTS, "kite_velocity": axes}, **METRES, a=1.0, b=2.0, c=3.0)
-    assert np.allclose(found.of(log.VELOCITY)[0], right, rtol=1e-12)
+    assert np.allclose(found.of(readings.VELOCITY)[0], right, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_tensions_are_in_newton(unit, newton):
 @pytest.mark.parametrize(("unit", "metres"), [("m", 1.0), ("ft", 0.3048), ("km", 1000.0), ("cm", 0.01), ("mm", 0.001)])
 def test_positions_are_in_metres(unit, metres):
     found = log_of({"kite_position": {"x": "x", "y": "y", "down": "z", "unit": unit}}, x=2.0, y=3.0, z=4.0)
-    assert np.allclose(found.of(log.POSITION)[0], np.array([2.0, 3.0, -4.0]) * metres, rtol=1e-12)
+    assert np.allclose(found.of(readings.POSITION)[0], np.array([2.0, 3.0, -4.0]) * metres, rtol=1e-12)
 
 
 @given(st.floats(0.0, 360.0), st.floats(0.1, 30.0))
@@ -131,14 +131,14 @@ def test_the_wind_blows_from_where_it_is_said_to_come(direction, speed):
     """A point at this bearing, clockwise from north, has x = sin, y = cos: the wind goes the other way."""
     found = log_of({**POINTS, "wind_velocity": {"speed": "w", "from": "d"}}, **METRES, w=speed, d=direction)
     bearing = np.array([np.sin(np.radians(direction)), np.cos(np.radians(direction)), 0.0])
-    assert np.allclose(found.of(log.WIND)[0], -speed * bearing, atol=1e-9)
+    assert np.allclose(found.of(readings.WIND)[0], -speed * bearing, atol=1e-9)
 
 
 @pytest.mark.parametrize(("angle", "from_north"), [("deg", 270.0), ("rad", 1.5 * np.pi)])
 def test_a_west_wind_blows_to_the_east(angle, from_north):
     wind = {"speed": "w", "from": "d", "unit": "kn", "angle": angle}
     found = log_of({**POINTS, "wind_velocity": wind}, **METRES, w=10.0, d=from_north)
-    assert np.allclose(found.of(log.WIND)[0], [18520.0 / 3600.0, 0.0, 0.0], atol=1e-9)
+    assert np.allclose(found.of(readings.WIND)[0], [18520.0 / 3600.0, 0.0, 0.0], atol=1e-9)
 
 
 @pytest.mark.parametrize(

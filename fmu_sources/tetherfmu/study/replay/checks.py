@@ -4,9 +4,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 
-from .log import FASTEST, POSITION, VELOCITY, WIND
+from .readings import FASTEST, POSITION, VELOCITY, WIND
 
 WINDOW = 1.0  # s, over which motions are compared
 FEWEST = 4  # of them
@@ -44,6 +45,7 @@ def check(log):
         done += [name] if found else []
         undone += [name] if found is False else []
     judge_height(position, log.report)
+    judge_what_is_not_said(log)
     log.report.say(f"fit each other: {', '.join(done) or 'nothing to compare'}")
     if undone:
         log.report.doubt(f"not checked, for the log has nothing to compare with: {'; '.join(undone)}")
@@ -155,27 +157,25 @@ def compare_length(log, position):
     """Whether the tether is as long as the kite is far away; LogError if the kite is much farther away."""
     if "tether_length" not in log.table:
         return False
-    length = log.table["tether_length"].to_numpy() - log.map.station.drum_to_outlet + log.map.station.length_offset
-    ratio = (np.linalg.norm(position, axis=1) - log.map.kite.end_below) / np.where(length > 0.0, length, np.nan)
+    station, noise = log.map.station, log.map.smoothing.position_noise
+    length = log.table["tether_length"].to_numpy() - station.drum_to_outlet + station.length_offset
+    distance = np.linalg.norm(position, axis=1) - log.map.kite.end_below
+    ratio = distance / np.where(length > 0.0, length, np.nan)
     if not np.isfinite(ratio).any():
         return False
-    far, check = np.nanquantile(ratio, 0.95), "check both units, the origin and its altitude, and what length is counted"
-    excess = np.nanquantile((ratio - 1.0) * length, 0.95)
+    far, excess = np.nanquantile(ratio, 0.95), np.nanquantile(distance - length, 0.95)
+    check = "as far away as tether_length; check both units, the origin and its altitude, and what length is counted"
     if far > FARTHEST and excess > NEARBY:
-        raise log.wrong(
-            f"kite_position is {far:.3g} times as far away as tether_length, in 5 % of the rows or more; {check}"
-        )
-    if far > DOUBTFUL and excess > NOISE * log.map.smoothing.position_noise:
-        log.report.doubt(f"kite_position is up to {far:.4g} times as far away as tether_length; {check}")
+        raise log.wrong(f"kite_position is, in 5 % of the rows or more, {far:.3g} times {check}")
+    if far > DOUBTFUL and excess > NOISE * noise:
+        log.report.doubt(f"kite_position is up to {far:.4g} times {check}")
     if far < NEAREST:
-        log.report.doubt(f"kite_position is never farther away than {far:.2g} times tether_length; {check}")
+        log.report.doubt(f"kite_position is never more than {far:.2g} times {check}")
     if "ground_tension" in log.table:
         taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * weight(log) * length]
         middle = np.nanmedian(taut) if np.isfinite(taut).sum() >= FEWEST else 1.0
         if middle < LEAST_TAUT:
-            log.report.doubt(
-                f"kite_position is only {middle:.3g} times as far away as tether_length while it is taut; {check}"
-            )
+            log.report.doubt(f"kite_position is, while the tether is taut, only {middle:.3g} times {check}")
     return True
 
 
@@ -269,6 +269,18 @@ def judge_height(position, report):
     below = np.nanmean(position[:, 2] < 0.0)
     if below > IN_MIDDLE:
         report.doubt(f"kite_position is below the outlet of the winch in {100.0 * below:.0f} % of the rows: is up right?")
+
+
+def judge_what_is_not_said(log):
+    """Doubt a tether that is none of the user's, and still air."""
+    tether = log.map.tether
+    if tether == Tether():
+        log.report.doubt(
+            f"the map does not say which tether flew: a default one of {1000.0 * tether.diameter:g} mm and "
+            f"{1000.0 * tether.mass_per_meter:.3g} g/m does; give a table [tether], or set tether.diameter, ..."
+        )
+    if log.of(WIND) is None:
+        log.report.doubt("there is no wind_velocity: the tethers fly in still air")
 
 
 COMPARISONS = {  # what is compared, and how: True if it was, False if nothing is there to compare with, None without it

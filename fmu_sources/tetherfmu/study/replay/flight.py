@@ -9,7 +9,8 @@ from scipy.interpolate import CubicHermiteSpline
 from tetherfmu.runtime.inputs import COUNT, by_name
 
 from . import checks
-from .log import POSITION, VELOCITY, WIND, Log, LogError
+from .log import Log, LogError
+from .readings import POSITION, VELOCITY, WIND
 from .smoothing import Noise, Smoothed, smooth
 
 SHORTEST = 5.0  # s, a flight
