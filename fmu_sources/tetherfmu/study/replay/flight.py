@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 from tetherfmu.runtime.inputs import COUNT, by_name
 
 from . import checks
-from .log import Log, LogError
+from .log import Log
 from .readings import POSITION, VELOCITY, WIND
 from .smoothing import Noise, Smoothed, smooth
 
@@ -118,7 +118,8 @@ class Flight:
         into["wind_velocity"][:] = self.wind(time)
         led = self.length(time) if lead == "length" else self.measured(MEASURED[lead], time)
         if not np.isfinite(led).all():
-            raise LogError(f"{MEASURED[lead]} leads the winch and has no reading at {time[~np.isfinite(led)][0]:.1f} s")
+            gap = time[~np.isfinite(led)][0]
+            raise self.log.wrong(f"{MEASURED[lead]} leads the winch and has no reading at {gap:.1f} s")
         into[{"tension": "winch_force", "length": "winch_length", "speed": "reel_out_speed"}[lead]][:, 0] = led
         return rows
 
@@ -147,7 +148,7 @@ def part_of(log, start, end):
     """Start and end [s] of a part of a log; LogError if the log does not have it."""
     first, last = log.time[0], log.time[-1]
     if not (first <= start and start + SHORTEST <= end <= last):
-        raise LogError(
+        raise log.wrong(
             f"the part from {start:g} to {end:g} s is not possible: the log has {first:g} to {last:.1f} s, and the shortest "
             f"flight is {SHORTEST:g} s"
         )
@@ -163,6 +164,11 @@ def at_end_of_tether(log):
         velocity = np.full_like(position, np.nan)
     if log.map.kite.end_below:
         distance = np.linalg.norm(position, axis=1, keepdims=True)
+        if (nearest := np.nanmin(distance)) <= log.map.kite.end_below:
+            raise log.wrong(
+                f"kite.end_below is {log.map.kite.end_below:g} m, and kite_position comes as near as {nearest:.3g} m to the "
+                "outlet of the winch; it must be farther away"
+            )
         factor = 1.0 - log.map.kite.end_below / distance
         radial = np.sum(position * velocity, axis=1, keepdims=True) / distance
         velocity = factor * velocity + (1.0 - factor) * radial * position / distance
@@ -188,7 +194,7 @@ def refuse_gaps(log, position, start, end):
     longest = log.map.smoothing.longest_gap
     k = np.argmax(gaps)
     if gaps[k] > longest:
-        raise LogError(
+        raise log.wrong(
             f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s; fly a part (--from, --to), or allow it with "
             f"smoothing.longest_gap (now {longest:g} s)"
         )

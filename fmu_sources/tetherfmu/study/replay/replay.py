@@ -18,6 +18,7 @@ from .flight import MEASURED, Flight, prepare
 
 NOTHING = "nothing"  # of --fit
 LONGEST_FIT = 0.5  # of the flight, from its start: the part of the fit if none is named and nothing is before the flight
+SHORTEST_FLIGHT = 30.0  # s, on whose first half is fitted
 SHORTEST_BEFORE = 20.0  # s before the flight, from which on they are the part of the fit
 
 
@@ -121,6 +122,27 @@ def whole(errors):
     return errors[errors.part == comparison.ALL].drop(columns="part")
 
 
+def wanted_fits(flight, named):
+    """What is fitted, a tuple: what is named (a list), or the offset if the log has what it needs; a line in its report if not.
+
+    WrongUse if `NOTHING` is named beside something.
+    """
+    if named:
+        if NOTHING in named and len(named) > 1:
+            raise WrongUse(f"--fit {' '.join(named)} is not possible; {NOTHING} stands alone")
+        return tuple(dict.fromkeys(each for each in named if each != NOTHING))
+    known, table = flight.log.map.station.length_offset, flight.log.table
+    if known or not flight.has("length") or "ground_tension" not in table:
+        return ()
+    before, long = flight.start - flight.log.time[0], flight.end - flight.start
+    if before < SHORTEST_BEFORE and long < SHORTEST_FLIGHT:
+        flight.log.report.say(
+            f"nothing is fitted: {SHORTEST_BEFORE:g} s before the flight, or a flight of {SHORTEST_FLIGHT:g} s are needed"
+        )
+        return ()
+    return ("offset",)
+
+
 def own_folder(name):
     """Folder of the results of a log if none is named; WrongUse if it cannot be one."""
     try:
@@ -138,12 +160,7 @@ def run(options):
         read = log.read(options.log, read.map.with_constants(dict(options.set)))
     flight = prepare(read, options.start, options.end)
     lead = options.lead or default_lead(read)
-    can_fit = flight.has("length") and "ground_tension" in read.table
-    can_fit = can_fit and not read.map.station.length_offset
-    wanted = tuple(dict.fromkeys(options.fit or (["offset"] if can_fit else [NOTHING])))
-    if NOTHING in wanted and len(wanted) > 1:
-        raise WrongUse(f"--fit {' '.join(wanted)} is not possible; {NOTHING} stands alone")
-    wanted = () if wanted == (NOTHING,) else wanted
+    wanted = wanted_fits(flight, options.fit)
     place = options.out or own_folder(options.log)
     fit_part = part_of_fit(flight, options.fit_from, options.fit_to) if wanted else None
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
