@@ -4,16 +4,15 @@ The scatter of the length about the log is that of the position of the wing (GPS
 0.3 to 0.6 m of it. So these cycles exercise the winch; they validate no tether.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from tetherfmu import TetherQuasiSteady
+from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime.inputs import COUNT, by_name
 
-FOLDER = Path(__file__).parents[1] / "reference"
+FOLDER = EXAMPLES / "flights"
 KILOGRAM = 9.81  # force in the log [N]
 STEP = 0.1  # of the log [s]
 

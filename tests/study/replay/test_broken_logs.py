@@ -6,7 +6,6 @@ DOUBTED : what cannot be told from the data, or may be meant so, is a doubt that
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -15,12 +14,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.study.replay.known_flight import AREA, FULL, KGF, WIND, enu, flown, full, map_of, motions, path, written
+from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import checks, log, readings
 from tetherfmu.study.replay.flight import prepare
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
 
-CYCLE = Path(__file__).parents[2] / "reference" / "kitepower_20191008_0012.csv"  # no length, no velocity
+CYCLE = EXAMPLES / "flights" / "kitepower_20191008_0012.csv"
+KEPT = ("time", "kite_pos_east", "kite_pos_north", "kite_height", "ground_tether_force", "ground_tether_reelout_speed")
 FORCE, SPEED_2019 = "ground_tether_force", "ground_tether_reelout_speed"
 ROUNDED = 0.02  # m, m/s: what millimetres and 1e-8 deg in a log, smoothed, come to, ten times
 FEW = 0.5  # m, m/s: of a smoothed motion where a second, or a part of the readings, is missing
@@ -455,7 +456,9 @@ def unbroken(folder, own):
 
 @pytest.fixture(scope="module")
 def cycle():
-    return pd.read_csv(CYCLE)
+    """The cycle from its first second on, without velocities."""
+    table = pd.read_csv(CYCLE)[[*KEPT, "ground_wind_velocity", "ground_upwind_direction"]]
+    return table.assign(time=(table.time - table.time[0]).round(1))
 
 
 @pytest.fixture(scope="module")

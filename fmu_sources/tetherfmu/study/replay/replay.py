@@ -123,7 +123,7 @@ def whole(errors):
 
 
 def wanted_fits(flight, named):
-    """What is fitted, a tuple: what is named (a list), or the offset if the log has what it needs; if not, its report says so.
+    """What is fitted, a tuple: what is named (a list), or the offset if the log has what it needs; else its report says so.
 
     WrongUse if `NOTHING` is named beside something.
     """
