@@ -4,14 +4,18 @@ from tetherfmu.export.example_fmus import slave
 
 
 class Model:
-    """A slave of the examples; values are set and read by name, a vector as three numbers."""
+    """A slave of the examples; values are set and read by name, a vector as three numbers.
 
-    def __init__(self, name, **values):
+    file : of turbulent wind.
+    """
+
+    def __init__(self, name, file="", **values):
         self.slave = slave(name)(instance_name=name, resources="")
         self.places = dict(zip((each.name for each in self.slave.table), self.slave.references, strict=True))
         self.messages, self.time = [], 0.0
         self.slave.say = lambda message, level: self.messages.append(message)
         self.set(**values)
+        self.slave.file = str(file)
         self.slave.enter_initialization_mode()
         self.slave.exit_initialization_mode()
 

@@ -131,7 +131,9 @@ def unit(each):
 
 
 def start(each):
-    """Start value of a variable or of a vector of them."""
+    """Start value of a variable or of a vector of them; of the points of a tether the first and the last."""
+    if len(each) > 3:
+        return f"{start(each[:3])} to {start(each[-3:])}"
     return ", ".join(number_text(variable.start) for variable in each)
 
 

@@ -1,4 +1,4 @@
-"""Build the FMUs of the examples: kites, a winch, a flight controller, a prescribed flight; as tether FMUs are built."""
+"""Build the FMUs of the examples: kites, a winch, a flight controller, a prescribed flight, turbulent wind."""
 
 import json
 import tempfile
@@ -20,6 +20,7 @@ SLAVES = {  # name: script
     "Winch": "winch.py",
     "FlightController": "flight_controller.py",
     "KiteOnPath": "kite_on_path.py",
+    "TurbulentWind": "turbulent_wind.py",
 }
 PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
 

@@ -1,0 +1,128 @@
+"""Frozen turbulence: a box of wind that the mean wind carries past the points of a tether.
+
+    v(x, t) = U(z) e + R u(q),   q = R^T (x - o) - U t (1, 0, 0),   U(z) = U (z/h)^alpha
+
+e direction of the mean wind, R turns the axes of the box into those of space (e, left of it, up), o origin of the box at
+t = 0, u its fluctuations, trilinear between the points of the grid. All of the box is carried with the mean wind U at the
+reference height h. A gust is felt at the distance d downwind d/U later.
+
+A box of TurbSim contains its mean wind: within its heights its numbers are the wind, and it is carried with its own U. What
+is beyond them gets v = box + U(z) - U(z of the row that was read).
+
+Outside. Periodic: the box is repeated along, across and upwards, n points on n spacings; between the last plane and the next
+first one the wind is interpolated, too. Refused: a sentence on the point that is outside.
+"""
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from .wind_boxes import LARGEST_SPEED, WrongBox
+
+EDGE = 1e-9  # of a spacing: rounding at the faces of a box
+AXES = ("along the wind", "across the wind", "upwards")
+
+
+class MeanWind(NamedTuple):
+    """The mean wind: U [m/s] at the height h [m], direction in which it blows [rad, from x to y], exponent alpha [-]."""
+
+    speed: float
+    direction: float = 0.0
+    reference_height: float = 10.0
+    exponent: float = 0.0
+
+
+def profile(mean, height):
+    """U(z) [m/s] at heights [m] (any shape); 0 at and below z = 0, unless it is uniform (alpha = 0)."""
+    if mean.exponent == 0.0:
+        return np.full(np.shape(height), mean.speed)
+    return mean.speed * (np.maximum(height, 0.0) / mean.reference_height) ** mean.exponent
+
+
+class FrozenTurbulence:
+    """Wind at any point and time; all that does not depend on them is computed once."""
+
+    def __init__(self, mean, box=None, origin=(0.0, 0.0, 0.0), periodic=True):
+        """Take a `MeanWind`, a `Box` (None: the mean wind alone), its origin [m], and what to do outside.
+
+        A box with a mean wind of its own replaces speed and height of the given one.
+        """
+        if box and box.mean:
+            mean = mean._replace(speed=box.mean[0], reference_height=box.mean[1])
+        self.mean, self.box, self.periodic = mean, box, periodic
+        c, s = cos(mean.direction), sin(mean.direction)
+        self._turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])  # R
+        if box:
+            self._first = (self._turn.T @ origin + box.first)[:, None]
+            self._spacing = np.array(box.spacing)[:, None]
+            self._points, self._strides = np.array(box.points)[:, None], np.array(box.strides)[:, None]
+            self._offset, self._scale = np.array(box.offset)[:, None], np.array(box.scale)[:, None]
+            self._rows = np.zeros(box.points[2])  # mean wind in each row of the box
+            if box.mean:
+                self._rows += profile(mean, self._first[2] + box.spacing[2] * np.arange(box.points[2]))
+
+    def at(self, time, points):
+        """Wind [m/s], array (K, 3), at a time [s] and at points [m], array (K, 3).
+
+        WrongBox if a point is outside of a box that is not periodic, or if the box has a number there that is no wind.
+        """
+        if not self.box:
+            wind = np.zeros((3, len(points)))
+            wind[0] = profile(self.mean, points[:, 2])
+            return (self._turn @ wind).T
+        carried = self._turn.T @ points.T
+        carried[0] -= self.mean.speed * time
+        place = (carried - self._first) / self._spacing  # in spacings from the first point
+        if not self.periodic:
+            self._refuse_outside(place, points, time)
+        low = np.floor(place)
+        part = place - low
+        low = low.astype(np.int64) % self._points
+        high = low + 1
+        high[high == self._points] = 0
+        wind = self._between(low, high, part)
+        wind[0] += self._mean_beyond(points[:, 2], place[2], low[2], high[2], part[2])
+        return (self._turn @ wind).T
+
+    def _between(self, low, high, part):
+        """Trilinear velocity in the axes of the box (3, K); low, high : points before and behind, part : between them."""
+        ends = np.array((low, high)) * self._strides  # (2, 3, K)
+        shares = np.array((1.0 - part, part))
+        number = ends[:, None, None, 0] + ends[None, :, None, 1] + ends[None, None, :, 2]  # (2, 2, 2, K)
+        share = shares[:, None, None, 0] * shares[None, :, None, 1] * shares[None, None, :, 2]
+        number, share = number.reshape(8, -1), share.reshape(8, -1)
+        with np.errstate(invalid="ignore"):
+            stored = np.einsum("cpk,pk->ck", np.array([each[number] for each in self.box.components], dtype=float), share)
+        velocity = (stored - self._offset) / self._scale
+        worst = velocity.ravel()[np.abs(velocity).argmax()]  # the first that is no number, if there is one
+        if not abs(worst) <= LARGEST_SPEED:
+            raise WrongBox(
+                f"{self.box.file} has a wind of {worst:g} m/s; it must be at most {LARGEST_SPEED:g} m/s: is the file "
+                "damaged, or of another kind?"
+            )
+        return velocity
+
+    def _mean_beyond(self, height, place, low, high, part):
+        """Mean wind [m/s] that is to be added to what the box has (K,); 0 within the heights of a box that contains it."""
+        beyond = profile(self.mean, height)
+        if self.box.mean:
+            beyond -= (1.0 - part) * self._rows[low] + part * self._rows[high]
+            beyond[(place >= 0.0) & (place <= self.box.points[2] - 1)] = 0.0
+        return beyond
+
+    def _refuse_outside(self, place, points, time):
+        """WrongBox if a place is outside; one at a face is put onto it (modified)."""
+        last = self._points - 1
+        outside = (place < -EDGE) | (place > last + EDGE)
+        if outside.any():
+            axis, point = np.argwhere(outside)[0]
+            travelled = self.mean.speed * time if axis == 0 else 0.0
+            ends = self._first[axis, 0] + travelled + np.array((0, last[axis, 0])) * self._spacing[axis, 0]
+            where = self._first[axis, 0] + travelled + place[axis, point] * self._spacing[axis, 0]
+            named = ", ".join(f"{x:g}" for x in points[point])
+            raise WrongBox(
+                f"{self.box.file} does not reach the point ({named}) m at {time:g} s: {AXES[axis]} it is at {where:g} m; "
+                f"the box is from {ends.min():g} to {ends.max():g} m; move its origin, take a larger box or a periodic one"
+            )
+        np.clip(place, 0.0, last, out=place)
