@@ -20,8 +20,11 @@ class NamedFmu:
         return self.found[name]
 
     def set(self, **values):
-        """Set variables; whole numbers are integers of FMI, all others real numbers."""
+        """Set variables; whole numbers are integers of FMI, texts are strings, all others real numbers."""
         for name, value in values.items():
+            if isinstance(value, str):
+                self.fmu.setString(self.references(name), [value])
+                continue
             put = self.fmu.setInteger if isinstance(value, int) else self.fmu.setReal
             put(self.references(name), np.ravel(value))
 

@@ -15,12 +15,14 @@ INPUTS = {
     "FlyingKite": {"kite_force[1]": (-30.0, 0.0, 3.0), "wind_velocity[1]": (-20.0, 0.0, 8.0)},
     "Winch": {"ground_tension": (0.0, 1000.0), "set_speed": (-1.0, 1.0)},
     "FlightController": {"heading": (0.0, 1.0), "tether_length": (100.0, 400.0)},
+    "TurbulentWind": {"kite_position[2]": (-20.0, 40.0), "shape[3,1]": (0.0, 90.0)},
 }
 PARAMETER = {
     "PointMassKite": "wing_area",
     "FlyingKite": "kite_mass",
     "Winch": "drum_radius",
     "FlightController": "elevation",
+    "TurbulentWind": "mean_speed",
 }
 
 
