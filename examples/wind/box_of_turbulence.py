@@ -2,9 +2,9 @@
 
     E(k) ~ k^4 (1 + (k L)^2)^(-17/6),   u(k) ~ i k x n(k) (1 + (k L)^2)^(-17/12),   n white noise
 
-so the field is free of divergence. Source of the spectrum: von Karman, PNAS 34 (1948); of the way to make a field of it: Mann,
-Probabilistic Engineering Mechanics 13 (1998), without shear. It is no model of the atmosphere, whose eddies are stretched by the
-shear and blocked by the ground: for a study take a box of TurbSim or of a Mann generator.
+so the field is free of divergence. Sources: of the spectrum von Karman, PNAS 34 (1948); of the way to make a field of it
+Mann, Probabilistic Engineering Mechanics 13 (1998), without shear. It is no model of the atmosphere, whose eddies are
+stretched by the shear and blocked by the ground: for a study take a box of TurbSim or of a Mann generator.
 """
 
 import numpy as np

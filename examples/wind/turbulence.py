@@ -9,8 +9,8 @@ drawn beside.
     parked  `TetherDynamicFree` moves a soft kite (`PointMassKite`), which a law in this file steers to the zenith
     circle  `KiteOnPath` leads the end of `TetherDynamic` along a circle
 
-The tether has one wind, the mean along it (its `wind_profile` is uniform): gusts that are short beside the tether, 300 m, cancel
-in that mean. All FMUs step from the same communication point. Without `--box` the script makes a box of its own
+The tether has one wind, the mean along it (its `wind_profile` is uniform): gusts that are short beside the tether, 300 m,
+cancel in that mean. All FMUs step from the same communication point. Without `--box` the script makes a box of its own
 (`box_of_turbulence.py`), which is no model of the atmosphere.
 """
 
@@ -20,11 +20,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.console.ending import command
+from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from fmus.turbulent_wind import POINTS
+from fmus.wind_boxes import WrongBox, open_box
 from shared.fmu_tools import add_fmu, all_variables, find_fmu
 from shared.named_fmu import all_running
 from wind.box_of_turbulence import write
@@ -69,7 +71,7 @@ def air(wind, tether, position):
     wind.set(kite_position=position, shape=tether.get("shape"))
 
 
-def fly(kind, tether_file, box, count, stop_at=None):
+def fly(kind, tether_file, box, count):
     """A `Flight` of so many steps; kind : of `KINDS`. box : values of TurbulentWind, none for the mean wind alone."""
     names = ("TurbulentWind", KINDS[kind].partner)
     with all_running([find_fmu(name) for name in names] + [tether_file]) as (fmus, stop_if_pressed):
@@ -88,7 +90,7 @@ def fly(kind, tether_file, box, count, stop_at=None):
 
 def start_parked(wind, kite, tether, air_values):
     """Initialize: wind where the kite is, its load there, the tether under both."""
-    wind.start({"kite_position": START, "shape": np.linspace((0.0, 0.0, 0.0), START, 21)}, **air_values)
+    wind.start({"kite_position": START, "shape": np.linspace((0.0, 0.0, 0.0), START, POINTS)}, **air_values)
     kite.start({"kite_position": START, "kite_velocity": np.zeros(3), "wind_velocity": wind.get("kite_wind")})
     tether.start({"kite_load": kite.get("kite_load"), "wind_velocity": wind.get("wind_velocity")}, **PARKED)
 
@@ -106,7 +108,7 @@ def start_circle(wind, path, tether, air_values):
     """Initialize: the kite where its path begins, the wind there, the tether in it."""
     path.start({}, **CIRCLE)
     position = path.get("kite_position")
-    wind.start({"kite_position": position, "shape": np.linspace((0.0, 0.0, 0.0), position, 21)}, **air_values)
+    wind.start({"kite_position": position, "shape": np.linspace((0.0, 0.0, 0.0), position, POINTS)}, **air_values)
     motion = {"kite_position": position, "kite_velocity": path.get("kite_velocity")}
     tether.start({**motion, "wind_velocity": wind.get("wind_velocity")}, **TAUT)
 
@@ -145,36 +147,44 @@ def summary(name, flight):
 
 
 def draw(flights, target):
-    """Draw wind and force over time, a column for each kind; flights : dict of kinds to (in turbulence, in the mean wind)."""
+    """Draw wind and force over time, a column for each kind; flights : dict of kinds to turbulent and mean one."""
     from shared.flight_figures import plt
     from tetherfmu.console.colours import BLUE, GREY, VERMILLION
 
-    figure, axes = plt.subplots(
-        2, len(flights), figsize=(5.5 * len(flights), 6.0), sharex=True, squeeze=False, layout="constrained"
-    )
+    size = (5.5 * len(flights), 6.0)
+    figure, axes = plt.subplots(2, len(flights), figsize=size, sharex=True, squeeze=False, layout="constrained")
+    dashed = {"color": GREY, "linestyle": "--", "linewidth": 1.0, "label": "mean wind alone"}
     for (of_wind, of_force), (kind, (turbulent, calm)) in zip(axes.T, flights.items(), strict=True):
-        for flight, style in ((turbulent, {}), (calm, {"linestyle": "--", "linewidth": 1.0})):
-            beside = ", mean wind alone" if style else ""
-            colours = (GREY, GREY, GREY) if style else (VERMILLION, BLUE, BLUE)
-            if not style:
-                of_wind.plot(flight.time, np.linalg.norm(flight.kite_wind, axis=1), color=colours[0], label="at the kite")
-            speed = np.linalg.norm(flight.wind_velocity, axis=1)
-            of_wind.plot(flight.time, speed, color=colours[1], label=f"mean along the tether{beside}", **style)
-            of_force.plot(flight.time, 1e-3 * flight.ground_tension, color=colours[2], label=f"turbulent{beside}", **style)
+        for vectors, colour, label in (
+            (turbulent.kite_wind, VERMILLION, "at the kite"),
+            (turbulent.wind_velocity, BLUE, "mean along the tether"),
+        ):
+            of_wind.plot(turbulent.time, np.linalg.norm(vectors, axis=1), color=colour, label=label)
+        of_wind.plot(calm.time, np.linalg.norm(calm.kite_wind, axis=1), **dashed | {"label": "at the kite, mean wind alone"})
+        of_force.plot(turbulent.time, 1e-3 * turbulent.ground_tension, color=BLUE, label="turbulent wind")
+        of_force.plot(calm.time, 1e-3 * calm.ground_tension, **dashed)
         of_wind.set(title=kind, ylabel="wind speed [m/s]")
         of_force.set(ylabel="tension at the ground [kN]", xlabel="time [s]")
     for each in axes.flat:
+        low, high = each.get_ylim()
+        each.set_ylim(low, high + 0.25 * (high - low))  # room for the legend
         each.grid(alpha=0.4)
-        each.legend(loc="upper right", fontsize=8)
+        each.legend(loc="upper left", fontsize=8, ncols=2)
     figure.savefig(target, dpi=150)
 
 
 def box_values(given):
-    """Values of TurbulentWind for the box of the options; one is made if there is none."""
+    """Values of TurbulentWind for the box of the options; one is made if there is none; WrongUse if it is wrong."""
     if given.box:
-        points = dict(zip(("points_along", "points_across", "points_upwards"), map(int, given.points or ()), strict=False))
-        spacing = dict(zip(("spacing_along", "spacing_across", "spacing_upwards"), given.spacing or (), strict=False))
-        return {"file": str(given.box), **points, **spacing}
+        points, spacing = given.points or (0, 0, 0), given.spacing or (0.0, 0.0, 0.0)
+        try:
+            open_box(given.box, points, spacing)
+        except WrongBox as problem:
+            raise WrongUse(f"{problem}") from None
+        axes = ("along", "across", "upwards")
+        values = {f"points_{axis}": value for axis, value in zip(axes, points, strict=True)}
+        values |= {f"spacing_{axis}": value for axis, value in zip(axes, spacing, strict=True)}
+        return {"file": str(given.box), **values}
     target = given.out / "box_of_turbulence.npz"
     now("making a box of turbulence")
     write(target, given.intensity * MEAN["mean_speed"])
@@ -187,7 +197,13 @@ def parse(arguments):
     parser = Parser(description="fly a parked kite and a circle in turbulent wind")
     option = parser.add_argument
     option("--box", type=file, metavar="FILE", help="box of turbulence: .bts, u.bin, u.turb or .npz (default: one is made)")
-    option("--points", type=number(2, 1e7), nargs=3, metavar="N", help="of a Mann box: points along, across, upwards")
+    option(
+        "--points",
+        type=number(2, 1e7, whole=True),
+        nargs=3,
+        metavar="N",
+        help="of a Mann box: points along, across, upwards",
+    )
     option("--spacing", type=number(1e-6, 1e5, "m"), nargs=3, metavar="D", help="of a Mann box: distances of its points [m]")
     option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help="of a box that is made (default: 0.15)")
     option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help="of a flight [s] (default: 120)")
@@ -215,8 +231,11 @@ def main(arguments=None):
 
 
 def kind_of(tether):
-    """The flight that a tether FMU can do: dict of its kind to the FMU."""
-    return {"parked kite" if "kite_load[1]" in all_variables(tether).reference else "circle": tether}
+    """The flight that a tether FMU can do: dict of its kind to the FMU; WrongUse if it has other points than the wind."""
+    variables = all_variables(tether)
+    if len(variables.of("shape")) != 3 * POINTS:
+        raise WrongUse(f"{tether} has another number of points in shape; build it with --shape-points {POINTS}")
+    return {"parked kite" if "kite_load[1]" in variables.reference else "circle": tether}
 
 
 if __name__ == "__main__":
