@@ -24,9 +24,9 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-Partners for a tether: kites, a winch, a flight controller, a prescribed flight. They are PythonFMU slaves of 70 to
-150 lines (`examples/fmus/`), to fly at once and to put your own model into. They need what a tether FMU of PythonFMU
-needs, and no kernels.
+Partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. They are PythonFMU slaves of
+70 to 150 lines (`examples/fmus/`), to fly at once and to put your own model into. They need what a tether FMU of PythonFMU
+needs, and no kernels; `TurbulentWind` alone needs numpy as well.
 
 ```text
 tetherfmu build --examples
@@ -41,6 +41,7 @@ builds them beside the tethers, and two systems of them as SSP files.
 | `Winch` | `ground_tension`, `tether_length`, set point | `reel_out_speed` | every tether |
 | `FlightController` | motion of the kite, tension, length | steering, depower, `set_speed` | both kites, the winch |
 | `KiteOnPath` | | motion of the kite | tethers with a driven kite end |
+| `TurbulentWind` | position of the kite, `shape` | `wind_velocity`, `kite_wind`, `wind_at` | tethers and kites |
 
 Wiring: variables of the same name belong together. What no FMU gives is set by name in each FMU that has it: the wind,
 its profile, the air density. The ground station is the origin.
@@ -119,6 +120,62 @@ The motor makes the drum feel a third of its mass, so it follows the controller 
 the FMU follows it at once. Over a cycle of 150 m that makes a difference of up to 1 % (6 to 12 m/s, 20 and 100 ms), over
 one of 25 m 3 %. The stops of a drum inside the tether, `shortest_length` and `longest_length`, have the names of
 parameters of `FlightController` that mean something else: set those of the tether to 0.
+
+## Turbulent wind
+
+`TurbulentWind` reads a box of turbulence and lets the mean wind carry it past the kite and the tether. A file of any size
+opens at once: it is mapped into memory, and a step reads what it needs.
+
+| `file` ends in | written by | what it is |
+|---|---|---|
+| `.bts` | TurbSim | contains its mean wind, which replaces `mean_speed` and `wind_reference_height` |
+| `u.bin`, `u.turb` | Mann generators, HAWC2, hipersim | 32-bit numbers, v and w in files beside it; its grid is set |
+| `.npz` | `numpy.savez` (not `savez_compressed`) | `velocity` (along, across, up, 3) [m/s] and `spacing` (3,) [m] |
+
+The grid of a Mann box is not in its files: set `points_along`, `spacing_along` and those across and upwards.
+
+`file` is a String parameter: set it before the initialization, or build the FMU with it
+(`build("TurbulentWind", folder, [("file", path)])` of `tetherfmu.export.example_fmus`). Without a file the FMU gives the
+mean wind with its profile. A file that is missing, cut off or of another kind is refused at the initialization, a number in
+it that is no wind when it is read; each in one sentence. A saved state holds the name of the file, not its content; the file
+must not change during a run.
+
+Axes: x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows *to*,
+from the x axis. `box_origin` is where the front of the box, the plane that arrives first, has its middle at the start.
+Planes are in the order of space in the files of Mann generators and of numpy, so the last one is the front, and in the order
+of time in those of TurbSim. Programs differ here: planes in the wrong order turn time back, which the spectra do not show.
+PyConTurb 2.7.4 writes the points of a `.bts` plane upwards first, TurbSim and this reader have them across first. The height
+of the lowest row is that in a TurbSim file, otherwise 0, plus `box_origin[3]`.
+
+Outside of the box: `outside` = periodic (1) repeats it in all three directions; the seams are smooth only if it was made
+periodic (of a TurbSim file, in time: `UsableTime` = "ALL"). The fluctuations are repeated; the mean wind goes on as
+U(z/h)^`wind_exponent`. refused (2) refuses a step after which a point would be outside, the start included: the grid of
+TurbSim begins above the ground, so a tether that reaches down to it needs the first choice. The tower points of TurbSim are
+not read.
+
+Wiring: `shape` and `kite_position` from the tether or the kite (without `shape` keep `wind_points` = line (1): 21 points on
+the straight line from the origin to the kite). `wind_velocity` is the mean along the tether, for a tether with
+`wind_profile` = uniform; `kite_wind` goes to `wind_velocity` of a kite with a uniform profile. The wind at the points
+themselves, `wind_at`, is for models of your own: a tether FMU has a single wind. So gusts that are shorter than the tether
+cancel on it, in its shape and its waves as well as in its drag, to which the wind near a fast kite contributes more than
+the mean says. The turbulence is frozen: it does not change while it passes.
+
+`python examples/wind/turbulence.py` flies a parked kite (`TetherDynamicFree`, `PointMassKite`) and a kite on a circle
+(`KiteOnPath`, `TetherDynamic`) through FMPy, in a box that it makes (isotropic, 15 % of 8 m/s at 10 m; `--box FILE` takes
+one of yours):
+
+![Wind at the kite and along the tether, and tension at the ground, over 120 s](../figures/turbulence.png)
+
+| flight | wind at the kite | along the tether | tension at the ground | peak |
+|---|---|---|---|---|
+| parked kite | 12.7 ± 0.9 m/s | 11.0 ± 0.3 m/s | 1065 ± 660 N | 2858 N |
+| parked kite, mean wind alone | 12.8 ± 0.0 m/s | 11.0 ± 0.0 m/s | 1001 ± 1 N | 1006 N |
+| circle | 11.7 ± 1.2 m/s | 10.1 ± 0.6 m/s | 2003 ± 118 N | 2209 N |
+| circle, mean wind alone | 11.6 ± 0.6 m/s | 10.0 ± 0.5 m/s | 2005 ± 120 N | 2186 N |
+
+Means and standard deviations from 20 s on. The parked kite feels the gusts, and flies up and down in them; the kite on the
+circle is led, so only the drag of the tether itself changes. Sampling 22 points takes 30 to 55 µs in numpy, a step of the
+FMU with FMPy 0.1 ms (AMD EPYC, 2 cores with other load, Linux, Python 3.11, 2026-11-23).
 
 ## A model of your own
 

@@ -21,6 +21,7 @@ import numpy as np
 from .wind_boxes import LARGEST_SPEED, WrongBox
 
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
+BOTH = np.array((0, 1))[:, None, None]  # from the point before a place to those before and behind it
 AXES = ("along the wind", "across the wind", "upwards")
 
 
@@ -76,19 +77,20 @@ class FrozenTurbulence:
         place = (carried - self._first) / self._spacing  # in spacings from the first point
         if not self.periodic:
             self._refuse_outside(place, points, time)
-        low = np.floor(place)
-        part = place - low
-        low = low.astype(np.int64) % self._points
-        high = low + 1
-        high[high == self._points] = 0
-        wind = self._between(low, high, part)
-        wind[0] += self._mean_beyond(points[:, 2], place[2], low[2], high[2], part[2])
+        before = np.floor(place)
+        part = place - before
+        around = (before.astype(np.int64) + BOTH) % self._points
+        shares = np.array((1.0 - part, part))
+        wind = self._between(around * self._strides, shares)
+        wind[0] += self._mean_beyond(points[:, 2], place[2], around[:, 2], shares[:, 2])
         return (self._turn @ wind).T
 
-    def _between(self, low, high, part):
-        """Trilinear velocity in the axes of the box (3, K); low, high : points before and behind, part : between them."""
-        ends = np.array((low, high)) * self._strides  # (2, 3, K)
-        shares = np.array((1.0 - part, part))
+    def _between(self, ends, shares):
+        """Trilinear velocity in the axes of the box (3, K).
+
+        ends : what each axis adds to the numbers of the points before and behind a place (2, 3, K).
+        shares : of both (2, 3, K).
+        """
         number = ends[:, None, None, 0] + ends[None, :, None, 1] + ends[None, None, :, 2]  # (2, 2, 2, K)
         share = shares[:, None, None, 0] * shares[None, :, None, 1] * shares[None, None, :, 2]
         number, share = number.reshape(8, -1), share.reshape(8, -1)
@@ -103,11 +105,14 @@ class FrozenTurbulence:
             )
         return velocity
 
-    def _mean_beyond(self, height, place, low, high, part):
-        """Mean wind [m/s] that is to be added to what the box has (K,); 0 within the heights of a box that contains it."""
+    def _mean_beyond(self, height, place, rows, shares):
+        """Mean wind [m/s] that is to be added to what the box has (K,); 0 within the heights of a box that contains it.
+
+        rows : below and above a place (2, K).  shares : of both (2, K).
+        """
         beyond = profile(self.mean, height)
         if self.box.mean:
-            beyond -= (1.0 - part) * self._rows[low] + part * self._rows[high]
+            beyond -= (self._rows[rows] * shares).sum(axis=0)
             beyond[(place >= 0.0) & (place <= self.box.points[2] - 1)] = 0.0
         return beyond
 

@@ -24,12 +24,13 @@ from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, Variable
 
 from .file_slave import FileSlave
 from .frozen_turbulence import FrozenTurbulence, MeanWind
-from .model_slave import Refused, names, vector
+from .model_slave import Refused, names, scalar, vector
 from .wind_boxes import LARGEST_SPACING, MOST_POINTS, WrongBox, open_box
 
 POINTS = 21  # of the tether
 ON_LINE, OF_SHAPE = 1, 2  # `wind_points`
 PERIODIC, REFUSED = 1, 2  # `outside`
+FRONT, FARTHEST = "where the front of the box has its middle at the start, at its height 0", 1e6  # [m]
 WEIGHTS = np.array([0.5, *[1.0] * (POINTS - 2), 0.5]) / (POINTS - 1)
 KITE = (300.0, 0.0, 400.0)
 
@@ -93,13 +94,11 @@ def at_points(causality, name, unit, what, starts=None, depends_on=lambda k: ())
 
 POSITION = vector(INPUT, "kite_position", "m", "position of the kite", KITE)
 SHAPE = at_points(INPUT, "shape", "m", "on the tether, ground first", np.linspace((0.0, 0.0, 0.0), KITE, POINTS))
-ORIGIN = vector(
-    PARAMETER,
-    "box_origin",
-    "m",
-    "where the middle of the front of the box is at the start, at its height 0",
-    (0.0, 0.0, 0.0),
-)
+ORIGIN = [
+    each
+    for i, axis in enumerate("xyz", start=1)
+    for each in scalar(PARAMETER, f"box_origin[{i}]", "m", f"{FRONT}, {axis}", -FARTHEST, FARTHEST, start=0.0)
+]
 FIELD = (*(name for name in Blowing.__dataclass_fields__ if name not in ("wind_points", "outside")), *names(ORIGIN))
 TETHER = (*names(POSITION), "wind_points", *FIELD)  # what the wind at any point of the tether depends on
 

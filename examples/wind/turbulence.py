@@ -16,6 +16,7 @@ cancel in that mean. All FMUs step from the same communication point. Without `-
 
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
@@ -173,8 +174,11 @@ def draw(flights, target):
     figure.savefig(target, dpi=150)
 
 
-def box_values(given):
-    """Values of TurbulentWind for the box of the options; one is made if there is none; WrongUse if it is wrong."""
+def box_values(given, temporary):
+    """Values of TurbulentWind for the box of the options; WrongUse if it is wrong; one is made if there is none.
+
+    temporary : folder for it.
+    """
     if given.box:
         points, spacing = given.points or (0, 0, 0), given.spacing or (0.0, 0.0, 0.0)
         try:
@@ -185,10 +189,9 @@ def box_values(given):
         values = {f"points_{axis}": value for axis, value in zip(axes, points, strict=True)}
         values |= {f"spacing_{axis}": value for axis, value in zip(axes, spacing, strict=True)}
         return {"file": str(given.box), **values}
-    target = given.out / "box_of_turbulence.npz"
     now("making a box of turbulence")
+    target = Path(temporary, "box.npz")
     write(target, given.intensity * MEAN["mean_speed"])
-    print(target)
     return {"file": str(target)}
 
 
@@ -207,7 +210,7 @@ def parse(arguments):
     option("--spacing", type=number(1e-6, 1e5, "m"), nargs=3, metavar="D", help="of a Mann box: distances of its points [m]")
     option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help="of a box that is made (default: 0.15)")
     option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help="of a flight [s] (default: 120)")
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of figure and box (default: plots)")
+    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)")
     add_fmu(parser)
     return parser.parse_args(arguments)
 
@@ -218,13 +221,14 @@ def main(arguments=None):
     given = parse(arguments)
     given.out.mkdir(parents=True, exist_ok=True)
     kinds = {kind: find_fmu(KINDS[kind].tether) for kind in KINDS} if not given.fmu else kind_of(given.fmu)
-    box, count = box_values(given), round(given.duration / STEP)
-    flights = {}
-    for kind, tether in kinds.items():
-        now(f"flying the {kind}")
-        flights[kind] = [fly(kind, tether, each, count) for each in (box, {})]
-        for name, flight in zip((kind, f"{kind}, mean wind alone"), flights[kind], strict=True):
-            print(summary(name, flight))
+    flights, count = {}, round(given.duration / STEP)
+    with TemporaryDirectory(ignore_cleanup_errors=True) as temporary:
+        box = box_values(given, temporary)
+        for kind, tether in kinds.items():
+            now(f"flying the {kind}")
+            flights[kind] = [fly(kind, tether, each, count) for each in (box, {})]
+            for name, flight in zip((kind, f"{kind}, mean wind alone"), flights[kind], strict=True):
+                print(summary(name, flight))
     target = given.out / "turbulence.png"
     draw(flights, target)
     print(target)

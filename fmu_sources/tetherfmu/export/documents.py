@@ -47,15 +47,18 @@ def documents(name, variant, description, options, native=None):
     }
 
 
-def of_every_fmu(platforms, native=None):
+NO_PACKAGES = "No package has to be installed in it: the FMU carries its compiled\n   models."
+
+
+def of_every_fmu(platforms, native=None, packages=NO_PACKAGES):
     """Texts on what the host must have, and licences: dict of path in the archive to text.
 
-    platforms : names of those that the FMU runs on.  native : as in `documents`.
+    platforms : names of those that the FMU runs on.  native : as in `documents`.  packages : which its Python must have.
     """
     host = "native_dependencies.txt" if native else "externalDependencies.txt"
     own_licence = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
     texts = {
-        "documentation/externalDependencies.txt": filled(host, platforms=", ".join(platforms)),
+        "documentation/externalDependencies.txt": filled(host, platforms=", ".join(platforms), packages=packages),
         "documentation/licenses/license.txt": own_licence,
     }
     if native:

@@ -11,7 +11,7 @@ from tetherfmu.runtime import __version__
 from tetherfmu.runtime.resources import OPTIONS_FILE
 
 from .archive import DESCRIPTION, pack, seal, write_archive, write_package
-from .documents import ASSETS, filled, of_every_fmu, style_and_tables
+from .documents import ASSETS, NO_PACKAGES, filled, of_every_fmu, style_and_tables
 
 FOLDER = EXAMPLES / "fmus"
 SLAVES = {  # name: script
@@ -22,6 +22,7 @@ SLAVES = {  # name: script
     "KiteOnPath": "kite_on_path.py",
     "TurbulentWind": "turbulent_wind.py",
 }
+PACKAGES = {"TurbulentWind": "The package numpy has to be installed in it."}
 PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
 
 
@@ -51,7 +52,10 @@ def build(name, folder, starts=()):
         (resources / OPTIONS_FILE).write_text(json.dumps({"starts": [list(each) for each in starts]}))
         files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    texts = {"documentation/index.html": _page(name, script, description), **of_every_fmu(PLATFORMS)}
+    texts = {
+        "documentation/index.html": _page(name, script, description),
+        **of_every_fmu(PLATFORMS, packages=PACKAGES.get(name, NO_PACKAGES)),
+    }
     files["model.png"] = (ASSETS / "model.png").read_bytes()
     files.update({path: text.encode("utf-8") for path, text in texts.items()})
     seal(files)
