@@ -31,8 +31,7 @@ LARGEST_FILE = 2**42  # bytes, 4 TiB
 MOST_POINTS = 10_000_000  # of a box along an axis
 LARGEST_SPACING = 1e5  # of the points of a box [m], and of its planes in time [s]
 LONGEST_DESCRIPTION = 10_000  # bytes in a TurbSim file
-LARGEST_SPEED = 300.0  # of any wind in a box [m/s]; more is no wind
-NPZ_FAULTS = (zipfile.BadZipFile, ValueError, OSError, EOFError, KeyError, NotImplementedError, RuntimeError, struct.error)
+LARGEST_SPEED = 150.0  # of any wind in a box [m/s]; more is no wind
 LOCAL_HEADER = struct.Struct("<26xHH")  # of a member of a zip archive: lengths of its name and of what follows that
 
 
@@ -150,7 +149,7 @@ def numpy_box(file):
             velocity, spacing = (member(archive, f"{name}.npy", file, size) for name in ("velocity", "spacing"))
     except WrongBox:
         raise
-    except NPZ_FAULTS as problem:
+    except Exception as problem:  # zipfile and numpy raise some ten kinds; one that escapes would end the host of an FMU
         words = " ".join(str(problem).split()).strip("'\". ")
         raise WrongBox(f"{file} is no file of numpy.savez with the arrays velocity and spacing: {words}") from None
     if velocity.ndim != 4 or velocity.shape[3] != 3 or spacing.shape != (3,):
