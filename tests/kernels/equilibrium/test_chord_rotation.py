@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from balance import residual
-from tetherfmu import StepRefused, TetherQuasiSteady
+from tetherfmu import TetherQuasiSteady
 from tetherfmu.kernels.equilibrium import chord_rotation
 from tetherfmu.runtime.parameters import Environment, Tether
 
@@ -66,19 +66,13 @@ def test_found_in_balance_and_stable(n, slack, up, wind, aside):
     assert np.linalg.eigvals(slope(model.positions, tether, wind)).real.max() < -1e-6
 
 
-def test_few_are_refused():
-    """As docs/models/numerics.md says, "Initial shape"."""
+def test_none_is_refused():
+    """As docs/models/numerics.md says, "Initial shape"; 314 of them without `chord_rotation.find` and `pressed_segments`."""
     cases = (10, 15, 20, 30, 50), (0.02, 0.1, 0.3, 0.5, 0.7, 0.9), (1, -1)
     cases += (0.1, 0.2, 0.5, 1.0, 2.0, 4.0), (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0)
-    refused = []
-    for case in product(*cases):
-        try:
-            start(*case)
-        except StepRefused:
-            refused.append(case)
     assert len(list(product(*cases))) == 2160
-    assert len(refused) <= 314 / 10  # a tenth of those that are refused without `turn.find`
-    assert {slack for _, slack, *_ in refused} == {0.9}
+    for case in product(*cases):
+        start(*case)
 
 
 def test_a_turn_keeps_lengths_and_heights_over_the_chord():

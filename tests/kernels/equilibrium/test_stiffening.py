@@ -1,4 +1,4 @@
-"""A slack, stiff tether has a shape: with both ends almost together in the wind, or upright in hardly any gravity.
+"""A slack, stiff tether has a shape with both ends almost together in the wind.
 
 Each start must be in balance by `balance.py`, from its node positions x alone. Without `stiffening`, of the starts with 40
 segments in a level wind one in ten is refused.
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from balance import residual
-from tetherfmu import Environment, StepRefused, TetherQuasiSteady
+from tetherfmu import Environment, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
 
 COUNT = 40
@@ -32,23 +32,3 @@ def test_ends_together_in_a_level_wind(segments):
         model = TetherQuasiSteady(tether)
         model.initialize(1e-3 * length * direction / np.linalg.norm(direction), wind_velocity=wind)
         assert imbalance(model.positions, wind, tether, Environment()) < 1.0
-
-
-# of these 40 starts 20, 23 and 16 are refused without `stiffening`, 3, 14 and 10 with it, or a few more: a rounding error of
-# the position of the kite decides in some
-@pytest.mark.parametrize(("segments", "most_refused"), [(5, 8), (10, 18), (20, 13)])
-def test_upright_in_hardly_any_gravity(segments, most_refused):
-    air, refused = Environment(gravity=1e-6), 0
-    for seed in range(COUNT):
-        random = np.random.default_rng([segments, seed])
-        length, direction = 10.0 ** random.uniform(1.0, 3.0), random.normal(size=3) * (1e-3, 1e-3, 1.0)
-        stiffness, slack = 10.0 ** random.uniform(5.0, 8.0), random.uniform(0.01, 1.0)
-        tether = Tether(segments=segments, initial_length=length, axial_stiffness=stiffness)
-        model = TetherQuasiSteady(tether, air)
-        try:
-            model.initialize(length / (1.0 + slack) * direction / np.linalg.norm(direction))
-        except StepRefused:
-            refused += 1
-        else:
-            assert imbalance(model.positions, np.zeros(3), tether, air) < 1.0
-    assert refused <= most_refused

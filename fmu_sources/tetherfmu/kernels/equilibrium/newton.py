@@ -172,6 +172,21 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
 
 
 @kernel
+def move_nodes(body, taken, w):
+    """Move the positions of the body [m] (modified) by a part of w.move.
+
+    Returns the largest motion of w.move over the length of a segment.
+    """
+    chain = body.chain
+    farthest = 0.0
+    for i in range(1, chain.n):
+        step = get(w.move, i)
+        farthest = max(farthest, dot(step, step))
+        put(body.x, i, add_scaled(get(body.x, i), taken, step))
+    return sqrt(farthest) * chain.n / chain.length
+
+
+@kernel
 def apply_step(body, w):
     """Move the positions of the body [m] and w.tension [N] (both modified) by w.move and towards w.aim.
 
@@ -181,12 +196,17 @@ def apply_step(body, w):
     taken = assembly.longest_part(chain, w.move)
     for s in range(chain.n):
         w.tension[s] = max(w.tension[s] + taken * (w.aim[s] - w.tension[s]), SLOWEST_SLACKENING * w.tension[s])
-    farthest = 0.0
-    for i in range(1, chain.n):
-        step = get(w.move, i)
-        farthest = max(farthest, dot(step, step))
-        put(body.x, i, add_scaled(get(body.x, i), taken, step))
-    return sqrt(farthest) * chain.n / chain.length
+    return move_nodes(body, taken, w)
+
+
+@kernel
+def changed_damping(pseudo_damping, motion, least, load_stiffness):
+    """Pseudo-damping [N/m] after a motion over the length of a segment: at least `least`, see `relax`."""
+    if motion < NEAR:
+        return max(0.5 * pseudo_damping, least)
+    if motion > FAR:
+        return min(2.0 * pseudo_damping, LARGEST_PSEUDO_DAMPING * load_stiffness)
+    return pseudo_damping
 
 
 @kernel
@@ -249,8 +269,5 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
                     return False, iteration
             step_by_stiffness(body, w)
         motion = apply_step(body, w)
-        if motion < NEAR:
-            pseudo_damping = max(0.5 * pseudo_damping, least)
-        elif motion > FAR:
-            pseudo_damping = min(2.0 * pseudo_damping, LARGEST_PSEUDO_DAMPING * load_stiffness)
+        pseudo_damping = changed_damping(pseudo_damping, motion, least, load_stiffness)
     return False, most

@@ -10,6 +10,7 @@
 7. Rotation about the chord (`chord_rotation.py`).
 8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
 9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
+10. Pseudo-transient continuation with tensions of either sign (`pressed_segments.py`).
 
 Each method starts from the first guess, not from where the last one failed. All of them are without ground. Where the chain
 then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`).
@@ -22,7 +23,16 @@ from ..compilation import kernel
 from ..equations import air, assembly
 from ..equations.ground import without_ground
 from ..linear_algebra.vectors import get
-from . import calm_layer, chord_rotation, compressed_chain, load_continuation, lying_chain, newton, stiffening
+from . import (
+    calm_layer,
+    chord_rotation,
+    compressed_chain,
+    load_continuation,
+    lying_chain,
+    newton,
+    pressed_segments,
+    stiffening,
+)
 from .first_guess import guess, is_loaded
 
 FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
@@ -85,6 +95,14 @@ def by_load_continuation(body, w):
 
 
 @kernel
+def by_pressing(body, w):
+    """Step 10: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    assembly.node_masses(body.chain, w.mass)
+    found, iterations = pressed_segments.find(body, guess(body, False, w), w)
+    return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations
+
+
+@kernel
 def by_calm_layer(body, w):
     """Step 8: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     thickness = calm_layer.thickest(body)
@@ -138,6 +156,12 @@ def find(body, w):
     if status != OK and body.ground.hardness > 0.0 and air.is_sheared(body.chain.parameters):
         status, more = by_calm_layer(body, w)
         iterations += more
+    if status != OK:
+        status, more = by_pressing(lying_chain.on(body, without_ground()), w)
+        iterations += more
+        if status == OK:
+            status, more = on_ground(body, True, w)
+            iterations += more
     return status, iterations
 
 
