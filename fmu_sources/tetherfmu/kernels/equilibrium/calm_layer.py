@@ -6,8 +6,9 @@ and down without end, and the equilibrium may need a height above 0 that is less
 
 So the wind grows linearly in a layer above z = 0 (`air.py`), first as thick as a segment is long, in which the ladder finds
 the equilibrium. Then the layer gets thinner, down to `THINNEST`, and each equilibrium is the start of the next one: moved on
-as from the one before to it, since the segment stays in the layer. If a segment is in the thinnest layer in the end, it has
-between none and all of the wind there; if none is, the equilibrium is one without a layer.
+as from the one before to it, since the segment stays in the layer. Where a segment snaps out of the layer, or segments come
+to its edge and Newton's method moves them to and fro, pseudo-transient continuation follows them. If a segment is in the
+thinnest layer in the end, it has between none and all of the wind there; if none is, the equilibrium is one without a layer.
 Source: docs/models/numerics.md, "Initial shape".
 """
 
@@ -16,11 +17,12 @@ from tetherfmu.runtime import layout as at
 from ..arrays import copy
 from ..compilation import kernel, view
 from ..equations.properties import chain_at
-from . import newton
+from . import newton, pressed_segments
 from .rigid_body import Body
 
 THINNEST = 1e-3  # layer [m] in the end
 FIRST_FACTOR, SMALLEST_FACTOR = 0.5, 0.1  # of the thickness from one equilibrium to the next: at the start, and at least
+SNAPPING_FACTOR = 0.7  # above it, the next equilibrium may not be near
 LARGEST_FACTOR = 0.95  # beyond it, the equilibria have come to an end
 MOST_LAYERS = 40  # that are tried; it needs 10 to 30
 
@@ -62,9 +64,28 @@ def relax(body, thickness, change, w):
 
 
 @kernel
-def thin(body, thickness, w):
+def relax_slowly(body, thickness, load_stiffness, w):
+    """The same by pseudo-transient continuation from w.kept [m] and w.kept_tension [N].
+
+    load_stiffness : stiffness [N/m] that the loads alone give a node.
+    """
+    other = in_layer(body, thickness, w)
+    copy(w.kept, body.x)
+    copy(w.kept_tension, w.tension)
+    found, iterations = newton.relax(other, False, True, load_stiffness, w)
+    if not found:
+        copy(w.kept, body.x)
+        copy(w.kept_tension, w.tension)
+        found, more = pressed_segments.relax(other, load_stiffness, w)
+        iterations += more
+    return found, iterations
+
+
+@kernel
+def thin(body, thickness, load_stiffness, w):
     """Lead the equilibrium in a layer [m], in the body and in w.tension (both modified), to that in the thinnest one.
 
+    load_stiffness : stiffness [N/m] that the loads alone give a node; 0: by Newton's method alone.
     w.load (modified) : motion of each node over the change of the thickness.
     Returns whether it has been found, and the number of Newton iterations.
     """
@@ -81,9 +102,13 @@ def thin(body, thickness, w):
         change = thinner - thickness
         found, more = relax(body, thinner, change, w)
         iterations += more
+        foreseen = found
+        if not found and load_stiffness > 0.0 and factor > SNAPPING_FACTOR:
+            found, more = relax_slowly(body, thinner, load_stiffness, w)
+            iterations += more
         if found:
             for k in range(len(w.load)):
-                w.load[k] = (body.x[k] - w.kept[k]) / change
+                w.load[k] = (body.x[k] - w.kept[k]) / change if foreseen else 0.0
             copy(body.x, w.kept)
             copy(w.tension, w.kept_tension)
             thickness = thinner

@@ -11,6 +11,7 @@
 8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
 9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
 10. Pseudo-transient continuation with tensions of either sign (`pressed_segments.py`).
+11. Step 8 with pseudo-transient continuation where Newton's method fails.
 
 Each method starts from the first guess, not from where the last one failed. All of them are without ground. Where the chain
 then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`).
@@ -103,15 +104,20 @@ def by_pressing(body, w):
 
 
 @kernel
-def by_calm_layer(body, w):
-    """Step 8: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+def by_calm_layer(body, slowly, w):
+    """Step 8, or step 11 if `slowly`: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     thickness = calm_layer.thickest(body)
     layered = calm_layer.in_layer(body, thickness, w)
-    status, iterations = at_once(lying_chain.on(layered, without_ground()), w)
+    load = guess(layered, False, w) if slowly else 0.0
+    hanging = lying_chain.on(layered, without_ground())
+    status, iterations = at_once(hanging, w)
+    if slowly and status != OK:
+        status, more = by_pressing(hanging, w)
+        iterations += more
     status, more = on_ground(layered, status == OK, w)
     iterations += more
     if status == OK:
-        reached, more = calm_layer.thin(body, thickness, w)
+        reached, more = calm_layer.thin(body, thickness, load, w)
         iterations += more
         status = OK if reached and is_stable(body) else NO_EQUILIBRIUM
     return status, iterations
@@ -154,7 +160,7 @@ def find(body, w):
     status, more = on_ground(body, status == OK, w)
     iterations += more
     if status != OK and body.ground.hardness > 0.0 and air.is_sheared(body.chain.parameters):
-        status, more = by_calm_layer(body, w)
+        status, more = by_calm_layer(body, False, w)
         iterations += more
     if status != OK:
         status, more = by_pressing(lying_chain.on(body, without_ground()), w)
@@ -162,6 +168,9 @@ def find(body, w):
         if status == OK:
             status, more = on_ground(body, True, w)
             iterations += more
+    if status != OK and air.is_sheared(body.chain.parameters):
+        status, more = by_calm_layer(body, True, w)
+        iterations += more
     return status, iterations
 
 
@@ -179,7 +188,7 @@ def in_the_air(body, w):
         status, more = chord_rotation.find(body, w)
         iterations += more
     if status != OK and air.is_sheared(body.chain.parameters):
-        status, more = by_calm_layer(body, w)
+        status, more = by_calm_layer(body, False, w)
         iterations += more
     if status != OK:
         status, more = by_stiffening(body, w)
