@@ -20,7 +20,7 @@ from .sources import PACKAGE, digest
 
 IN_WHEEL = PACKAGE / "libraries" / "compiled"
 TOOLS = ("llvmlite", "numba", "ziglang")
-SECONDS = {variant: BY_NAME[variant].compile_seconds for variant in VARIANTS}
+SECONDS = {**{variant: BY_NAME[variant].compile_seconds for variant in VARIANTS}, kernel_library.SYSTEM: 14}
 SECONDS_TO_START = 5
 TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
 SLOW_WAY = 4  # times as long
@@ -31,7 +31,10 @@ PLAIN_CPU = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
 
 @cache
 def kernels(variant):
-    """Entry points of a variant for this machine, `kernel_library.Kernels`; RuntimeError if they cannot be compiled."""
+    """Entry points of a variant for this machine, `kernel_library.Kernels`, or those of SYSTEM.
+
+    RuntimeError if they cannot be compiled.
+    """
     return kernel_library.load(folders([variant], [this_platform()])[variant], variant)
 
 

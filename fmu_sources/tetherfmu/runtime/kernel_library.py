@@ -3,7 +3,8 @@
 segments(tethers, quantities), pack(tethers, kites, quantities, tolerance, parameters), work_size(n), initialize(n,
 parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step, state, before, shape_points,
 outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API also fly and energy. Arrays
-are passed by addresses. See `kernels/entry_points.py`.
+are passed by addresses. See `kernels/entry_points.py`. The library SYSTEM moves several tethers at once and has entry points
+of its own, see `kernels/system_entry_points.py`.
 """
 
 import platform
@@ -29,11 +30,26 @@ PROTOTYPES = Kernels(
     ),
     energy=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 )
+SYSTEM = "system"
+SystemKernels = namedtuple("SystemKernels", "line_work_size points_work_size advance fly")
+SYSTEM_PROTOTYPES = SystemKernels(
+    line_work_size=CFUNCTYPE(c_int64, c_int64),
+    points_work_size=CFUNCTYPE(c_int64, c_int64),
+    advance=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, _ARRAY),
+    fly=CFUNCTYPE(c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, c_double, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+)
 SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
+
+
+def prototypes(variant):
+    """Prototypes of the entry points of a variant, or of SYSTEM."""
+    return SYSTEM_PROTOTYPES if variant == SYSTEM else PROTOTYPES
 
 
 def verbs(variant):
     """Names of the entry points of a variant, without its name: those with nodes also account for their energy."""
+    if variant == SYSTEM:
+        return SystemKernels._fields
     return Kernels._fields[: None if BY_NAME[variant].has_nodes else -1]
 
 
@@ -68,4 +84,5 @@ def load(folder, variant):
             f"build it with: tetherfmu build --platforms {this_platform()}"
         )
     shared = CDLL(str(libraries[this_platform()]))
-    return Kernels(*(getattr(PROTOTYPES, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))
+    declared = prototypes(variant)
+    return type(declared)(*(getattr(declared, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))

@@ -101,8 +101,8 @@ def add_explicit_rates(conditions, time, w):
 
 
 @kernel
-def prepare(conditions, time, h, x, v, w):
-    """Matrix of the step, factorized, and the explicit time derivative of forces [N/s] into w.q; False if it is singular.
+def form(conditions, time, h, x, v, w):
+    """Matrix of the step, and the explicit time derivative of forces [N/s] into w.q.
 
     Modifies w.start_x, w.start_v, w.mass, w.modes, w.records, w.q and w.matrix.
     """
@@ -117,6 +117,12 @@ def prepare(conditions, time, h, x, v, w):
     assemble(conditions, chain, GAMMA * h, x, v, w)
     if has_ground(chain.parameters):
         contact.add_rate(chain, x, v, w, w.q)
+
+
+@kernel
+def prepare(conditions, time, h, x, v, w):
+    """As `form`, with the matrix factorized; False if it is singular."""
+    form(conditions, time, h, x, v, w)
     return factorize(conditions.first, conditions.last, w.matrix)
 
 

@@ -1,0 +1,164 @@
+"""A system of lines between points: its arrays, and those of one of its lines and of its free points.
+
+Layout: `runtime/system_layout.py`.
+"""
+
+from collections import namedtuple
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import system_layout as places
+
+from ..arrays import behind, parameters_size, positions_and_velocities, state_size
+from ..compilation import kernel, part, view
+from ..linear_algebra.vectors import add, get, put, put_at, vector_at
+from .boundary import BoundaryConditions
+
+System = namedtuple("System", "plan parameters inputs state work")
+System.__doc__ = """The flat arrays of a system, see `system_layout.py`."""
+
+Points = namedtuple("Points", "matrix pivots right mass stage_mass mass_rate change")
+Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
+
+matrix : of a step, m m, see `linear_algebra.points`.  pivots : m.  right : right-hand side of a stage [N], or q [m/s], m.
+mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
+mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
+"""
+
+CONDITIONS = 42  # numbers of `store_conditions`
+
+
+@kernel
+def number_of_line(system, k, which):
+    """What the plan says about line k: `system_layout.SEGMENTS`, ..."""
+    return system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + which]
+
+
+@kernel
+def segments_of(system, k):
+    """Number of segments of line k."""
+    return number_of_line(system, k, places.SEGMENTS)
+
+
+@kernel
+def point_at(system, k, end):
+    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN."""
+    return number_of_line(system, k, places.START_POINT + end)
+
+
+@kernel
+def lines_of(system):
+    """Number of lines."""
+    return system.plan[places.LINES]
+
+
+@kernel
+def free_points(system):
+    """Number of free points."""
+    return system.plan[places.FREE_POINTS]
+
+
+@view
+def parameters_of(system, k):
+    """`parameters` of line k."""
+    return part(
+        system.parameters, number_of_line(system, k, places.PARAMETERS_AT), parameters_size(segments_of(system, k))
+    )
+
+
+@view
+def state_of(system, k):
+    """`state` of line k."""
+    return part(system.state, number_of_line(system, k, places.STATE_AT), state_size(segments_of(system, k)))
+
+
+@view
+def inputs_of(system, k):
+    """`inputs` of line k."""
+    return part(system.inputs, at.INPUTS * k, at.INPUTS)
+
+
+@kernel
+def load_on(system, point):
+    """Load on a free point [N], held over the communication step."""
+    return vector_at(system.inputs, at.INPUTS * lines_of(system) + 3 * point)
+
+
+@view
+def motion_of(system, k):
+    """Positions [m] and velocities [m/s] of the nodes of line k."""
+    return positions_and_velocities(segments_of(system, k), state_of(system, k))
+
+
+@view
+def room_of(system, k):
+    """Scratch space of line k: its conditions, then that of its integrator."""
+    return behind(number_of_line(system, k, places.WORK_AT), system.work)
+
+
+@kernel
+def points_size(points):
+    """Length of what the free points need of `work`."""
+    m = 3 * points
+    return m * m + 3 * m + 3 * points
+
+
+@view
+def points_of(system):
+    """`Points` of a system."""
+    count, room = free_points(system), behind(system.plan[places.POINTS_WORK], system.work)
+    m = 3 * count
+    matrix, room = part(room, 0, m * m), behind(m * m, room)
+    pivots, right, change, room = part(room, 0, m), part(room, m, m), part(room, 2 * m, m), behind(3 * m, room)
+    masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
+    return Points(matrix, pivots, right, *masses, change)
+
+
+@kernel
+def put_curve(room, first, curve):
+    """Write the curve of an end to a place of the scratch space of a line (modified), see `end_motion.curve`."""
+    put_at(room, first, curve[0])
+    put_at(room, first + 3, curve[1])
+    put_at(room, first + 6, curve[2])
+    put_at(room, first + 9, curve[3])
+
+
+@kernel
+def store_conditions(conditions, room):
+    """Write `BoundaryConditions` to the start of the scratch space of a line (modified)."""
+    put_curve(room, 0, conditions.ground)
+    put_curve(room, 12, conditions.kite)
+    room[24], room[25], room[26], room[27] = conditions.reeling
+    put_at(room, 28, conditions.wind)
+    put_at(room, 31, conditions.load)
+    put_at(room, 34, conditions.load_rate)
+    room[37], room[38] = conditions.first, conditions.last
+    room[39], room[40] = conditions.force, conditions.force_rate
+
+
+@kernel
+def curve_at(room, first):
+    """The curve that `put_curve` wrote."""
+    return vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)
+
+
+@view
+def conditions_of(system, k):
+    """`BoundaryConditions` of line k as `store_conditions` wrote them."""
+    n, r = segments_of(system, k), room_of(system, k)
+    reeling = r[24], r[25], r[26], r[27]
+    wind, load, load_rate = vector_at(r, 28), vector_at(r, 31), vector_at(r, 34)
+    ends = curve_at(r, 0), curve_at(r, 12), int(r[37]), int(r[38])
+    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[39], r[40], wind, load, load_rate)
+
+
+@kernel
+def add_at(array, point, a):
+    """Add a vector to number `point` of a flat array (modified)."""
+    put(array, point, add(get(array, point), a))
+
+
+@kernel
+def clear(array):
+    """Set a flat array to zero (modified)."""
+    for k in range(len(array)):
+        array[k] = 0.0

@@ -1,0 +1,112 @@
+"""Steps of a system within a communication step, chosen by the error of all its lines.
+
+One step for all: its error is the largest of those of its lines, each over what is allowed in that line. The rule for the
+next step is that of a single tether (`step_control.py`), and its memory stands in the state of the first line. So a system
+of one line takes the steps of a single tether.
+"""
+
+from math import ceil, inf, nan
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+
+from ..arrays import copy
+from ..compilation import kernel
+from ..equations.boundary import chain_during
+from ..equations.system import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from . import system_step
+from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, next_step
+from .system_step import apply_changes, collect_changes, end_velocities, integrator_of, moves, whole_masses
+
+
+@kernel
+def larger(a, b):
+    """The larger one of two numbers; NaN if one of them is."""
+    if a >= b:
+        return a
+    return b if b > a else nan
+
+
+@kernel
+def error_of_lines(system, time, h):
+    """Error of the step of h [s] to a time [s] of the communication step, over what is allowed [-].
+
+    Where segments of several lines at a point went over the transition, the point takes the sum of their impulses
+    (`taut_slack.keep_energy`).
+    """
+    clear(points_of(system).change)
+    error = 0.0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            whole_masses(system, k)
+            before = end_velocities(system, k)
+            conditions = conditions_of(system, k)
+            _, v = motion_of(system, k)
+            error = larger(
+                error, error_of_step(conditions, chain_during(conditions, time), h, v, integrator_of(system, k).w)
+            )
+            collect_changes(system, k, before)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            apply_changes(system, k)
+    return error
+
+
+@kernel
+def accept(system):
+    """Let the lines (modified) have the results of the step."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            x, v = motion_of(system, k)
+            w = integrator_of(system, k).w
+            copy(w.x, x)
+            copy(w.v, v)
+
+
+@kernel
+def work_of(system):
+    """Number of segments of all lines."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += segments_of(system, k)
+    return count
+
+
+@kernel
+def integrate(system, duration):
+    """Advance all lines (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
+
+    Returns a status: OK, STEP_BUDGET_SPENT or STEP_TOO_SMALL.
+    """
+    memory = state_of(system, 0)
+    time = 0.0
+    h, last_error = first_step(duration, memory)
+    budget = at.WORK_BUDGET // work_of(system)
+    tried = 0
+    rejected_before = False
+    while time < duration:
+        if tried >= budget:
+            return STEP_BUDGET_SPENT
+        if h < SMALLEST_STEP * duration:
+            return STEP_TOO_SMALL
+        tried += 1
+        rest = duration - time
+        left = ceil(rest / h - 1e-6)
+        h_now = rest / left if left > 1.0 else rest
+        error = inf
+        if system_step.step(system, time, h_now):
+            error = error_of_lines(system, time + h_now, h_now)
+        if error <= 1.0:
+            time = time + h_now if left > 1.0 else duration
+            accept(system)
+            h = next_step(h, h_now, error, last_error, rejected_before)
+            last_error = error
+            rejected_before = False
+            memory[at.STEPS] += 1.0
+        else:
+            rejected_before = True
+            h = cut(h_now, error)
+            memory[at.REJECTIONS] += 1.0
+    memory[at.SOLVER_STEP] = h
+    memory[at.SOLVER_ERROR] = last_error
+    return OK
