@@ -12,6 +12,8 @@ _HOMES = {
     "models": tuple(map(class_name, EVERY_VARIANT)),
     "results": ("Flown", "Outputs", "PlausibilityWarning", "StepRefused"),
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
+    "systems.model": ("TetherSystem",),
+    "systems.records": ("Line", "Point"),
     "materials": ("MATERIALS", "tether_of"),
     "runtime.parameters": ("Tether", "Environment", "Solver", "Winch", "Ground"),
     "energy": ("Energy", "EnergyAudit"),

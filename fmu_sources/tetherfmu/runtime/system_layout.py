@@ -20,7 +20,7 @@ from .layout import INPUTS
 LINES = 0
 FREE_POINTS = 1
 POINTS_WORK = 2  # place of the free points in `work`
-STATUS_LINE = 3  # number of the line that a status is about, written by the kernels
+STATUS_LINE = 3  # number of the line that a status is about, or ALL_LINES; written by the kernels
 PLAN_HEADER = 4
 # then of each line, and once more: the places behind the last line
 SEGMENTS = 0
@@ -31,7 +31,8 @@ STATE_AT = 4
 WORK_AT = 5
 LINE_NUMBERS = 6
 
-DRIVEN = -1
+DRIVEN = -1  # a point
+ALL_LINES = -1
 
 
 def plan_size(lines):

@@ -100,6 +100,7 @@ def advance(system, step, before):
     copy(system.state, before)
     status = begin(system, step)
     if status == OK:
+        system.plan[places.STATUS_LINE] = places.ALL_LINES
         status = system_control.integrate(system, step)
     if status == OK:
         status = commit(system, step, before)

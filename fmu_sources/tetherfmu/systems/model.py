@@ -1,0 +1,426 @@
+"""`TetherSystem`: lines between points, moved in one step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from time import perf_counter
+from warnings import warn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility, status
+from tetherfmu.runtime.parameters import Environment, Ground, Solver
+from tetherfmu.runtime.saved_state import check_state
+from tetherfmu.runtime.system_layout import STATUS_LINE
+
+from .. import arguments
+from ..results import PlausibilityWarning, StepRefused, outputs_of
+from .arrays import Arrays
+from .records import Line, Point, check_system
+from .results import PointOutputs, SystemFlown, SystemOutputs
+
+Vectors = Mapping[str, ArrayLike]
+
+
+class TetherSystem:
+    """Tethers that meet in points, in one system of equations: bridles, several kites on one tether, drones with one load.
+
+    The start of a line is the ground end of a single tether, its end the kite end; all of them share air, gravity, ground and
+    solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight and
+    a load that is held over each communication step.
+
+    Parameters
+    ----------
+    points : sequence of Point
+    lines : sequence of Line
+    environment : Environment
+    solver : Solver
+        Adaptive: `fixed_step` must be 0.
+    ground : Ground
+
+    Raises
+    ------
+    TypeError, ValueError
+        In words, if a record is something else or they do not fit together.
+    RuntimeError
+        If the kernels of this installation have to be compiled and cannot.
+
+    Examples
+    --------
+    Two kites on one main tether:
+
+    >>> from tetherfmu import Tether
+    >>> points = [
+    ...     Point("winch", (0.0, 0.0, 0.0)),
+    ...     Point("knot", (0.0, 0.0, 100.0), mass=2.0),
+    ...     Point("left", (-40.0, 0.0, 130.0)),
+    ...     Point("right", (40.0, 0.0, 130.0)),
+    ... ]
+    >>> arm = Tether(segments=4, initial_length=50.0)
+    >>> main = Line("main", "winch", "knot", Tether(segments=8, initial_length=99.9))
+    >>> system = TetherSystem(points, [main, Line("a", "knot", "left", arm), Line("b", "knot", "right", arm)])
+    >>> start = system.initialize()
+    >>> for _ in range(10):
+    ...     outputs = system.step(0.02)
+    >>> outputs.points["knot"].position.shape, outputs.lines["main"].shape.shape
+    ((3,), (9, 3))
+    >>> system
+    <TetherSystem: 4 points (1 free), 3 lines, 16 segments, running>
+    """
+
+    def __init__(
+        self,
+        points: Sequence[Point],
+        lines: Sequence[Line],
+        environment: Environment = Environment(),  # noqa: B008 (a constant record)
+        solver: Solver = Solver(),  # noqa: B008
+        ground: Ground = Ground(),  # noqa: B008
+    ):
+        points, lines = tuple(points), tuple(lines)
+        check_system(points, lines)
+        kinds = {Environment: environment, Solver: solver, Ground: ground}
+        for kind, record in kinds.items():
+            arguments.record_of(type(self).__name__, record, kind)
+        if solver.fixed_step != 0.0:
+            raise ValueError(f"fixed_step is {solver.fixed_step!r} s; it must be 0 in a system, whose steps are adaptive")
+        for line in lines:
+            arguments.tethers_of("Line", line.tether)
+        self.points, self.lines = points, lines
+        self._arrays = Arrays(points, lines, environment, solver, ground)
+        self._runs = False
+        self._warned = [0] * len(lines)
+
+    def __repr__(self) -> str:
+        """What it is, and whether it runs."""
+        segments = sum(each.segments for each in self._arrays.instances)
+        parts = [f"{len(self.points)} points ({len(self._arrays.free)} free)", f"{len(self.lines)} lines"]
+        parts += [f"{segments} segments", "running" if self._runs else "not initialized"]
+        return f"<TetherSystem: {', '.join(parts)}>"
+
+    def initialize(
+        self,
+        wind_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        positions: Vectors | None = None,
+        velocities: Vectors | None = None,
+        loads: Vectors | None = None,
+        reel_out_speeds: Mapping[str, float] | None = None,
+    ) -> SystemOutputs:
+        """Start with the points where their records say, each line with the `initial_shape` between its two points.
+
+        Parameters
+        ----------
+        wind_velocity : (3,) array
+            Wind [m/s] at `wind_reference_height`.
+        positions, velocities : dict of str to (3,) array
+            Other positions [m] and velocities [m/s] of points than those of their records.
+        loads : dict of str to (3,) array
+            External force [N] on free points; 0 where none is given.
+        reel_out_speeds : dict of str to float
+            Other reel-out speeds [m/s] of lines than those of their records.
+
+        Returns
+        -------
+        SystemOutputs
+            Those of the start.
+
+        Raises
+        ------
+        StepRefused
+            If an input is not finite or no equilibrium of a line is found; the system is as it was before.
+        ValueError
+            If a name does not exist, or a value has another shape.
+        """
+        positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
+        nowhere = [name for name, position in positions.items() if position is None]
+        if nowhere:
+            raise ValueError(f"the free point {nowhere[0]} has no position; give one where it starts")
+        velocities = {**{each.name: each.velocity for each in self.points}, **(velocities or {})}
+        speeds = {**{line.name: line.reel_out_speed for line in self.lines}, **(reel_out_speeds or {})}
+        loads = {**dict.fromkeys(self._arrays.free, (0.0, 0.0, 0.0)), **(loads or {})}
+        before = self._arrays.inputs.copy()
+        try:
+            self._set(positions, velocities, loads, speeds, wind_velocity, at_start=True)
+            self._arrays.start()
+        except ValueError:
+            self._arrays.inputs[:] = before
+            raise
+        self._runs = True
+        self._warned = [0] * len(self.lines)
+        self._warn()
+        return self.outputs()
+
+    def step(
+        self,
+        step: float,
+        positions: Vectors | None = None,
+        velocities: Vectors | None = None,
+        loads: Vectors | None = None,
+        reel_out_speeds: Mapping[str, float] | None = None,
+        wind_velocity: ArrayLike | None = None,
+    ) -> SystemOutputs:
+        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+
+        Parameters
+        ----------
+        step : float
+            Communication step [s].
+        positions, velocities : dict of str to (3,) array
+            Of driven points, by name [m], [m/s].
+        loads : dict of str to (3,) array
+            External force on free points [N], held over the step.
+        reel_out_speeds : dict of str to float
+            Of lines, by name [m/s].
+        wind_velocity : (3,) array
+            Wind [m/s] at `wind_reference_height`.
+
+        Returns
+        -------
+        SystemOutputs
+            Those at the end of the step.
+
+        Raises
+        ------
+        StepRefused
+            If the step cannot be done; the system keeps the state and the inputs of before.
+        ValueError
+            If a name does not exist or a value has another shape; nothing is changed.
+        """
+        self._check_started()
+        before = self._arrays.inputs.copy()
+        try:
+            self._set(positions or {}, velocities or {}, loads or {}, reel_out_speeds or {}, wind_velocity)
+            step = arguments.number("step", step, "s")
+            result = self._arrays.advance(step)
+            if result != status.OK:
+                raise StepRefused(self._arrays.problem(result, step), result)
+        except ValueError:
+            self._arrays.inputs[:] = before
+            raise
+        self._warn()
+        return self.outputs()
+
+    def fly(
+        self,
+        steps: int,
+        step: float,
+        positions: Vectors | None = None,
+        velocities: Vectors | None = None,
+        loads: Vectors | None = None,
+        reel_out_speeds: Vectors | None = None,
+        wind_velocity: ArrayLike | None = None,
+        every: int = 1,
+    ) -> SystemFlown:
+        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+
+        Parameters
+        ----------
+        steps : int
+            How many.
+        step : float
+            Communication step [s].
+        positions, velocities, loads, reel_out_speeds, wind_velocity
+            As for `step`, each constant or with one row for each step: (steps, 3) arrays, (steps,) of a reel-out speed.
+        every : int
+            A row is kept after every so many steps; 0 for none.
+
+        Returns
+        -------
+        SystemFlown
+
+        Raises
+        ------
+        StepRefused
+            If a step cannot be done; the message says which, `flown` has the rows before, and the system is in the state
+            before that step.
+        ValueError
+            If a name does not exist or a value has another shape; nothing is changed.
+        """
+        self._check_started()
+        steps, every = arguments.whole("steps", steps), arguments.whole("every", every)
+        step = arguments.number("step", step, "s")
+        inputs = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
+        given = positions or {}, velocities or {}, loads or {}, reel_out_speeds or {}, wind_velocity
+        self._set(*given, inputs=inputs)
+        began = perf_counter()
+        done, kept = self._arrays.fly(inputs, step, every)
+        seconds = perf_counter() - began
+        if done > 0:
+            self._arrays.inputs[:] = inputs[done - 1]
+        flown = self._flown(kept, seconds)
+        self._warn()
+        if done < steps:
+            before = self._arrays.inputs.copy()
+            self._arrays.inputs[:] = inputs[done]
+            result = self._arrays.advance(step)
+            problem = self._arrays.problem(result, step)
+            self._arrays.inputs[:] = before
+            raise StepRefused(f"step {done + 1} of {steps}: {problem}", result, flown)
+        return flown
+
+    def get_state(self) -> NDArray[np.float64]:
+        """Copy of the whole state, one flat array: states of all lines, inputs, parameters; StepRefused before `initialize`."""
+        self._check_started()
+        arrays = self._arrays
+        return np.concatenate([arrays.plan[:-1], arrays.state, arrays.inputs, arrays.parameters])
+
+    def set_state(self, state: ArrayLike) -> None:
+        """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
+
+        ValueError, and nothing is changed, if the state belongs to another system, or is none.
+        """
+        arrays = self._arrays
+        state = np.asarray(state, dtype=float)
+        sizes = [len(arrays.plan) - 1, len(arrays.state), len(arrays.inputs), len(arrays.parameters)]
+        if state.shape != (sum(sizes),):
+            raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
+        plan, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
+        if not self._is_own(plan, parameters):
+            raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
+        if not np.all(np.isfinite(state)):
+            raise ValueError("state has a number that is not finite")
+        for first, end in zip(arrays.states_at[:-1], arrays.states_at[1:], strict=True):
+            try:
+                check_state(own[first:end])
+            except ValueError as problem:
+                raise ValueError(f"state {problem}") from None
+        arrays.state[:], arrays.inputs[:], arrays.parameters[:] = own, inputs, parameters
+        self._runs = True
+
+    def outputs(self) -> SystemOutputs:
+        """`SystemOutputs` that belong to the present state; StepRefused before `initialize`."""
+        self._check_started()
+        values = {line.name: self._arrays.take_outputs(k) for k, line in enumerate(self.lines)}
+        lines = {name: outputs_of(each) for name, each in values.items()}
+        return SystemOutputs(self._points(self._arrays.state, values), lines)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Work since the start: dict of accepted and rejected steps, and Newton iterations for the first shapes."""
+        self._check_started()
+        first = self._arrays.of_line(0)
+        iterations = sum(self._arrays.of_line(k)[at.ITERATIONS] for k in range(len(self.lines)))
+        return {"steps": int(first[at.STEPS]), "rejections": int(first[at.REJECTIONS]), "iterations": int(iterations)}
+
+    @property
+    def positions(self) -> dict[str, NDArray[np.float64]]:
+        """Node positions of each line [m], arrays (segments + 1, 3)."""
+        return {line.name: self._motion(k)[0].copy() for k, line in enumerate(self.lines)}
+
+    @property
+    def velocities(self) -> dict[str, NDArray[np.float64]]:
+        """Node velocities of each line [m/s], arrays (segments + 1, 3)."""
+        return {line.name: self._motion(k)[1].copy() for k, line in enumerate(self.lines)}
+
+    @property
+    def implausible(self) -> list[str]:
+        """Sentences on what has been implausible since the start, each also a `PlausibilityWarning`."""
+        return [
+            f"the line {line.name}: {sentence}"
+            for k, line in enumerate(self.lines)
+            for sentence in plausibility.sentences(self._arrays.of_line(k))
+        ]
+
+    def _motion(self, k):
+        """Positions and velocities of the nodes of line k."""
+        self._check_started()
+        return self._arrays.nodes(k)
+
+    def _points(self, state, values):
+        """`PointOutputs` by name, from states (..., size) and the outputs of lines by name (..., outputs_size)."""
+        found = {}
+        for point in self.points:
+            force, motion = 0.0, None
+            for k, line in enumerate(self.lines):
+                for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
+                    if name == point.name:
+                        force = force + values[line.name][..., place : place + 3]
+                        motion = self._arrays.nodes(k, state)[..., node, :]
+            found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
+        return found
+
+    def _flown(self, states, seconds):
+        """`SystemFlown` of kept states (rows, size)."""
+        arrays, values, positions = self._arrays, {}, {}
+        for k, line in enumerate(self.lines):
+            own = states[:, arrays.states_at[k] : arrays.states_at[k + 1]]
+            rows = [arrays.take_outputs(k, each) for each in own]
+            values[line.name] = np.array(rows).reshape(len(states), at.outputs_size(arrays.instances[k].segments + 1))
+            positions[line.name] = arrays.nodes(k, states)[:, 0].copy()
+        return SystemFlown(self._points(states, values), values, positions, seconds)
+
+    def _set(self, positions, velocities, loads, speeds, wind_velocity, *, inputs=None, at_start=False):
+        """Set those inputs that are given, by name; ValueError if a name does not exist or a value has another shape.
+
+        inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : also the motion of free points.
+        """
+        whole = self._arrays.inputs if inputs is None else inputs
+        rows = [whole[..., k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(self.lines))]
+        movable = [point.name for point in self.points if at_start or point.is_driven]
+        steps = whole.shape[:-1]
+        for what, given in (("position", positions), ("velocity", velocities)):
+            for name, value in given.items():
+                _check_known(f"{what} of a {'point' if at_start else 'driven point'}", name, movable)
+                self._arrays.put_point_in(rows, name, what, _numbers(f"{name}.{what}", value, (3,), steps))
+        for name, value in loads.items():
+            _check_known("load on a free point", name, self._arrays.free)
+            first = len(self.lines) * at.INPUTS + 3 * self._arrays.free.index(name)
+            load = _numbers(f"{name}.load", value, (3,), steps)
+            if not np.all(np.abs(load) <= at.LARGEST_INPUT):
+                raise StepRefused(
+                    f"the input {name}.load is {value!r}; its numbers must be finite and at most {at.LARGEST_INPUT:g} in "
+                    "magnitude",
+                    status.INPUT_NOT_FINITE,
+                )
+            whole[..., first : first + 3] = load
+        names = [line.name for line in self.lines]
+        for name, value in speeds.items():
+            _check_known("reel_out_speed of a line", name, names)
+            rows[names.index(name)][..., at.REEL_OUT_SPEED] = _numbers(f"{name}.reel_out_speed", value, (), steps)
+        if wind_velocity is not None:
+            wind = _numbers("wind_velocity", wind_velocity, (3,), steps)
+            for row in rows:
+                row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+
+    def _is_own(self, plan, parameters):
+        """Whether plan and parameters of a state are those of this system; the start writes INITIAL_SHAPE."""
+        mine = self._arrays.parameters.copy()
+        theirs = parameters.copy()
+        for k in range(len(self.lines)):
+            place = self._arrays.parameters_at(k) + at.INITIAL_SHAPE
+            mine[place] = theirs[place] = 0.0
+        places = np.arange(len(plan)) != STATUS_LINE
+        return np.array_equal(plan[places], self._arrays.plan[:-1][places]) and np.array_equal(mine, theirs)
+
+    def _check_started(self):
+        """StepRefused before `initialize`."""
+        if not self._runs:
+            raise StepRefused("this TetherSystem is not initialized: call initialize first")
+
+    def _warn(self):
+        """Warn the caller of a public method of what is implausible, each once since the start."""
+        for k, line in enumerate(self.lines):
+            state = self._arrays.of_line(k)
+            for sentence in plausibility.sentences(state, self._warned[k]):
+                warn(f"the line {line.name}: {sentence}", PlausibilityWarning, stacklevel=3)
+            self._warned[k] |= plausibility.kinds(state)
+
+
+def _check_known(what, name, names):
+    """ValueError if a name does not exist."""
+    if name not in names:
+        raise ValueError(f"there is no {what} with the name {name!r}; there are {', '.join(names) or 'none'}")
+
+
+def _numbers(name, value, shape, steps):
+    """Numbers of an input, constant or of all steps; ValueError for another shape."""
+    try:
+        found = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {value!r}; it must be {'three numbers' if shape else 'a number'}") from None
+    if found.shape not in (shape, (*steps, *shape)):
+        wanted = f"{shape} or {(*steps, *shape)}" if steps else f"{shape}"
+        raise ValueError(f"{name} has the shape {found.shape}; it must be {wanted}")
+    return found

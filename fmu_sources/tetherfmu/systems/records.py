@@ -1,0 +1,154 @@
+"""Points and lines of a system: constant records, and whether they fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import FreeKite, Tether
+
+Vector = tuple[float, float, float]
+
+
+def vector(name: str, value: ArrayLike) -> Vector:
+    """Three finite numbers; ValueError names what is something else."""
+    try:
+        found = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape != (3,):
+        raise ValueError(f"{name} is {value!r}; it must be three numbers")
+    if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
+        raise ValueError(f"{name} is {value!r}; its numbers must be finite and at most {at.LARGEST_INPUT:g} in magnitude")
+    return tuple(found.tolist())
+
+
+def checked_name(kind: str, name: str) -> None:
+    """TypeError or ValueError unless this is a name for a point or a line."""
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a {kind} is {name!r}; it must be a text")
+    if not name.isidentifier():
+        raise ValueError(f"the name of a {kind} is {name!r}; it must be letters, digits and underscores, no digit first")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point where lines begin and end: driven by its inputs, or free with a mass. ValueError if a number is wrong.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    position, velocity : (3,) array
+        At the start [m], [m/s].  A free point without position (None) starts where it is in equilibrium.
+    mass : float or None
+        None: driven. Otherwise the point is free, with this mass [kg], at least 0, beside the halves of the segments that
+        meet there. Gravity acts on it.
+
+    Examples
+    --------
+    >>> Point("knot", (0.0, 0.0, 90.0), mass=2.0).is_driven
+    False
+    """
+
+    name: str
+    position: ArrayLike | None = None
+    velocity: ArrayLike = (0.0, 0.0, 0.0)
+    mass: float | None = None
+
+    def __post_init__(self):
+        checked_name("point", self.name)
+        if self.position is None and self.is_driven:
+            raise ValueError(f"the point {self.name} is driven (it has no mass); give its position")
+        if self.position is not None:
+            object.__setattr__(self, "position", vector(f"{self.name}.position", self.position))
+        object.__setattr__(self, "velocity", vector(f"{self.name}.velocity", self.velocity))
+        if not self.is_driven:
+            try:
+                FreeKite(self.mass)
+            except ValueError as problem:
+                raise ValueError(f"the point {self.name}: {str(problem).replace('kite_mass', 'mass')}") from None
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether it follows its inputs."""
+        return self.mass is None
+
+
+@dataclass(frozen=True)
+class Line:
+    """A tether from one point to another. ValueError if a name or a number is wrong.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    start, end : str
+        Names of two points. The winch is at the start.
+    tether : Tether
+        A sequence of them is joined in series, from the start to the end.
+    reel_out_speed : float
+        Rate of the unstretched length [m/s] at the start; positive pays out.
+
+    Examples
+    --------
+    >>> Line("bridle", "knot", "kite", Tether(segments=4, initial_length=12.0)).tether.segments
+    4
+    """
+
+    name: str
+    start: str
+    end: str
+    tether: Tether | Sequence[Tether] = Tether()  # noqa: RUF009 (a constant record)
+    reel_out_speed: float = 0.0
+
+    def __post_init__(self):
+        checked_name("line", self.name)
+        if self.start == self.end:
+            raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
+        if not abs(self.reel_out_speed) <= at.LARGEST_INPUT:
+            raise ValueError(
+                f"{self.name}.reel_out_speed is {self.reel_out_speed!r}; it must be finite and at most "
+                f"{at.LARGEST_INPUT:g} in magnitude"
+            )
+
+
+def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
+    """TypeError or ValueError, in words, unless points and lines are one connected system."""
+    for kind, record, given in (("points", Point, points), ("lines", Line, lines)):
+        if not all(isinstance(each, record) for each in given):
+            raise TypeError(f"{kind} is {given!r}; it must be a sequence of {record.__name__}")
+    if not lines:
+        raise ValueError("a system needs at least one line")
+    names = [each.name for each in (*points, *lines)]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(f"the name {twice} is given twice; each point and each line needs a name of its own")
+    known = [point.name for point in points]
+    for line in lines:
+        for end in (line.start, line.end):
+            if end not in known:
+                raise ValueError(f"the line {line.name} goes to the point {end}, which does not exist; there are {known}")
+    _check_connected(known, lines)
+
+
+def _check_connected(names, lines):
+    """ValueError if a point has no line, or a point cannot be reached from the first one along lines."""
+    used = {end for line in lines for end in (line.start, line.end)}
+    idle = [name for name in names if name not in used]
+    if idle:
+        raise ValueError(f"no line goes to the point {idle[0]}; each point must be at a line")
+    reached, waiting = set(), [names[0]]
+    while waiting:
+        here = waiting.pop()
+        if here not in reached:
+            reached.add(here)
+            waiting.extend(line.end for line in lines if line.start == here)
+            waiting.extend(line.start for line in lines if line.end == here)
+    apart = [name for name in names if name not in reached]
+    if apart:
+        raise ValueError(f"the points {names[0]} and {apart[0]} are not connected by lines; make them systems of their own")

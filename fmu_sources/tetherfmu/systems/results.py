@@ -1,0 +1,64 @@
+"""What a system gives: the motion of its points and the outputs of its lines, at an instant or along a flight."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tetherfmu.runtime.outputs import Outputs
+
+
+class PointOutputs(NamedTuple):
+    """A point at an instant.
+
+    Attributes
+    ----------
+    position, velocity : (3,) array
+        [m], [m/s].
+    force : (3,) array
+        Force of all its lines on the point [N], with the weight of their halves of segments there.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray
+
+
+class SystemOutputs(NamedTuple):
+    """A system at an instant.
+
+    Attributes
+    ----------
+    points : dict of str to PointOutputs
+        By the names of the points.
+    lines : dict of str to Outputs
+        By the names of the lines; the start of a line is the ground end of its `Outputs`, its end the kite end.
+    """
+
+    points: dict[str, PointOutputs]
+    lines: dict[str, Outputs]
+
+
+class SystemFlown(NamedTuple):
+    """What a flight of a system gave: one row for each step that was kept.
+
+    Attributes
+    ----------
+    points : dict of str to PointOutputs
+        Of each point, with a row for each kept step: arrays (rows, 3).
+    outputs : dict of str to (rows, outputs_size) array
+        Outputs of each line, in the columns of `layout.py`.
+    positions : dict of str to (rows, segments + 1, 3) array
+        Nodes of each line [m].
+    seconds : float
+        Wall time of all steps [s].
+    """
+
+    points: dict[str, PointOutputs]
+    outputs: dict[str, np.ndarray]
+    positions: dict[str, np.ndarray]
+    seconds: float
+
+    def __repr__(self):
+        """How much there is, instead of all its numbers."""
+        rows = len(next(iter(self.positions.values())))
+        return f"<SystemFlown: {rows} rows, {len(self.points)} points, {len(self.outputs)} lines>"
