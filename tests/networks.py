@@ -1,0 +1,131 @@
+"""Equations of motion of lumped masses in any network, written anew with numpy: what systems of tethers are compared with.
+
+Every segment is a spring and a damper with half of its mass and drag at each of its two nodes:
+
+    T = k (l - l0) + c (dl/dt - l dl0/dt/l0),   k = EA/l0, c = D/l0, times the slack ratios where l < l0
+    F = 1/4 rho cd d l |w| w,   w = W - (v_p + v_q)/2 without its part along the segment
+
+Nodes are numbered over the whole network: first the points of the system, then the inner nodes, line by line.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+
+@dataclass
+class Network:
+    """A network of points and lines (`tetherfmu.Point`, `Line`); motions: driven point to a function of time, (x, v)."""
+
+    points: list
+    lines: list
+    environment: object
+    wind: np.ndarray
+    motions: dict = field(default_factory=dict)
+    loads: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        self.names = [point.name for point in self.points]
+        self.nodes_of, ends, rest, tethers, speeds = {}, [], [], [], []
+        count = len(self.points)
+        for line in self.lines:
+            n = line.tether.segments
+            inner = list(range(count, count + n - 1))
+            count += n - 1
+            nodes = [self.names.index(line.start), *inner, self.names.index(line.end)]
+            self.nodes_of[line.name] = nodes
+            ends += list(zip(nodes[:-1], nodes[1:], strict=True))
+            rest += [line.tether.initial_length / n] * n
+            speeds += [line.reel_out_speed / n] * n
+            tethers += [line.tether] * n
+        self.p, self.q = np.array(ends).T
+        self.rest, self.speeds = np.array(rest), np.array(speeds)
+        self.mu = np.array([each.density * np.pi * each.diameter**2 / 4.0 for each in tethers])
+        self.stiffness = np.array([each.axial_stiffness for each in tethers])
+        self.damping = np.array([each.axial_damping for each in tethers])
+        self.width = np.array([each.drag_coefficient * each.diameter for each in tethers])
+        self.slack = np.array([(each.slack_stiffness_ratio, each.slack_damping_ratio) for each in tethers]).T
+        self.point_mass = np.zeros(count)
+        self.point_mass[: len(self.points)] = [point.mass or 0.0 for point in self.points]
+        self.driven = [k for k, point in enumerate(self.points) if point.is_driven]
+        self.free = np.setdiff1d(np.arange(count), self.driven)
+        self.count = count
+
+    def rest_lengths(self, time):
+        """Unstretched lengths of all segments [m]."""
+        return self.rest + self.speeds * time
+
+    def masses(self, time):
+        """Masses of all nodes [kg]."""
+        half = 0.5 * self.mu * self.rest_lengths(time)
+        mass = self.point_mass.copy()
+        np.add.at(mass, self.p, half)
+        np.add.at(mass, self.q, half)
+        return mass
+
+    def segments(self, time, x, v):
+        """Directions, tensions [N] and half drags [N] of all segments."""
+        r, u, rest = x[self.q] - x[self.p], v[self.q] - v[self.p], self.rest_lengths(time)
+        length = np.sqrt(np.sum(r * r, axis=1))
+        e = r / length[:, None]
+        is_slack = length < rest
+        k = self.stiffness / rest * np.where(is_slack, self.slack[0], 1.0)
+        c = self.damping / rest * np.where(is_slack, self.slack[1], 1.0)
+        tension = k * (length - rest) + c * (np.sum(e * u, axis=1) - length * self.speeds / rest)
+        w = self.wind - 0.5 * (v[self.p] + v[self.q])
+        w = w - np.sum(w * e, axis=1)[:, None] * e
+        speed = np.sqrt(np.sum(w * w, axis=1))
+        drag = (0.25 * self.environment.air_density * self.width * length * speed)[:, None] * w
+        return e, tension, drag
+
+    def forces(self, time, x, v):
+        """Forces on all nodes [N] but those that drive points."""
+        e, tension, drag = self.segments(time, x, v)
+        force = np.zeros((self.count, 3))
+        np.add.at(force, self.p, tension[:, None] * e + drag)
+        np.add.at(force, self.q, drag - tension[:, None] * e)
+        force[:, 2] -= self.masses(time) * self.environment.gravity
+        for name, load in self.loads.items():
+            force[self.names.index(name)] += load
+        return force
+
+    def with_driven(self, time, x, v):
+        """Positions and velocities with the driven points where they are driven."""
+        for k in self.driven:
+            x[k], v[k] = self.motions[self.names[k]](time)
+        return x, v
+
+    def rates(self, time, y):
+        """d(x, v)/dt of the free nodes."""
+        x, v = self.unpacked(time, y)
+        a = self.forces(time, x, v)[self.free] / self.masses(time)[self.free, None]
+        return np.concatenate([v[self.free].ravel(), a.ravel()])
+
+    def unpacked(self, time, y):
+        """Positions [m] and velocities [m/s] of all nodes, (nodes, 3), from those of the free nodes."""
+        x, v = np.zeros((self.count, 3)), np.zeros((self.count, 3))
+        x[self.free], v[self.free] = y.reshape(2, -1, 3)
+        return self.with_driven(time, x, v)
+
+    def gathered(self, of_lines):
+        """Vectors of all nodes (nodes, 3) from those of each line by name."""
+        found = np.zeros((self.count, 3))
+        for name, nodes in self.nodes_of.items():
+            found[nodes] = of_lines[name]
+        return found
+
+    def solve(self, system, times, tolerance=1e-11):
+        """Positions and velocities of all nodes at times [s], (times, 2, nodes, 3), from the present state of a system."""
+        start = [self.gathered(each)[self.free].ravel() for each in (system.positions, system.velocities)]
+        solution = solve_ivp(
+            self.rates,
+            (0.0, times[-1]),
+            np.concatenate(start),
+            method="DOP853",
+            t_eval=times,
+            rtol=tolerance,
+            atol=tolerance,
+        )
+        assert solution.success
+        return np.array([self.unpacked(time, y) for time, y in zip(times, solution.y.T, strict=True)])
