@@ -22,7 +22,7 @@ _DOUBLES, _WHOLE = types.CPointer(types.float64), types.CPointer(types.int64)
 _COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
 SIGNATURES = SystemKernels(
     line_work_size=_COUNT(_COUNT),
-    points_work_size=_COUNT(_COUNT),
+    points_work_size=_COUNT(_COUNT, _COUNT),
     advance=_STATUS(_WHOLE, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES, _DOUBLES),
     fly=_COUNT(_WHOLE, _DOUBLES, _DOUBLES, _COUNT, _NUMBER, _COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
 )
@@ -55,7 +55,7 @@ def system_at(plan, parameters, inputs, state, work):
         carray(parameters, behind_lines(plan, places.PARAMETERS_AT)),
         inputs,
         states_at(plan, state),
-        carray(work, plan[places.POINTS_WORK] + points_size(plan[places.FREE_POINTS])),
+        carray(work, plan[places.POINTS_WORK] + points_size(plan[places.FREE_POINTS], plan[places.BAND])),
     )
 
 
@@ -64,9 +64,9 @@ def line_work_size(n):
     return variant.line_work_size(n)
 
 
-def points_work_size(points):
-    """Length of what so many free points need of `work`."""
-    return points_size(points)
+def points_work_size(points, band):
+    """Length of what so many free points need of `work`, with this band of their matrix."""
+    return points_size(points, band)
 
 
 def advance(plan, parameters, inputs, step, state, before, work):

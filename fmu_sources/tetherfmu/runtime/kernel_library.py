@@ -34,7 +34,7 @@ SYSTEM = "system"
 SystemKernels = namedtuple("SystemKernels", "line_work_size points_work_size advance fly")
 SYSTEM_PROTOTYPES = SystemKernels(
     line_work_size=CFUNCTYPE(c_int64, c_int64),
-    points_work_size=CFUNCTYPE(c_int64, c_int64),
+    points_work_size=CFUNCTYPE(c_int64, c_int64, c_int64),
     advance=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, _ARRAY),
     fly=CFUNCTYPE(c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, c_double, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 )

@@ -21,7 +21,8 @@ LINES = 0
 FREE_POINTS = 1
 POINTS_WORK = 2  # place of the free points in `work`
 STATUS_LINE = 3  # number of the line that a status is about, or ALL_LINES; written by the kernels
-PLAN_HEADER = 4
+BAND = 4  # of the matrix of the free points
+PLAN_HEADER = 5
 # then of each line, and once more: the places behind the last line
 SEGMENTS = 0
 START_POINT = 1  # number of the free point at its start, or DRIVEN

@@ -20,6 +20,7 @@ from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variables import INPUT_NAMES
 
 from ..results import StepRefused
+from .ordering import ordered
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 
@@ -37,13 +38,13 @@ class Arrays:
 
     def __init__(self, points, lines, environment, solver, ground):
         self.points, self.lines = points, lines
-        self.free = [point.name for point in points if not point.is_driven]
+        self.free, band = ordered([point.name for point in points if not point.is_driven], lines)
         self._kernels = ready.kernels(SYSTEM)
         self.instances = []
         carried = set()
         for line in lines:
             self.instances.append(self._instance(line, carried, environment, solver, ground))
-        self._make_plan()
+        self._make_plan(band)
         self.inputs = np.zeros(places.inputs_size(len(lines), len(self.free)))
         self.rows = [self.inputs[k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(lines))]
         self.loads = self.inputs[len(lines) * at.INPUTS :].reshape(-1, 3)
@@ -75,8 +76,8 @@ class Arrays:
         instance.set_up(*packed)
         return instance
 
-    def _make_plan(self):
-        """The plan, and the length of the work array."""
+    def _make_plan(self, band):
+        """The plan, and the length of the work array; band : of the matrix of the free points."""
         rows, here = [], np.zeros(3, int)
         for line, instance in zip(self.lines, self.instances, strict=True):
             ends = [self.free.index(name) if name in self.free else places.DRIVEN for name in (line.start, line.end)]
@@ -86,9 +87,9 @@ class Arrays:
         rows.append([0, places.DRIVEN, places.DRIVEN, *here])
         header = [0] * places.PLAN_HEADER
         header[places.LINES], header[places.FREE_POINTS] = len(self.lines), len(self.free)
-        header[places.POINTS_WORK] = here[2]
+        header[places.POINTS_WORK], header[places.BAND] = here[2], band
         self.plan = np.array([*header, *(number for row in rows for number in row)], dtype=np.int64)
-        self._work_size = here[2] + self._kernels.points_work_size(len(self.free))
+        self._work_size = here[2] + self._kernels.points_work_size(len(self.free), band)
         self.states_at = [row[places.STATE_AT] for row in rows]
 
     def point(self, name):
@@ -114,7 +115,7 @@ class Arrays:
         """Positions [m] and velocities [m/s] of the nodes of line k, view (..., 2, segments + 1, 3) of its states."""
         state = self.state if state is None else state
         own = state[..., self.states_at[k] + at.STATE_HEADER : self.states_at[k + 1]]
-        return own.reshape(*own.shape[:-1], 2, -1, 3)
+        return own.reshape(*own.shape[:-1], 2, self.instances[k].segments + 1, 3)
 
     def start_line(self, k):
         """Find the first shape of line k between its points as the inputs say; StepRefused names the line."""

@@ -10,6 +10,7 @@ from tetherfmu.runtime import system_layout as places
 
 from ..arrays import behind, parameters_size, positions_and_velocities, state_size
 from ..compilation import kernel, part, view
+from ..linear_algebra.points import row_size
 from ..linear_algebra.vectors import add, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
 
@@ -19,7 +20,7 @@ System.__doc__ = """The flat arrays of a system, see `system_layout.py`."""
 Points = namedtuple("Points", "matrix pivots right mass stage_mass mass_rate change")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
-matrix : of a step, m m, see `linear_algebra.points`.  pivots : m.  right : right-hand side of a stage [N], or q [m/s], m.
+matrix : of a step, m rows, see `linear_algebra.points`.  pivots : m.  right : right-hand side of a stage [N], or q [m/s], m.
 mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
 mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
 """
@@ -55,6 +56,12 @@ def lines_of(system):
 def free_points(system):
     """Number of free points."""
     return system.plan[places.FREE_POINTS]
+
+
+@kernel
+def band_of(system):
+    """Band of the matrix of the free points, see `linear_algebra.points`."""
+    return system.plan[places.BAND]
 
 
 @view
@@ -96,10 +103,9 @@ def room_of(system, k):
 
 
 @kernel
-def points_size(points):
-    """Length of what the free points need of `work`."""
-    m = 3 * points
-    return m * m + 3 * m + 3 * points
+def points_size(points, band):
+    """Length of what so many free points need of `work`, with this band of their matrix."""
+    return 3 * points * row_size(band) + 12 * points
 
 
 @view
@@ -107,7 +113,8 @@ def points_of(system):
     """`Points` of a system."""
     count, room = free_points(system), behind(system.plan[places.POINTS_WORK], system.work)
     m = 3 * count
-    matrix, room = part(room, 0, m * m), behind(m * m, room)
+    size = m * row_size(band_of(system))
+    matrix, room = part(room, 0, size), behind(size, room)
     pivots, right, change, room = part(room, 0, m), part(room, m, m), part(room, 2 * m, m), behind(3 * m, room)
     masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
     return Points(matrix, pivots, right, *masses, change)

@@ -5,7 +5,7 @@ line is condensed to its free ends (`linear_algebra.condensed`), and what is lef
 
     S y = b,   S, b: sums over the lines that meet there, the load on the point,
 
-one dense system (`linear_algebra.points`). Loops of lines are nothing special. Each line then has the solution of its
+one system with a band (`linear_algebra.points`). Loops of lines are nothing special. Each line then has the solution of its
 ends, and with it that of its inner nodes. A free point stands at the end of each of its lines: same numbers, same
 arithmetic, same motion.
 
@@ -25,6 +25,7 @@ from ..equations.properties import point_mass
 from ..equations.system import (
     CONDITIONS,
     add_at,
+    band_of,
     clear,
     conditions_of,
     free_points,
@@ -38,7 +39,7 @@ from ..equations.system import (
 )
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.points import factorize_dense, solve_dense
+from ..linear_algebra.points import factorize_band, place_in, row_size, solve_band
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
 from . import rosenbrock
 from .rodas4p import ALPHA, STAGES
@@ -98,7 +99,7 @@ def prepare(system, time, h):
             form_line(system, k, time, h)
             if not condense_line(system, k, points):
                 return False
-    return factorize_dense(3 * free_points(system), points.matrix, points.pivots)
+    return factorize_band(3 * free_points(system), band_of(system), points.matrix, points.pivots)
 
 
 @kernel
@@ -128,17 +129,23 @@ def condense_line(system, k, points):
     matrix, columns = room.w.matrix, room.columns
     if not condensed.condense(n, is_free(system, k, 0), is_free(system, k, 1), matrix, columns):
         return False
-    m = 3 * free_points(system)
-    for at_end in range(2):
-        row = point_at(system, k, at_end)
-        for of_end in range(2):
-            column = point_at(system, k, of_end)
+    for row_end in range(2):
+        row = point_at(system, k, row_end)
+        for column_end in range(2):
+            column = point_at(system, k, column_end)
             if row != places.DRIVEN and column != places.DRIVEN:
-                for c in range(3):
-                    added = condensed.column_between(n, matrix, columns, of_end, at_end, c)
-                    for j in range(3):
-                        points.matrix[m * (3 * row + j) + 3 * column + c] += added[j]
+                block = condensed.condensed_block(n, row_end, column_end, matrix, columns)
+                add_block(band_of(system), row, column, block, points.matrix)
     return True
+
+
+@kernel
+def add_block(b, row, column, block, matrix):
+    """Add a 3x3 block that couples two points to a matrix of the band b (modified)."""
+    place = place_in(b, 3 * row, 3 * column)
+    for i in range(3):
+        for j in range(3):
+            matrix[place + (row_size(b) - 1) * i + j] += block[3 * i + j]
 
 
 # --- a stage
@@ -238,7 +245,7 @@ def solve_stage(system, stage, reels, h):
     for k in range(lines_of(system)):
         if moves(system, k):
             reduce_line(system, k, stage, h, points)
-    solve_dense(3 * free_points(system), points.matrix, points.pivots, points.right)
+    solve_band(3 * free_points(system), band_of(system), points.matrix, points.pivots, points.right)
     for k in range(lines_of(system)):
         if moves(system, k):
             expand_line(system, k, stage, points)

@@ -11,28 +11,28 @@ the first and the last row become
     (D_0 - U_0 C_0,1) y_0 - U_0 C_n,1 y_n = b_0 - U_0 (A^-1 b)_1
     (D_n - L_n C_n,n-1) y_n - L_n C_0,n-1 y_0 = b_n - L_n (A^-1 b)_(n-1)
 
-An end that is prescribed, with y = 0, has no columns. `columns` has six arrays of n + 1 vectors: three of C_0, three of C_n.
+An end that is prescribed, with y = 0, has no columns. `columns` has the 3x3 blocks of C_0, then those of C_n; the blocks of
+mirror rows are packed (`both_ends.pack_blocks`). Ends are numbered: 0 the first row, 1 the last.
 """
 
-from ..compilation import kernel, part
+from ..compilation import kernel, part, view
 from .block_tridiagonal import factorize, solve
-from .matrices import apply, get_matrix
-from .vectors import ZERO_VECTOR, get, put, scale, sub
-
-COLUMNS = 6  # of both ends
+from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
+from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract
+from .pairs import broadcast, first, pair, second
+from .vectors import get, put, sub
 
 
 @kernel
 def columns_size(n):
     """Length of the array `columns`."""
-    return COLUMNS * 3 * (n + 1)
+    return 2 * 9 * (n + 1)
 
 
-@kernel
-def column_of(array, place, c):
-    """Column c of the 3x3 block at a place of a flat array."""
-    k = 9 * place + c
-    return array[k], array[k + 3], array[k + 6]
+@view
+def columns_of(n, end, columns):
+    """Columns of one end."""
+    return part(columns, 9 * (n + 1) * end, 9 * (n + 1))
 
 
 @kernel
@@ -42,35 +42,68 @@ def condense(n, start_is_free, end_is_free, matrix, columns):
         return True
     if not factorize(1, n - 1, matrix):
         return False
-    size = 3 * (n + 1)
-    for c in range(3):
-        if start_is_free:
-            find_column(n, 1, column_of(matrix.lower, 1, c), matrix, part(columns, size * c, size))
-        if end_is_free:
-            find_column(n, n - 1, column_of(matrix.upper, n - 1, c), matrix, part(columns, size * (3 + c), size))
+    if start_is_free:
+        find_columns(n, 0, get_matrix(matrix.lower, 9), matrix, columns_of(n, 0, columns))
+    if end_is_free:
+        find_columns(n, 1, get_matrix(matrix.upper, 9 * (n - 1)), matrix, columns_of(n, 1, columns))
     return True
 
 
 @kernel
-def find_column(n, row, coupling, matrix, column):
-    """A^-1 of a vector that is `coupling` in one row and 0 in all others, into a column (modified)."""
-    for i in range(1, n):
-        put(column, i, ZERO_VECTOR)
-    put(column, row, coupling)
-    solve(1, n - 1, matrix, column)
+def find_columns(n, end, coupling, matrix, blocks):
+    """Columns of an end into `blocks` (modified): A^-1 of the block `coupling` in the row beside it.
+
+    As `block_tridiagonal.solve` does it, with a right-hand side of three columns at once.
+    """
+    diagonal, lower, upper = matrix
+    middle, below = n // 2, n - n // 2
+    right = scale_matrix(pair(1.0 - end, 1.0 * end), broadcast(coupling, pair(0.0, 0.0)))
+    at_middle, at_below = first(right), second(right)
+    if middle > 1:
+        pack_blocks(blocks, 1, blocks, n - 1, right)
+        for i in range(2, middle):
+            right = scale_matrix(-1.0, multiply(get_packed_blocks(lower, i, upper, n - i), right))
+            pack_blocks(blocks, i, blocks, n - i, right)
+        loss = multiply(get_packed_blocks(lower, middle, upper, below), right)
+        at_middle, at_below = subtract(ZERO_MATRIX, first(loss)), subtract(ZERO_MATRIX, second(loss))
+    if middle == below:
+        at_middle = multiply(get_matrix(diagonal, 9 * middle), subtract(at_middle, scale_matrix(-1.0, at_below)))
+        at_below = at_middle
+        put_matrix(blocks, 9 * middle, at_middle)
+    else:
+        at_middle = subtract(at_middle, multiply(get_matrix(upper, 9 * middle), at_below))
+        at_middle = multiply(get_matrix(diagonal, 9 * middle), at_middle)
+        at_below = subtract(at_below, multiply(get_matrix(lower, 9 * below), at_middle))
+        at_below = multiply(get_matrix(diagonal, 9 * below), at_below)
+        pack_blocks(blocks, middle, blocks, below, pair(at_middle, at_below))
+    two = pair(at_middle, at_below)
+    for i in range(middle - 1, 0, -1):
+        rest = subtract(
+            get_packed_blocks(blocks, i, blocks, n - i), multiply(get_packed_blocks(upper, i, lower, n - i), two)
+        )
+        two = multiply(get_packed_blocks(diagonal, i, diagonal, n - i), rest)
+        pack_blocks(blocks, i, blocks, n - i, two)
 
 
 @kernel
-def column_between(n, matrix, columns, of_end, at_end, c):
-    """Column c of the condensed block in the row of one end (at_end: 0 the first row, 1 the last) that belongs to another."""
-    own, beside = n * at_end, 1 + (n - 2) * at_end
-    coupling = matrix.lower if at_end == 1 else matrix.upper
+def block_beside(n, row_end, blocks):
+    """Block of the columns `blocks` in the inner row beside an end."""
+    if n == 2:
+        return get_matrix(blocks, 9)
+    both = get_packed_blocks(blocks, 1, blocks, n - 1)
+    return second(both) if row_end == 1 else first(both)
+
+
+@kernel
+def condensed_block(n, row_end, column_end, matrix, columns):
+    """Block of the condensed system in the row of one end and the column of the same end or of the other one."""
+    outer = 9 * n * row_end
+    coupling = get_matrix(matrix.lower if row_end == 1 else matrix.upper, outer)
+    own = get_matrix(matrix.diagonal, outer)
     if n == 1:
-        return column_of(matrix.diagonal if at_end == of_end else coupling, own, c)
-    size = 3 * (n + 1)
-    inner = get(part(columns, size * (3 * of_end + c), size), beside)
-    loss = apply(get_matrix(coupling, 9 * own), inner)
-    return sub(column_of(matrix.diagonal, own, c), loss) if at_end == of_end else scale(-1.0, loss)
+        return own if row_end == column_end else coupling
+    loss = multiply(coupling, block_beside(n, row_end, columns_of(n, column_end, columns)))
+    return subtract(own if row_end == column_end else ZERO_MATRIX, loss)
 
 
 @kernel
@@ -86,11 +119,17 @@ def reduce(n, matrix, b):
 @kernel
 def expand(n, start_is_free, end_is_free, columns, y):
     """Solution in the inner rows (modified) from that of the ends, after `reduce`."""
-    size = 3 * (n + 1)
-    for c in range(COLUMNS):
-        of_end = c >= 3
-        if end_is_free if of_end else start_is_free:
-            factor = y[3 * n + c - 3] if of_end else y[c]
-            column = part(columns, size * c, size)
-            for k in range(3, 3 * n):
-                y[k] -= factor * column[k]
+    if start_is_free:
+        subtract_columns(n, columns_of(n, 0, columns), get(y, 0), y)
+    if end_is_free:
+        subtract_columns(n, columns_of(n, 1, columns), get(y, n), y)
+
+
+@kernel
+def subtract_columns(n, blocks, at_end, y):
+    """Subtract from the inner rows (modified) what columns make of the solution at their end."""
+    both = broadcast(at_end, pair(0.0, 0.0))
+    for i in range(1, (n + 1) // 2):
+        put_two(y, i, n - i, sub(get_two(y, i, n - i), apply(get_packed_blocks(blocks, i, blocks, n - i), both)))
+    if n % 2 == 0:
+        put(y, n // 2, sub(get(y, n // 2), apply(get_matrix(blocks, 9 * (n // 2)), at_end)))
