@@ -59,9 +59,7 @@ class Arrays:
         ends = [self.point(name) for name in (line.start, line.end)]
         nodes = 0, sum(tether.segments for tether in tethers)
         masses = [
-            (node, end.mass)
-            for node, end in zip(nodes, ends, strict=True)
-            if not end.is_driven and end.name not in carried
+            (node, end.mass) for node, end in zip(nodes, ends, strict=True) if not end.is_driven and end.name not in carried
         ]
         carried.update(end.name for end in ends)
         kernels = ready.kernels("dynamic")
@@ -91,6 +89,12 @@ class Arrays:
         self.plan = np.array([*header, *(number for row in rows for number in row)], dtype=np.int64)
         self._work_size = here[2] + self._kernels.points_work_size(len(self.free), band)
         self.states_at = [row[places.STATE_AT] for row in rows]
+
+    def topology(self):
+        """Copy of the plan without what the kernels write there."""
+        found = self.plan.copy()
+        found[places.STATUS_LINE] = 0
+        return found
 
     def point(self, name):
         """The record of a point."""

@@ -13,7 +13,6 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
-from tetherfmu.runtime.system_layout import STATUS_LINE
 
 from .. import arguments
 from ..results import PlausibilityWarning, StepRefused, outputs_of
@@ -264,7 +263,7 @@ class TetherSystem:
         """Copy of the whole state, one flat array: states of all lines, inputs, parameters; StepRefused before `initialize`."""
         self._check_started()
         arrays = self._arrays
-        return np.concatenate([arrays.plan[:-1], arrays.state, arrays.inputs, arrays.parameters])
+        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, arrays.parameters])
 
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
@@ -273,11 +272,11 @@ class TetherSystem:
         """
         arrays = self._arrays
         state = np.asarray(state, dtype=float)
-        sizes = [len(arrays.plan) - 1, len(arrays.state), len(arrays.inputs), len(arrays.parameters)]
+        sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, arrays.parameters)]
         if state.shape != (sum(sizes),):
             raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
-        plan, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
-        if not self._is_own(plan, parameters):
+        topology, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
+        if not self._is_own(topology, parameters):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
         if not np.all(np.isfinite(state)):
             raise ValueError("state has a number that is not finite")
@@ -384,15 +383,14 @@ class TetherSystem:
             for row in rows:
                 row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
 
-    def _is_own(self, plan, parameters):
-        """Whether plan and parameters of a state are those of this system; the start writes INITIAL_SHAPE."""
+    def _is_own(self, topology, parameters):
+        """Whether topology and parameters of a state are those of this system; the start writes INITIAL_SHAPE."""
         mine = self._arrays.parameters.copy()
         theirs = parameters.copy()
         for k in range(len(self.lines)):
             place = self._arrays.parameters_at(k) + at.INITIAL_SHAPE
             mine[place] = theirs[place] = 0.0
-        places = np.arange(len(plan)) != STATUS_LINE
-        return np.array_equal(plan[places], self._arrays.plan[:-1][places]) and np.array_equal(mine, theirs)
+        return np.array_equal(topology, self._arrays.topology()) and np.array_equal(mine, theirs)
 
     def _check_started(self):
         """StepRefused before `initialize`."""

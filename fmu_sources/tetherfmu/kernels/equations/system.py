@@ -67,9 +67,7 @@ def band_of(system):
 @view
 def parameters_of(system, k):
     """`parameters` of line k."""
-    return part(
-        system.parameters, number_of_line(system, k, places.PARAMETERS_AT), parameters_size(segments_of(system, k))
-    )
+    return part(system.parameters, number_of_line(system, k, places.PARAMETERS_AT), parameters_size(segments_of(system, k)))
 
 
 @view

@@ -45,7 +45,9 @@ from . import rosenbrock
 from .rodas4p import ALPHA, STAGES
 
 Room = namedtuple("Room", "w columns")
-Room.__doc__ = """Scratch arrays of a line: `rosenbrock.Workspace`, and the columns of its ends (`linear_algebra.condensed`)."""
+Room.__doc__ = (
+    """Scratch arrays of a line: `rosenbrock.Workspace`, and the columns of its ends (`linear_algebra.condensed`)."""
+)
 
 
 @kernel

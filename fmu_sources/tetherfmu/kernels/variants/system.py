@@ -32,7 +32,12 @@ from ..step.plausibility import note_stiff_and_slack
 @kernel
 def begin_line(system, k, step):
     """Conditions of line k in a communication step [s], and the header of its state (modified); a status."""
-    n, parameters, inputs, state = segments_of(system, k), parameters_of(system, k), inputs_of(system, k), state_of(system, k)
+    n, parameters, inputs, state = (
+        segments_of(system, k),
+        parameters_of(system, k),
+        inputs_of(system, k),
+        state_of(system, k),
+    )
     status = transaction.check_step(inputs, step)
     if status != OK:
         return status
