@@ -9,6 +9,7 @@ Nodes are numbered over the whole network: first the points of the system, then 
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -35,7 +36,7 @@ class Network:
             count += n - 1
             nodes = [self.names.index(line.start), *inner, self.names.index(line.end)]
             self.nodes_of[line.name] = nodes
-            ends += list(zip(nodes[:-1], nodes[1:], strict=True))
+            ends += list(pairwise(nodes))
             rest += [line.tether.initial_length / n] * n
             speeds += [line.reel_out_speed / n] * n
             tethers += [line.tether] * n

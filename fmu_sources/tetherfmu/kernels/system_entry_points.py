@@ -5,7 +5,6 @@ Four: line_work_size and points_work_size, from which the caller makes the plan 
 
 from numba import carray, types
 
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.kernel_library import SystemKernels
 from tetherfmu.runtime.status import OK

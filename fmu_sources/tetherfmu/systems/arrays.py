@@ -79,15 +79,15 @@ class Arrays:
         rows, here = [], np.zeros(3, int)
         for line, instance in zip(self.lines, self.instances, strict=True):
             ends = [self.free.index(name) if name in self.free else places.DRIVEN for name in (line.start, line.end)]
-            rows.append([instance.segments, *ends, *here])
+            rows.append([instance.segments, *ends, *here.tolist()])
             work = self._kernels.line_work_size(instance.segments)
-            here = here + [len(instance.parameters), len(instance.state), work]
-        rows.append([0, places.DRIVEN, places.DRIVEN, *here])
+            here += [len(instance.parameters), len(instance.state), work]
+        rows.append([0, places.DRIVEN, places.DRIVEN, *here.tolist()])
         header = [0] * places.PLAN_HEADER
         header[places.LINES], header[places.FREE_POINTS] = len(self.lines), len(self.free)
         header[places.POINTS_WORK], header[places.BAND] = here[2], band
         self.plan = np.array([*header, *(number for row in rows for number in row)], dtype=np.int64)
-        self._work_size = here[2] + self._kernels.points_work_size(len(self.free), band)
+        self._work_size = int(here[2]) + self._kernels.points_work_size(len(self.free), band)
         self.states_at = [row[places.STATE_AT] for row in rows]
 
     def topology(self):
@@ -120,6 +120,23 @@ class Arrays:
         state = self.state if state is None else state
         own = state[..., self.states_at[k] + at.STATE_HEADER : self.states_at[k + 1]]
         return own.reshape(*own.shape[:-1], 2, self.instances[k].segments + 1, 3)
+
+    def forces_at_rest(self, k, ends):
+        """Forces [N] of line k at rest on its start and its end, (2, 3), with these there [m], (2, 3); None if it has none.
+
+        Wind and unstretched length are those of the inputs; the state of its instance is modified.
+        """
+        instance = self.instances[k]
+        values = np.frombuffer(instance.values)
+        values[: at.INPUTS] = self.rows[k]
+        values[at.GROUND_POSITION : at.GROUND_POSITION + 3], values[at.KITE_POSITION : at.KITE_POSITION + 3] = ends
+        shape = instance.parameters[at.INITIAL_SHAPE]
+        instance.parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
+        problem = instance.start()
+        instance.parameters[at.INITIAL_SHAPE] = shape
+        found = values[OUTPUTS_AT:]
+        places_of_forces = (at.GROUND_FORCE, at.KITE_FORCE)
+        return None if problem else np.array([found[place : place + 3] for place in places_of_forces])
 
     def start_line(self, k):
         """Find the first shape of line k between its points as the inputs say; StepRefused names the line."""

@@ -16,6 +16,7 @@ from tetherfmu.runtime.saved_state import check_state
 
 from .. import arguments
 from ..results import PlausibilityWarning, StepRefused, outputs_of
+from . import equilibrium
 from .arrays import Arrays
 from .records import Line, Point, check_system
 from .results import PointOutputs, SystemFlown, SystemOutputs
@@ -26,8 +27,8 @@ Vectors = Mapping[str, ArrayLike]
 class TetherSystem:
     """Tethers that meet in points, in one system of equations: bridles, several kites on one tether, drones with one load.
 
-    The start of a line is the ground end of a single tether, its end the kite end; all of them share air, gravity, ground and
-    solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight and
+    The start of a line is the ground end of a single tether, its end the kite end; all of them share air, gravity, ground
+    and solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight and
     a load that is held over each communication step.
 
     Parameters
@@ -109,12 +110,15 @@ class TetherSystem:
     ) -> SystemOutputs:
         """Start with the points where their records say, each line with the `initial_shape` between its two points.
 
+        Free points without a position start where they are in equilibrium with all lines at rest.
+
         Parameters
         ----------
         wind_velocity : (3,) array
             Wind [m/s] at `wind_reference_height`.
         positions, velocities : dict of str to (3,) array
-            Other positions [m] and velocities [m/s] of points than those of their records.
+            Other positions [m] and velocities [m/s] of points than those of their records; a position None of a free point
+            is found.
         loads : dict of str to (3,) array
             External force [N] on free points; 0 where none is given.
         reel_out_speeds : dict of str to float
@@ -128,20 +132,24 @@ class TetherSystem:
         Raises
         ------
         StepRefused
-            If an input is not finite or no equilibrium of a line is found; the system is as it was before.
+            If an input is not finite or no equilibrium of a line, or of the free points, is found; the system is as it was
+            before.
         ValueError
             If a name does not exist, or a value has another shape.
         """
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
-        nowhere = [name for name, position in positions.items() if position is None]
-        if nowhere:
-            raise ValueError(f"the free point {nowhere[0]} has no position; give one where it starts")
+        wanted = [name for name, position in positions.items() if position is None]
+        if not set(wanted) <= set(self._arrays.free):
+            raise ValueError(f"{next(iter(set(wanted) - set(self._arrays.free)))} is no free point: give its position")
         velocities = {**{each.name: each.velocity for each in self.points}, **(velocities or {})}
         speeds = {**{line.name: line.reel_out_speed for line in self.lines}, **(reel_out_speeds or {})}
         loads = {**dict.fromkeys(self._arrays.free, (0.0, 0.0, 0.0)), **(loads or {})}
         before = self._arrays.inputs.copy()
         try:
-            self._set(positions, velocities, loads, speeds, wind_velocity, at_start=True)
+            given = {name: position for name, position in positions.items() if position is not None}
+            self._set(given, velocities, loads, speeds, wind_velocity, at_start=True)
+            if wanted:
+                self._set(equilibrium.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
             self._arrays.start()
         except ValueError:
             self._arrays.inputs[:] = before
@@ -260,7 +268,10 @@ class TetherSystem:
         return flown
 
     def get_state(self) -> NDArray[np.float64]:
-        """Copy of the whole state, one flat array: states of all lines, inputs, parameters; StepRefused before `initialize`."""
+        """Copy of the whole state, one flat array: topology, states of all lines, inputs, parameters.
+
+        StepRefused before `initialize`.
+        """
         self._check_started()
         arrays = self._arrays
         return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, arrays.parameters])
@@ -353,7 +364,7 @@ class TetherSystem:
     def _set(self, positions, velocities, loads, speeds, wind_velocity, *, inputs=None, at_start=False):
         """Set those inputs that are given, by name; ValueError if a name does not exist or a value has another shape.
 
-        inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : also the motion of free points.
+        inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : of free points, too.
         """
         whole = self._arrays.inputs if inputs is None else inputs
         rows = [whole[..., k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(self.lines))]

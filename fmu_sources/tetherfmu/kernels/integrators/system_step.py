@@ -1,7 +1,8 @@
 """One step of Rodas4P for a system: all its lines and free points at once.
 
-Each stage solves the equations of `rosenbrock.py` for all nodes. Those of the inner nodes of a line know its own ends only: a
-line is condensed to its free ends (`linear_algebra.condensed`), and what is left of all lines is added up at the free points,
+Each stage solves the equations of `rosenbrock.py` for all nodes. Those of the inner nodes of a line know its own ends only:
+a line is condensed to its free ends (`linear_algebra.condensed`), and what is left of all lines is added up at the free
+points,
 
     S y = b,   S, b: sums over the lines that meet there, the load on the point,
 
@@ -52,7 +53,7 @@ Room.__doc__ = (
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`, an even number: pairs do not lie across two lines of the cache."""
+    """Length of what a line of n segments needs of `work`: an even number, so that pairs lie within a line of the cache."""
     size = CONDITIONS + rosenbrock.workspace_size(n) + condensed.columns_size(n)
     return size + size % 2
 
@@ -80,10 +81,10 @@ def moves(system, k):
 @kernel
 def is_any_reeling(system):
     """Whether the unstretched length of any line changes in the step."""
+    reeling = 0
     for k in range(lines_of(system)):
-        if winch.is_reeling(conditions_of(system, k).reeling):
-            return True
-    return False
+        reeling += winch.is_reeling(conditions_of(system, k).reeling)
+    return reeling > 0
 
 
 # --- the matrix of a step

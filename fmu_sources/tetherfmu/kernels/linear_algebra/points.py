@@ -53,7 +53,7 @@ def subtract_row(b, i, k, end, factor, matrix):
 
 @kernel
 def factorize_band(m, b, matrix, pivots):
-    """Factor a matrix of m rows in place, and the rows that were swapped into `pivots` (both modified); False if singular."""
+    """Factor a matrix of m rows (modified), with the rows that were swapped in `pivots` (modified); False if singular."""
     for k in range(m):
         last, end = min(k + b, m - 1), min(k + 2 * b + 1, m)
         best = largest_below(b, k, last, matrix)

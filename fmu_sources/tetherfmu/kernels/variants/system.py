@@ -3,7 +3,6 @@
 The lines are started, and their outputs are found, one by one as dynamic tethers between their ends (`dynamic.py`).
 """
 
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import OK
 
