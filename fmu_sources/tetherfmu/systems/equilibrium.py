@@ -16,10 +16,11 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM
 from ..results import StepRefused
 
 ITERATIONS = 300
-BALANCED = 1e-9  # residual over the sum of the forces at a point
-NOTICED = 1e-6  # move of a point for a difference of forces, over the shortest line
+BALANCED = 1e-9  # residual at a point over the size of the forces of its lines
+NOTICED = 1e-8  # move of a point for a difference of forces, over the shortest line
 GROWTH = 2.0  # of |R| in a step that is still accepted
-HARDER, SOFTEST = 4.0, 0.1  # factor of the damping after a step that is refused; least factor after another one
+HARDER = 4.0  # factor of the damping after a step that is refused
+SOFTER, SOFTEST = 0.5, 0.1  # largest and least factor after one in which |R| falls
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
 SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
 
@@ -48,7 +49,7 @@ class _Balance:
         return np.array([fixed[end] if point is None else x[point] for end, point in enumerate(points)])
 
     def residual(self, x):
-        """R of all points and the sum of the magnitudes of the forces at each [N]; None if a line has no equilibrium."""
+        """R of all points, and the size of the forces of and at the lines of each [N]; None if a line has no equilibrium."""
         total, size = self.outer.copy(), np.linalg.norm(self.outer, axis=1)
         for k, points in self.lines:
             forces = self.arrays.forces_at_rest(k, self.ends(k, points, x))
@@ -57,7 +58,7 @@ class _Balance:
             for end, point in enumerate(points):
                 if point is not None:
                     total[point] += forces[end]
-                    size[point] += np.linalg.norm(forces[end])
+                    size[point] += np.linalg.norm(forces, axis=1).sum()
         return total, size
 
     def slopes(self, x):
@@ -123,8 +124,8 @@ def find(arrays, wanted):
     x = _search(balance, balance.guess())
     if x is None:
         raise StepRefused(
-            f"no equilibrium was found of the free points {', '.join(wanted)}; check the positions of the driven points, the "
-            "loads, initial_length and axial_stiffness of the lines, or give positions where the free points start",
+            f"no equilibrium was found of the free points {', '.join(wanted)}; check the positions of the driven points, "
+            "the loads, initial_length and axial_stiffness of the lines, or give positions where the free points start",
             NO_EQUILIBRIUM,
         )
     return dict(zip(wanted, x, strict=True))
@@ -154,6 +155,6 @@ def _search(balance, x):
             damping *= HARDER
             continue
         x, (residual, size) = x + move, new
-        damping *= max(change * change, SOFTEST)
+        damping *= max(min(change * change, SOFTER), SOFTEST) if change < 1.0 else change
         slopes = balance.slopes(x)
     return None

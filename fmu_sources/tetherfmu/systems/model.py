@@ -28,8 +28,8 @@ class TetherSystem:
     """Tethers that meet in points, in one system of equations: bridles, several kites on one tether, drones with one load.
 
     The start of a line is the ground end of a single tether, its end the kite end; all of them share air, gravity, ground
-    and solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight and
-    a load that is held over each communication step.
+    and solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight
+    and a load that is held over each communication step.
 
     Parameters
     ----------

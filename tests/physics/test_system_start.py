@@ -1,0 +1,102 @@
+"""Free points of systems that start in equilibrium.
+
+load m on a line of n segments:   stretch = sum over the segments (weight below it)/(EA/l0)
+load on two equal light lines:    height h below the ends 2 b apart with h^2 + b^2 = l^2, T = m g l/(2 h)
+at rest:                          nothing moves, and forces, weight and load add up to 0 at each free point
+"""
+
+import numpy as np
+import pytest
+
+from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherSystem
+
+G = 9.81
+LINE = Tether(segments=6, initial_length=30.0)
+WIND = (8.0, 1.0, 0.0)
+
+
+def residuals(system, loads=()):
+    """Sums of all forces on the free points [N]."""
+    outputs, loads = system.outputs(), dict(loads)
+    return {
+        point.name: outputs.points[point.name].force + loads.get(point.name, 0.0) - np.array((0.0, 0.0, G * point.mass))
+        for point in system.points
+        if not point.is_driven
+    }
+
+
+def test_a_load_hangs_as_the_springs_say():
+    points = [Point("top", (1.0, 2.0, 50.0)), Point("load", mass=5.0)]
+    system = TetherSystem(points, [Line("line", "top", "load", LINE)])
+    found = system.initialize().points["load"].position
+    weight = LINE.mass_per_meter * 5.0 * G  # of a segment of 5 m
+    stretch = sum((5.0 * G + (k + 0.5) * weight) / (LINE.axial_stiffness / 5.0) for k in range(6))
+    # 1e-9 of some 50 N over the stiffness of the line across, 2 N/m
+    np.testing.assert_allclose(found, (1.0, 2.0, 50.0 - 30.0 - stretch), rtol=0, atol=1e-7)
+
+
+def test_a_load_on_two_light_lines():
+    light = Tether(segments=1, initial_length=5.0, diameter=1e-4, axial_stiffness=1e4)
+    points = [Point("left", (-4.0, 0.0, 0.0)), Point("right", (4.0, 0.0, 0.0)), Point("load", mass=2.0)]
+    lines = [Line("a", "left", "load", light), Line("b", "load", "right", light)]
+    outputs = TetherSystem(points, lines, Environment(air_density=0.0)).initialize()
+    height = -outputs.points["load"].position[2]
+    length = np.hypot(4.0, height)
+    tension = (length - 5.0) * 1e4 / 5.0
+    half_lines = LINE.density * np.pi * 1e-8 / 4.0 * 5.0  # two halves of 5 m of 0.1 mm [kg]
+    assert tension == pytest.approx((2.0 + half_lines) * G * length / (2.0 * height), rel=1e-6)
+    assert outputs.lines["a"].max_tension == pytest.approx(tension, rel=1e-9)
+
+
+def network(kind):
+    """Points, lines and loads of a system whose free points are to be found."""
+    if kind == "drones":
+        corners = [(10.0, 0.0), (0.0, 10.0), (-10.0, 0.0), (0.0, -10.0)]
+        drones = [Point(f"drone{k}", (*corner, 50.0)) for k, corner in enumerate(corners)]
+        lines = [
+            Line(f"line{k}", each.name, "load", Tether(segments=5, initial_length=20.0)) for k, each in enumerate(drones)
+        ]
+        return [*drones, Point("load", mass=20.0)], lines, {}
+    if kind == "triangle":
+        points = [Point("top", (0.0, 0.0, 60.0)), Point("left", mass=5.0), Point("right", mass=3.0)]
+        ends = [("top", "left"), ("left", "right"), ("right", "top")]
+        loads = {"left": (-30.0, 0.0, 0.0), "right": (30.0, 0.0, 0.0)}
+        return points, [Line(f"side{k}", *pair, LINE) for k, pair in enumerate(ends)], loads
+    points = [Point("ground", (0.0, 0.0, 0.0)), Point("knot", mass=2.0)]  # slack between kites and ground
+    points += [Point("left", (-20.0, 0.0, 22.0)), Point("right", (20.0, 0.0, 22.0))]
+    ends = [("ground", "knot"), ("knot", "left"), ("right", "knot")]
+    return points, [Line(f"line{k}", *pair, LINE) for k, pair in enumerate(ends)], {}
+
+
+@pytest.mark.parametrize("kind", ["drones", "triangle", "slack"])
+def test_what_starts_in_equilibrium_stays_there(kind):
+    points, lines, loads = network(kind)
+    system = TetherSystem(points, lines)
+    system.initialize(WIND, loads=loads)
+    for residual in residuals(system, loads).values():
+        np.testing.assert_allclose(residual, 0.0, atol=1e-6)  # 1e-9 of some 200 N
+    before = system.positions
+    system.fly(50, 0.02, every=0)
+    for name, each in system.positions.items():
+        np.testing.assert_allclose(each, before[name], rtol=0, atol=1e-6)  # the residual over slopes of 1 N/m
+    assert system.counters["rejections"] == 0
+
+
+def test_other_starts_are_refused_in_words():
+    pair = [Point("a", mass=1.0), Point("b", mass=1.0)]
+    with pytest.raises(StepRefused, match="no point of the system is driven"):
+        TetherSystem(pair, [Line("line", "a", "b", LINE)]).initialize()
+    driven = TetherSystem([Point("a", (0.0, 0.0, 0.0)), pair[1]], [Line("line", "a", "b", LINE)])
+    with pytest.raises(ValueError, match="a is no free point: give its position"):
+        driven.initialize(positions={"a": None})
+    weightless = TetherSystem(driven.points, driven.lines, Environment(gravity=0.0, air_density=0.0))
+    with pytest.raises(StepRefused, match="no equilibrium was found of the free points b; check"):
+        weightless.initialize()  # a slack line without any load is at rest anywhere
+
+
+def test_lines_keep_their_own_shape_at_the_start():
+    points, lines, _ = network("drones")
+    system = TetherSystem(points, lines, solver=Solver(initial_shape="straight"))
+    system.initialize(WIND)
+    shape = system.positions["line0"]
+    np.testing.assert_allclose(np.diff(shape, 2, axis=0), 0.0, atol=1e-12)
