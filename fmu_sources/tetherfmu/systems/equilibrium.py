@@ -2,10 +2,10 @@
 
     R_p = sum over the lines at p of their force on it + m_p g + load_p = 0
 
-The forces and their differences come from the equilibrium of each line between its two points (`kernels.equilibrium`), which
-never holds itself up as a strut. A step dX solves (a I - dR/dX) dX = R. The damping a falls with |R| and grows where |R| grows
-much (pseudo-time: small steps of motion against a resistance a, which end in stable equilibria only).
-Source: Kelley and Keyes, Convergence analysis of pseudo-transient continuation, SIAM J. Numer. Anal. 35 (1998).
+The forces and their differences come from the equilibrium of each line between its two points (`kernels.equilibrium`),
+which never holds itself up as a strut. But for drag, R is the fall of a potential. A step dX solves (a I - dR/dX) dX = R with a
+damping a that makes the matrix positive definite, so that the potential falls along dX; the step ends before it rises much.
+Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
 """
 
 import numpy as np
@@ -18,9 +18,11 @@ from ..results import StepRefused
 ITERATIONS = 300
 BALANCED = 1e-9  # residual at a point over the size of the forces of its lines
 NOTICED = 1e-8  # move of a point for a difference of forces, over the shortest line
-GROWTH = 2.0  # of |R| in a step that is still accepted
-HARDER = 4.0  # factor of the damping after a step that is refused
-SOFTER, SOFTEST = 0.5, 0.1  # largest and least factor after one in which |R| falls
+HARDER, SOFTER = 2.0, 0.2  # factor of the damping after a part of a move; after a whole one
+LARGEST_DAMPING = 60  # doublings of the damping
+OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at the start
+SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # of a move for the next trial; how many
+PULLS = 1.0, 0.3  # of the springs of the guesses: the weaker, the more stretched are the lines
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
 SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
 
@@ -80,18 +82,20 @@ class _Balance:
                             matrix[3 * row : 3 * row + 3, 3 * column + axis] += change[end]
         return matrix
 
-    def guess(self):
-        """Positions [m] where all lines are springs without length that pull with the largest outer force at their length."""
+    def guess(self, pull):
+        """Positions [m] where all lines are springs without length.
+
+        They pull with `pull` times the largest outer force at their length.
+        """
         count = len(self.wanted)
         matrix, right = np.zeros((count, count)), self.outer.copy()
         for k, points in self.lines:
-            ends = self.ends(k, points, right)
-            for end, point in enumerate(points):
+            for point in points:
                 if point is not None:
                     right[point, 2] -= 0.5 * self._weight(k)
         largest = np.linalg.norm(right, axis=1).max() or 1.0
         for k, points in self.lines:
-            ends, density = self.ends(k, points, right), largest / self.lengths[k]
+            ends, density = self.ends(k, points, right), pull * largest / self.lengths[k]
             for end, point in enumerate(points):
                 other = points[1 - end]
                 if point is not None:
@@ -121,7 +125,7 @@ def find(arrays, wanted):
     if free_of_driven and len(wanted) == len(arrays.free):
         raise StepRefused("no point of the system is driven or has a position: give one where it starts", NO_EQUILIBRIUM)
     balance = _Balance(arrays, wanted)
-    x = _search(balance, balance.guess())
+    x = next((found for found in (_search(balance, balance.guess(pull)) for pull in PULLS) if found is not None), None)
     if x is None:
         raise StepRefused(
             f"no equilibrium was found of the free points {', '.join(wanted)}; check the positions of the driven points, "
@@ -133,28 +137,42 @@ def find(arrays, wanted):
 
 def _search(balance, x):
     """Positions where the residual is balanced, from a guess; None if they are not found."""
-    found = balance.residual(x)
-    if found is None:
-        return None
-    residual, size = found
-    damping = np.linalg.norm(residual, axis=1).max() / (FIRST_PART * balance.shortest)
-    slopes = balance.slopes(x)
+    found, damping = balance.residual(x), None
     for _ in range(ITERATIONS):
-        if np.all(np.linalg.norm(residual, axis=1) <= BALANCED * size):
+        if found is None:
+            return None
+        residual, size = found
+        sizes = np.linalg.norm(residual, axis=1)
+        if np.all(sizes <= BALANCED * size):
             return x
+        slopes = balance.slopes(x)
         if slopes is None:
             return None
-        try:
-            move = np.linalg.solve(slopes + damping * np.eye(residual.size), residual.ravel()).reshape(-1, 3)
-        except np.linalg.LinAlgError:
-            damping *= HARDER
-            continue
-        new = balance.residual(x + move) if np.abs(move).max() < 1e6 * balance.shortest else None
-        change = np.inf if new is None else np.linalg.norm(new[0]) / np.linalg.norm(residual)
-        if not change <= GROWTH:
-            damping *= HARDER
-            continue
-        x, (residual, size) = x + move, new
-        damping *= max(min(change * change, SOFTER), SOFTEST) if change < 1.0 else change
-        slopes = balance.slopes(x)
+        damping = sizes.max() / (FIRST_PART * balance.shortest) if damping is None else damping
+        move, damping = _direction(slopes, residual, damping)
+        part, found = _along(balance, x, move, residual)
+        x = x + part * move
+        damping *= SOFTER if part == 1.0 else HARDER
     return None
+
+
+def _direction(slopes, residual, damping):
+    """Move [m] along which the potential falls, and the damping [N/m] that it took."""
+    for _ in range(LARGEST_DAMPING):
+        matrix = slopes + damping * np.eye(residual.size)
+        if np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0] > 0.0:
+            break
+        damping *= HARDER
+    return np.linalg.solve(matrix, residual.ravel()).reshape(-1, 3), damping
+
+
+def _along(balance, x, move, residual):
+    """Part of a move [-] after which the potential does not rise much again, and the residual there; secant steps."""
+    start, part, found = np.sum(residual * move), 1.0, None
+    for _ in range(TRIALS):
+        found = balance.residual(x + part * move)
+        slope = -np.inf if found is None else np.sum(found[0] * move)
+        if slope >= -OVERSHOT * start:
+            break
+        part *= min(max(start / (start - slope), SHORTEST_PART), LONGEST_PART)
+    return part, found
