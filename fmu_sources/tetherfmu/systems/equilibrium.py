@@ -3,8 +3,9 @@
     R_p = sum over the lines at p of their force on it + m_p g + load_p = 0
 
 The forces and their differences come from the equilibrium of each line between its two points (`kernels.equilibrium`),
-which never holds itself up as a strut. But for drag, R is the fall of a potential. A step dX solves (a I - dR/dX) dX = R with a
-damping a that makes the matrix positive definite, so that the potential falls along dX; the step ends before it rises much.
+which never holds itself up as a strut. But for drag, R is the fall of a potential. A step dX solves (a I - dR/dX) dX = R
+with a damping a that makes the matrix positive definite, so that the potential falls along dX; the step ends before it rises
+much.
 Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
 """
 
