@@ -18,7 +18,9 @@ ROOMS_OF_FILES = {  # modules that stand beside the folders
     "Python API": (
         *("models", "tether_model", "compiled_flight", "arguments"),
         *("energy", "materials", "paths", "results", "states"),
+        *("tether_system", "system_arrays", "system_ordering", "system_records", "system_results", "system_start"),
     ),
+    "kernels.entry_points": ("kernels.entry_points", "kernels.system_entry_points"),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
 

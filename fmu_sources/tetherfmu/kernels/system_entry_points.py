@@ -11,7 +11,7 @@ from tetherfmu.runtime.status import OK
 
 from .arrays import copy
 from .compilation import kernel, part, view
-from .equations.system import System, points_size
+from .equations.lines import System, points_size
 from .variants import system as variant
 
 plan_size = kernel(places.plan_size)

@@ -13,7 +13,7 @@ from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during
-from ..equations.system import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
 from . import system_step
 from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, next_step
 from .system_step import apply_changes, collect_changes, end_velocities, integrator_of, moves, whole_masses

@@ -22,8 +22,7 @@ from ..arrays import behind
 from ..compilation import kernel, part, view
 from ..equations import winch
 from ..equations.boundary import chain_during
-from ..equations.properties import point_mass
-from ..equations.system import (
+from ..equations.lines import (
     CONDITIONS,
     add_at,
     band_of,
@@ -38,6 +37,7 @@ from ..equations.system import (
     room_of,
     segments_of,
 )
+from ..equations.properties import point_mass
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.points import factorize_band, place_in, row_size, solve_band

@@ -9,8 +9,7 @@ from tetherfmu.runtime.status import OK
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import conditions_of_chain, inputs_of_step, place_ends
-from ..equations.properties import chain_of
-from ..equations.system import (
+from ..equations.lines import (
     System,
     conditions_of,
     inputs_of,
@@ -22,6 +21,7 @@ from ..equations.system import (
     state_of,
     store_conditions,
 )
+from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
 from ..integrators import system_control, system_step
 from ..step import transaction

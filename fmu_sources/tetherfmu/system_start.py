@@ -14,7 +14,7 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM
 
-from ..results import StepRefused
+from .results import StepRefused
 
 ITERATIONS = 300
 BALANCED = 1e-9  # residual at a point over the size of the forces of its lines

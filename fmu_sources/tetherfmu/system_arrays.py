@@ -19,8 +19,8 @@ from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variables import INPUT_NAMES
 
-from ..results import StepRefused
-from .ordering import ordered
+from .results import StepRefused
+from .system_ordering import ordered
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 

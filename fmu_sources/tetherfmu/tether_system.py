@@ -14,12 +14,11 @@ from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
-from .. import arguments
-from ..results import PlausibilityWarning, StepRefused, outputs_of
-from . import equilibrium
-from .arrays import Arrays
-from .records import Line, Point, check_system
-from .results import PointOutputs, SystemFlown, SystemOutputs
+from . import arguments, system_start
+from .results import PlausibilityWarning, StepRefused, outputs_of
+from .system_arrays import Arrays
+from .system_records import Line, Point, check_system
+from .system_results import PointOutputs, SystemFlown, SystemOutputs
 
 Vectors = Mapping[str, ArrayLike]
 
@@ -149,7 +148,7 @@ class TetherSystem:
             given = {name: position for name, position in positions.items() if position is not None}
             self._set(given, velocities, loads, speeds, wind_velocity, at_start=True)
             if wanted:
-                self._set(equilibrium.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
+                self._set(system_start.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
             self._arrays.start()
         except ValueError:
             self._arrays.inputs[:] = before
