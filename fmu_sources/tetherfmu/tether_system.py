@@ -147,7 +147,7 @@ class TetherSystem:
         try:
             given = {name: position for name, position in positions.items() if position is not None}
             self._set(given, velocities, loads, speeds, wind_velocity, at_start=True)
-            if wanted:
+            if wanted and np.all(np.isfinite(self._arrays.inputs)):  # otherwise the start names what is not
                 self._set(system_start.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
             self._arrays.start()
         except ValueError:

@@ -89,6 +89,8 @@ def test_other_starts_are_refused_in_words():
     driven = TetherSystem([Point("a", (0.0, 0.0, 0.0)), pair[1]], [Line("line", "a", "b", LINE)])
     with pytest.raises(ValueError, match="a is no free point: give its position"):
         driven.initialize(positions={"a": None})
+    with pytest.raises(StepRefused, match=r"the input a\.position\[2\] is nan"):
+        driven.initialize(positions={"a": (0.0, np.nan, 0.0)})
     elastic = Tether(segments=4, initial_length=30.0, axial_stiffness=1.0)
     torn = TetherSystem(driven.points, [Line("line", "a", "b", elastic)])
     with pytest.raises(StepRefused, match="no equilibrium was found of the free points b; check"):
