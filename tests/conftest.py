@@ -17,9 +17,8 @@ def compile_all():
     """Compile the kernels; returns at once if they are there."""
     from tetherfmu.libraries import ready
     from tetherfmu.libraries.ahead_of_time import TARGETS
-    from tetherfmu.runtime.variants import VARIANTS
 
-    ready.folders(VARIANTS, list(TARGETS))
+    ready.folders(ready.LIBRARIES, list(TARGETS))
 
 
 def pytest_configure(config):

@@ -15,7 +15,6 @@ from setuptools.command.sdist import sdist
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.runtime.variants import VARIANTS
 
 BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "CHANGELOG.md", "CITATION.cff")
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "*.jsonl", "*.ll.gz")
@@ -67,7 +66,7 @@ class BuildWithLibraries(build_py):
             return
         package = Path(self.build_lib) / PACKAGE.name
         in_wheel = package / ready.IN_WHEEL.relative_to(PACKAGE)
-        for variant, folder in ready.folders(VARIANTS, list(TARGETS)).items():
+        for variant, folder in ready.folders(ready.LIBRARIES, list(TARGETS)).items():
             shutil.copytree(folder, ready.place(in_wheel, variant), ignore=NOT_COPIED)
         examples = PACKAGE.parents[1] / "examples"
         shutil.copytree(examples, package / examples.name, ignore=NOT_COPIED)
