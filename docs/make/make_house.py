@@ -12,6 +12,7 @@ from textwrap import fill
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = ROOT / "docs" / "figures" / "house.png"
+FLOOR = 1.25  # height of a floor [inch]
 APART = ("check", "console")  # rooms at the right
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
@@ -109,7 +110,7 @@ def box(floor, rooms, k):
     if rooms[k] == "runtime":
         return 0.0, -floor - 0.3, 1.0
     shared = [room for room in rooms if room not in APART]
-    sizes = [50 + len(contents(room)) for room in shared]
+    sizes = [75 + len(contents(room)) for room in shared]
     unit, place = (0.83 - 0.01 * len(shared)) / sum(sizes), shared.index(rooms[k])
     return sum(sizes[:place]) * unit + 0.01 * place, -floor - 0.3, sizes[place] * unit
 
@@ -120,7 +121,7 @@ def draw(path):
     from matplotlib.patches import FancyBboxPatch
 
     levels = floors()
-    figure = Figure(figsize=(12.0, len(levels)), layout="constrained")
+    figure = Figure(figsize=(12.0, FLOOR * len(levels)), layout="constrained")
     axis = figure.add_subplot()
     places = {}
     for level, rooms in enumerate(levels):
@@ -130,9 +131,9 @@ def draw(path):
             colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room == "runtime" else "#eeeeee"
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
-            axis.text(middle, -level + 0.2, room, ha="center", va="center", fontsize=11, weight="bold")
-            text = fill(contents(room), int(190 * width))
-            axis.text(middle, -level - 0.07, text, ha="center", va="center", fontsize=8, linespacing=1.1)
+            axis.text(middle, -level + 0.23, room, ha="center", va="center", fontsize=11, weight="bold")
+            text = fill(contents(room), int(205 * width))
+            axis.text(middle, -level - 0.07, text, ha="center", va="center", fontsize=7.5, linespacing=1.1)
     heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
     style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
     for start, end in sorted(without_detours(arrows())):
