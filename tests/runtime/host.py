@@ -10,6 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from zipfile import is_zipfile
 
+import numpy as np
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
@@ -273,6 +274,12 @@ class Fmi3(Host):
         names = {reference: name for name, reference in self.reference.items()}
         count = sum(math.prod(self.sizes[names[reference]]) for reference in references)
         return list(self.fmu.getFloat64(references, count))
+
+
+def flown_in_python(tether, steps, inputs_at):
+    """Outputs of a tether of the Python API after each of some steps, dicts of flat lists; inputs_at : of the step."""
+    outputs = (tether.step(STEP, **inputs_at(k)) for k in range(steps))
+    return [{name: np.asarray(value).ravel().tolist() for name, value in each._asdict().items()} for each in outputs]
 
 
 def blob_of(host):

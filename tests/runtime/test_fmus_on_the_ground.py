@@ -5,7 +5,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process
-from runtime.host import STEP, Host, blob_of, every_flavour, of_every_flavour, restore
+from runtime.host import STEP, Host, blob_of, every_flavour, flown_in_python, of_every_flavour, restore
 from scenes import kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
@@ -40,16 +40,13 @@ def fly(host, begin, end):
     return rows
 
 
-def flown_in_python(name, ground, steps):
+def rows_in_python(name, ground, steps):
     """The same rows of the Python API."""
     import tetherfmu
 
-    tether, rows = getattr(tetherfmu, name)(**GIVEN, **ground, shape_points=21), []  # as FMUs have
+    tether = getattr(tetherfmu, name)(**GIVEN, **ground, shape_points=21)  # as FMUs have
     tether.initialize(*motion(0), winch_force=30.0)
-    for k in range(steps):
-        outputs = tether.step(STEP, **kite_inputs(name, *motion(k)))
-        rows.append({each: np.asarray(value).ravel().tolist() for each, value in outputs._asdict().items()})
-    return rows
+    return flown_in_python(tether, steps, lambda k: kite_inputs(name, *motion(k)))
 
 
 @pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
@@ -59,7 +56,7 @@ def flown_in_python(name, ground, steps):
 def test_the_flight_of_the_python_api(fmu_folder, name):
     touched = []
     for ground, values in GROUNDS.items():
-        expected = flown_in_python(name, values, 25)
+        expected = rows_in_python(name, values, 25)
         for found, row in zip(fly(started(fmu_folder / f"{name}.fmu", values), 0, 25), expected, strict=True):
             assert {each: np.ravel(value).tolist() for each, value in found.items()} == {k: row[k] for k in found}, ground
         touched.append(max(row["grounded_length"][0] for row in expected))

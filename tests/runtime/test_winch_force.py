@@ -7,7 +7,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process, in_shared_process
-from runtime.host import STEP, Host, blob_of, every_flavour, of_every_flavour, restore
+from runtime.host import STEP, Host, blob_of, every_flavour, flown_in_python, of_every_flavour, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
@@ -44,16 +44,13 @@ def fly(host, begin, end):
     return rows
 
 
-def flown_in_python(name, winch, steps):
+def rows_in_python(name, winch, steps):
     """The same rows of the Python API."""
     import tetherfmu
 
-    tether, rows = getattr(tetherfmu, name)(**GIVEN, **winch), []
+    tether = getattr(tetherfmu, name)(**GIVEN, **winch)
     tether.initialize(*circle(0.0), wind_velocity=WIND, reel_out_speed=0.3)
-    for k in range(steps):
-        outputs = tether.step(STEP, **inputs(name, k))
-        rows.append({each: np.asarray(value).ravel().tolist() for each, value in outputs._asdict().items()})
-    return rows
+    return flown_in_python(tether, steps, lambda k: inputs(name, k))
 
 
 @pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
@@ -64,7 +61,7 @@ def test_the_flight_of_the_python_api(fmu_folder, name):
     """And each winch ends with another length."""
     lengths = set()
     for winch, values in WINCHES.items():
-        expected = flown_in_python(name, values, 20)
+        expected = rows_in_python(name, values, 20)
         for found, row in zip(fly(started(fmu_folder / f"{name}.fmu", values), 0, 20), expected, strict=True):
             assert {each: np.ravel(value).tolist() for each, value in found.items()} == {k: row[k] for k in found}, winch
         lengths.add(expected[-1]["tether_length"][0])

@@ -9,6 +9,8 @@ from pathlib import Path
 from tetherfmu.console.ending import WorkersLost, WrongUse, command
 from tetherfmu.console.options import Parser, address, file, folder, new_file, number
 from tetherfmu.runtime.layout import MAX_SEGMENTS
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.variants import VARIANTS
 
 DOCS, STUDY, BENCHMARK = Path("docs"), Path("study"), Path("benchmark")
 STORING = ("tradeoff", "page", "stability")  # commands that keep finished points
@@ -111,10 +113,10 @@ def add_replay(added):
         choices=leads,
         help="what the winch is told: tension, length or speed (default: the first of them in the log)",
     )
-    tethers = ("dynamic", "quasi_steady", "catenary", "straight")
+    tethers = tuple(reversed(VARIANTS))
     option("--tether", choices=tethers, nargs="+", metavar="NAME", help=f"tethers: {', '.join(tethers)} (default: all)")
-    whole = number(1, MAX_SEGMENTS, whole=True)
-    option("--segments", type=whole, default=20, metavar="N", help="segments of tethers with nodes (default: 20)")
+    whole, about = number(1, MAX_SEGMENTS, whole=True), f"segments of tethers with nodes (default: {Tether.segments})"
+    option("--segments", type=whole, default=Tether.segments, metavar="N", help=about)
     option(
         "--from",
         dest="start",

@@ -7,7 +7,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 
-from .readings import FASTEST, POSITION, VELOCITY, WIND
+from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
 WINDOW = 1.0  # s, over which motions are compared
 FEWEST = 4  # of them
@@ -64,11 +64,7 @@ def known(time, values, longest_gap):
         if there.sum() < 2:
             made.append(np.full(len(places), np.nan))
             continue
-        own = time[there]
-        found = np.interp(time[places], own, column[there], np.nan, np.nan)
-        after = np.clip(np.searchsorted(own, time[places]), 1, len(own) - 1)
-        found[own[after] - own[after - 1] > longest_gap] = np.nan
-        made.append(found)
+        made.append(between(time[places], time[there], column[there], longest_gap))
     return np.column_stack(made)
 
 
@@ -157,8 +153,8 @@ def compare_length(log, position):
     """Whether the tether is as long as the kite is far away; LogError if the kite is much farther away."""
     if "tether_length" not in log.table:
         return False
-    station, noise = log.map.station, log.map.smoothing.position_noise
-    length = log.table["tether_length"].to_numpy() - station.drum_to_outlet + station.length_offset
+    noise = log.map.smoothing.position_noise
+    length = log.map.station.length_outside(log.table["tether_length"].to_numpy())
     distance = np.linalg.norm(position, axis=1) - log.map.kite.end_below
     ratio = distance / np.where(length > 0.0, length, np.nan)
     if not np.isfinite(ratio).any():
@@ -172,16 +168,11 @@ def compare_length(log, position):
     if far < NEAREST:
         log.report.doubt(f"kite_position is never more than {far:.2g} times {check}")
     if "ground_tension" in log.table:
-        taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * weight(log) * length]
+        taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * log.map.weight * length]
         middle = np.nanmedian(taut) if np.isfinite(taut).sum() >= FEWEST else 1.0
         if middle < LEAST_TAUT:
             log.report.doubt(f"kite_position is, while the tether is taut, only {middle:.3g} times {check}")
     return True
-
-
-def weight(log):
-    """Weight of a metre of tether [N/m]."""
-    return log.map.tether.mass_per_meter * log.map.environment.gravity
 
 
 def compare_reeling(log, position):
@@ -209,7 +200,7 @@ def compare_tension(log, position):
         return None
     tension, area = log.table["ground_tension"].to_numpy(), log.map.kite.area
     low, high = np.nanquantile(tension, [0.05, 0.95])
-    if -low > max(high, TAUT * weight(log) * np.nanmedian(np.linalg.norm(position, axis=1))):
+    if -low > max(high, TAUT * log.map.weight * np.nanmedian(np.linalg.norm(position, axis=1))):
         raise log.wrong(
             f"ground_tension is {low:.4g} N at its lowest, {high:.4g} N at its highest; a tether pulls: check its sign"
         )

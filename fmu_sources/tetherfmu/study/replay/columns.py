@@ -1,4 +1,4 @@
-"""Which column of a log is what: maps, files in TOML; see docs/measurements/measured_flights.md, "Maps"."""
+"""Which column of a log is what: maps, files in TOML; see docs/use/your_log.md, "Maps"."""
 
 import math
 import tomllib
@@ -34,7 +34,6 @@ AXES = {  # of a column: its axis, and its sign along it
 GEODETIC = ("latitude", "longitude", "altitude")
 POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
-DELAYED = ("kite_position", "kite_velocity", "tether_length", "reel_out_speed", "ground_tension")
 LABELS = ("phase", "cycle")
 MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # what a map may call optional
 SMALL_TIMES = {"us": 1e-6, "ns": 1e-9}  # units of time that only logs have, and the factor to s
@@ -71,6 +70,10 @@ class Station:
     def outlet(self):
         """Where the tether leaves the winch [m], x east, y north, z up."""
         return self.outlet_east, self.outlet_north, self.outlet_up
+
+    def length_outside(self, logged):
+        """Unstretched length [m] from the outlet to the kite, of a logged one."""
+        return logged - self.drum_to_outlet + self.length_offset
 
 
 @dataclass(frozen=True)
@@ -160,6 +163,11 @@ class Columns:
             listed += [name for vector in self.origin for name in vector.columns]
         scalars = [*self.scalars.values(), *([self.wind_from] if self.wind_from else [])]
         return tuple(dict.fromkeys([*listed, *(scalar.column for scalar in scalars)]))
+
+    @property
+    def weight(self):
+        """Weight of a metre of tether [N/m]."""
+        return self.tether.mass_per_meter * self.environment.gravity
 
     def columns_of(self, name):
         """Names of the columns of a quantity, () if the map does not have it."""

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from . import runs
 from .flight import EVERY
 
 MEAN = 1.0  # s, over which tensions are averaged before they are compared
@@ -100,7 +101,7 @@ def untrustworthy(found):
 
     Noise: that of the positions alone, as tension of the taut tether; tension: the measured one. NaN if it is never taut.
     """
-    finest = found[(found.tether == found.tether.iloc[0]) & np.isfinite(found.measured)]
+    finest = found[(found.tether == runs.finest(found.tether.unique())) & np.isfinite(found.measured)]
     taut = finest[np.isfinite(finest.band)]
     share = float((taut.band > taut.measured.abs()).mean()) if len(taut) else np.nan
     return len(taut) / max(1, len(finest)), share

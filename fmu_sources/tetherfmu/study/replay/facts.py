@@ -1,6 +1,6 @@
 """What a replay was like: its finest tether, whether that was slack, and its errors for people."""
 
-from .runs import TETHERS
+from . import runs
 
 
 def words(name):
@@ -10,7 +10,8 @@ def words(name):
 
 def finest(made):
     """The name of the finest tether of a `Replay`, and its `runs.Flown`."""
-    return min(made.flown.items(), key=lambda each: list(TETHERS).index(each[0]))
+    name = runs.finest(made.flown)
+    return name, made.flown[name]
 
 
 def is_slack(made):

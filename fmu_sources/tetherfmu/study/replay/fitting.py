@@ -104,8 +104,7 @@ def residual(flight, wanted, segments=SEGMENTS):
     rest = length - flight.length(time)
     slopes = {"offset": np.ones((len(time), 1)), "origin": -direction}
     slopes["delay"] = -np.sum(direction * velocity, axis=1, keepdims=True)
-    tether, gravity = flight.log.map.tether, flight.log.map.environment.gravity
-    pulled = flight.measured("ground_tension", time) > PULLED * tether.mass_per_meter * gravity * distance
+    pulled = flight.measured("ground_tension", time) > PULLED * flight.log.map.weight * distance
     taut = np.isfinite(rest) & flight.is_taut(length) & pulled
     taut[time < time[0] + SETTLED] = False
     if taut.sum() < FEWEST:

@@ -10,7 +10,7 @@ from tetherfmu.runtime.inputs import COUNT, by_name
 
 from . import checks
 from .log import Log
-from .readings import POSITION, VELOCITY, WIND
+from .readings import POSITION, VELOCITY, WIND, between
 from .smoothing import Noise, Smoothed, smooth
 
 SHORTEST = 5.0  # s, a flight
@@ -68,10 +68,7 @@ class Flight:
         values = self.log.table[name].to_numpy()
         known = np.isfinite(values)
         own = self.log.time[known] - getattr(self.log.map.delay, name, 0.0)
-        found = np.interp(time, own, values[known], np.nan, np.nan)
-        after = np.clip(np.searchsorted(own, time), 1, len(own) - 1)
-        found[own[after] - own[after - 1] > self.log.map.smoothing.longest_gap] = np.nan
-        return found
+        return between(time, own, values[known], self.log.map.smoothing.longest_gap)
 
     def length(self, time):
         """Unstretched length [m] from the winch to the kite by the log, array (times,), with its correction.
@@ -79,8 +76,7 @@ class Flight:
         Without a logged length the integral of the reel-out speed, from an unknown length at the start.
         """
         if "tether_length" in self.log.table:
-            station = self.log.map.station
-            measured = self.measured("tether_length", time) - station.drum_to_outlet + station.length_offset
+            measured = self.log.map.station.length_outside(self.measured("tether_length", time))
         else:
             own = self.log.time
             speed = np.nan_to_num(self.measured("reel_out_speed", own))

@@ -54,13 +54,16 @@ class Log:
         return LogError(f"{self.source}: {text}" if self.source else text)
 
 
-def read(path, of):
-    """`Log` of a CSV file; of : a `Columns`, or the name or the file of a map. LogError says in one line what is wrong."""
+def read(path, of, constants=()):
+    """`Log` of a CSV file; of : a `Columns`, or the name or the file of a map. LogError says in one line what is wrong.
+
+    constants : others than those of the map, see `Columns.with_constants`.
+    """
     path, report = Path(path), Report()
     try:
         cells = read_cells(path, report)
         found = of if isinstance(of, columns.Columns) else map_for(of, cells)
-        return log_of(cells, found, report, str(path))
+        return log_of(cells, found.with_constants(dict(constants)), report, str(path))
     except columns.MapError:
         raise
     except ValueError as error:

@@ -37,6 +37,14 @@ FAR_FROM_USUAL = 5.0  # times the median of such differences, which a noisy rece
 JUMP = 5.0, 5.0  # m by which a position may differ from what its velocity says from row to row, and what 1 s adds to it
 
 
+def between(time, own, values, longest_gap):
+    """Readings, linear between those at their own times [s], at other times [s]; NaN outside, and in longer gaps [s]."""
+    found = np.interp(time, own, values, np.nan, np.nan)
+    after = np.clip(np.searchsorted(own, time), 1, len(own) - 1)
+    found[own[after] - own[after - 1] > longest_gap] = np.nan
+    return found
+
+
 def repair(table, longest_gap, report):
     """Put NaN for what is no reading; a line on each column from which something is left out.
 

@@ -9,12 +9,13 @@ import pandas as pd
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.results import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.parameters import Tether
 
 from .flight import EVERY, LEADS, STEP
 from .log import LogError
 
 TETHERS = {each.variant: each for each in (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)}
-SEGMENTS = 20
+SEGMENTS = Tether.segments
 SCALARS = (
     *("ground_tension", "kite_tension", "tether_length", "ground_elevation", "ground_azimuth", "sag"),
     *("slack_segments", "grounded_length", "kite_stiffness"),
@@ -38,6 +39,11 @@ class Flown:
     def __init__(self, table, shapes, refusals, seconds):
         self.table, self.shapes, self.seconds = table, shapes, seconds
         self.refused, self.reason = len(refusals), refusals[0].reason if refusals else ""
+
+
+def finest(names):
+    """The name of the finest of some tethers."""
+    return min(names, key=list(TETHERS).index)
 
 
 def first_length(flight, rows, lead):
@@ -105,7 +111,7 @@ def flown_of(tether, rows, times, found):
     for end in FORCES:
         columns |= {f"{end}[{i + 1}]": values for i, values in enumerate(np.concatenate(table[end]).T)}
     made = pd.DataFrame(columns)
-    weight = found.tether.mass_per_meter * found.environment.gravity * made.tether_length
+    weight = found.weight * made.tether_length
     air = [made[f"ground_force[{i}]"] + made[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
     made["air_force"] = np.linalg.norm(air, axis=0)
     return Flown(made, np.concatenate(shapes), refusals, seconds)
