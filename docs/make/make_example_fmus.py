@@ -32,7 +32,7 @@ needs, and no kernels; `TurbulentWind` alone needs numpy as well.
 tetherfmu build --examples
 ```
 
-builds them beside the tethers, and two systems of them as SSP files.
+builds them beside the tethers, and four systems of them as SSP files.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -156,7 +156,8 @@ not read.
 Wiring: `shape` and `kite_position` from the tether or the kite (without `shape` keep `wind_points` = line (1): 21 points on
 the straight line from the origin to the kite). `wind_velocity` is the mean along the tether, for a tether with
 `wind_profile` = uniform; `kite_wind` goes to `wind_velocity` of a kite with a uniform profile. The wind at the points
-themselves, `wind_at`, is for models of your own: a tether FMU has a single wind. So gusts that are shorter than the tether
+themselves, `wind_at`, goes to a tether that is built with `tetherfmu build --wind-points 21`: these inputs replace
+`wind_velocity` and the profile. A tether with a single wind has that of the mean: gusts that are shorter than the tether
 cancel on it, in its shape and its waves as well as in its drag, to which the wind near a fast kite contributes more than
 the mean says. The turbulence is frozen: it does not change while it passes.
 

@@ -18,8 +18,7 @@ ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": (
         *("models", "tether_model", "compiled_flight", "arguments"),
-        *("energy", "materials", "paths", "results", "states"),
-        *("tether_system", "system_arrays", "system_ordering", "system_records", "system_results", "system_start"),
+        *("energy", "input_files", "materials", "paths", "results", "states"),
     ),
     "kernels.entry_points": ("kernels.entry_points", "kernels.system_entry_points"),
     "kernels": ("kernels.arrays", "kernels.compilation"),

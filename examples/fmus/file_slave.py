@@ -5,6 +5,7 @@ The state holds the name of the file, not what is in it.
 
 import struct
 import zlib
+from pathlib import Path
 from xml.etree.ElementTree import SubElement
 
 from tetherfmu.runtime import refusals
@@ -15,6 +16,7 @@ from .model_slave import ModelSlave
 
 TAIL = struct.Struct("<II")  # of a saved state: length and checksum of the name, which is before it
 LONGEST_NAME = 4096  # bytes
+INSIDE = "resources/"  # begins the name of a file that is in the FMU
 
 
 class FileSlave(ModelSlave):
@@ -36,6 +38,11 @@ class FileSlave(ModelSlave):
         for unknown in root.findall("ModelStructure/InitialUnknowns/Unknown"):
             unknown.set("dependencies", f"{unknown.get('dependencies')} {len(self.table) + 1}".strip())
         return root
+
+    def path(self):
+        """Where the file is: in the resources of the FMU if its name begins so."""
+        inside = self.file.startswith(INSIDE) and self.resources
+        return str(Path(self.resources) / self.file.removeprefix(INSIDE)) if inside else self.file
 
     def get_string(self, vrs):
         """The name of the file."""

@@ -4,8 +4,9 @@
 
 `file` (String, a parameter): what TurbSim (`.bts`), a Mann generator or HAWC2 (`u.bin`, with `v.bin` and `w.bin` beside it)
 or `numpy.savez` (`.npz`: velocity (along, across, up, 3) [m/s], spacing (3,) [m]) has written; the end of its name says
-which. A relative path begins in the working folder of the importer. Empty: no turbulence, the mean wind alone. A box of
-TurbSim contains its mean wind: its hub speed and hub height replace `mean_speed` and `wind_reference_height`.
+which. A relative path begins in the working folder of the importer; one that begins with `resources/` leads into the FMU,
+which can be built with a box inside. Empty: no turbulence, the mean wind alone. A box of TurbSim contains its mean wind: its
+hub speed and hub height replace `mean_speed` and `wind_reference_height`.
 
 The points are those of the input `shape` (connect it with that output of the tether), or lie on the straight line from the
 ground station, the origin, to the kite. `wind_velocity` is their mean (trapezoidal rule along the tether): connect it with
@@ -157,7 +158,7 @@ class TurbulentWind(FileSlave):
         if key != self._opened:
             points = (known.points_along, known.points_across, known.points_upwards)
             spacing = (known.spacing_along, known.spacing_across, known.spacing_upwards)
-            box = open_box(self.file, points, spacing) if self.file else None
+            box = open_box(self.path(), points, spacing) if self.file else None
             mean = MeanWind(known.mean_speed, known.wind_direction, known.wind_reference_height, known.wind_exponent)
             origin = [getattr(known, name) for name in names(ORIGIN)]
             self._wind = FrozenTurbulence(mean, box, origin, known.outside == PERIODIC)

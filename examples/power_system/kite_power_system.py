@@ -43,9 +43,10 @@ CIRCLE_START = {
 }
 
 
-def given_by(variables):
+def given_by(variables, with_shape=False):
     """Names of the outputs of an FMU that another one can get; variables : as FMPy describes them."""
-    return [v.name for v in variables if v.causality == "output" and v.type == "Real" and not v.name.startswith("shape[")]
+    found = [v.name for v in variables if v.causality == "output" and v.type == "Real"]
+    return [name for name in found if with_shape or not name.startswith("shape[")]
 
 
 def wanted_by(variables, given):

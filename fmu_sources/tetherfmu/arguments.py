@@ -152,6 +152,13 @@ def one_of(name, value, names):
         raise ValueError(f"{name} is {value!r}; it must be one of {', '.join(map(repr, names))}")
 
 
+def wind_points(value):
+    """Number of wind points: 0 or at least 2; ValueError for anything else."""
+    if whole("wind_points", value) not in (0, *range(2, at.MAX_WIND_POINTS + 1)):
+        raise ValueError(f"wind_points is {value!r}; it must be 0, or from 2 to {at.MAX_WIND_POINTS}")
+    return int(value)
+
+
 def whole(name, value):
     """A whole number of at least 0; ValueError for anything else."""
     if not isinstance(value, int | np.integer) or value < 0:

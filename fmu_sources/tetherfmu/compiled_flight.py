@@ -18,12 +18,13 @@ SPAN = 1000  # steps, about, whose rows are all kept at a time where refused ste
 def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
     """Fly an `Instance` (modified) until all steps are done or one is refused; returns the `Flown`.
 
-    inputs : contiguous array (steps, INPUTS).  step : communication step [s], or an array of them.  every : a row is kept
-    after every so many steps; 0 for none.  outputs : when they are computed, `layout.NEVER`, `AT_ROWS` or `ALWAYS`.
+    inputs : contiguous array (steps, INPUTS), with wind points three numbers more for each of them.  step : communication
+    step [s], or an array of them.  every : a row is kept after every so many steps; 0 for none.
+    outputs : when they are computed, `layout.NEVER`, `AT_ROWS` or `ALWAYS`.
     skip : leave refused steps out, with NaN in their rows, instead of stopping there.  winds : at the nodes [m/s], array
     (steps, segments + 1, 3), or None. The inputs of the instance become those of the last step done.
     """
-    before = instance.values[: at.INPUTS]
+    before = instance.values[: instance.outputs_at]
     began = perf_counter()
     if np.ndim(step) or winds is not None:
         steps = np.broadcast_to(step, len(inputs))
@@ -34,7 +35,7 @@ def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
     skipped = {refusal.step for refusal in refusals}
     end = min(skipped) if skipped and not skip else len(inputs)
     last = next((k for k in reversed(range(end)) if k not in skipped), None)
-    instance.values[: at.INPUTS] = before if last is None else array("d", inputs[last])
+    instance.values[: instance.outputs_at] = before if last is None else array("d", inputs[last])
     size = _observed(instance, outputs)
     positions = rows[:, size:].reshape(len(rows), instance.segments + 1, 3)
     if outputs == at.NEVER:
@@ -62,7 +63,7 @@ def _run(instance, inputs, step, every, outputs):
 
 def _refusal(instance, inputs, step, place):
     """`Refusal` of a step that was refused: done again alone, it is refused with its sentence."""
-    instance.values[: at.INPUTS] = array("d", inputs[place])
+    instance.values[: instance.outputs_at] = array("d", inputs[place])
     return Refusal(place, instance.advance(step), code(instance.status))
 
 

@@ -78,6 +78,8 @@ class TetherDynamicFree(TetherModel):
         wind_velocity: ArrayLike | None = None,
         winch_force: float | None = None,
         winch_length: float | None = None,
+        *,
+        wind_at: ArrayLike | None = None,
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
@@ -92,6 +94,7 @@ class TetherDynamicFree(TetherModel):
         """
         return self._step(
             step,
+            wind_at=wind_at,
             kite_load=kite_load,
             ground_position=ground_position,
             ground_velocity=ground_velocity,

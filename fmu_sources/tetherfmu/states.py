@@ -33,16 +33,16 @@ _PROPERTIES = {  # of the segments, in words
 def joined(variant, instance):
     """The whole state of an `Instance` of a variant, a flat array."""
     number = (EVERY_VARIANT.index(variant),)
-    return np.concatenate([instance.state, instance.values[: at.INPUTS], number, instance.parameters])
+    return np.concatenate([instance.state, instance.values[: instance.outputs_at], number, instance.parameters])
 
 
 def take(variant, instance, state):
     """Set an `Instance` (modified) to a state of `joined`; ValueError, and nothing is changed, if that is not possible."""
     state, parameters = np.asarray(state, dtype=float), np.frombuffer(instance.parameters)
-    shape = (len(instance.state) + at.INPUTS + 1 + len(parameters),)
+    shape = (len(instance.state) + instance.outputs_at + 1 + len(parameters),)
     if state.shape != shape:
         raise ValueError(f"state has the shape {state.shape}; it must be {shape}")
-    places = np.cumsum((len(instance.state), at.INPUTS, 1))
+    places = np.cumsum((len(instance.state), instance.outputs_at, 1))
     own, inputs, number, its_parameters = np.split(state, places)
     if not (np.isfinite(state[places[0] :]).all() and number.item() in range(len(EVERY_VARIANT))):
         raise ValueError(f"state {STATE_IMPOSSIBLE}")
@@ -53,7 +53,7 @@ def take(variant, instance, state):
         if theirs != ours:
             raise ValueError(f"state belongs to another tether: its {name} is {theirs:g}, that of this one {ours:g}")
     _take_own(instance, array("d", own))
-    instance.values[: at.INPUTS] = array("d", inputs)
+    instance.values[: instance.outputs_at] = array("d", inputs)
     winds = slice(at.parameters_size(instance.segments) - 3 * (instance.segments + 1), None)
     parameters[winds], parameters[at.WIND_PROFILE] = its_parameters[winds], its_parameters[at.WIND_PROFILE]
 

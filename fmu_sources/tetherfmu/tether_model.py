@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
-from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
+from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Ground, Solver, Tether, Winch
@@ -41,6 +41,9 @@ class TetherModel:
         Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
     shape_points : int or None
         Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
+    wind_points : int
+        Points at which the wind is given (`wind_at`), at least 2, at equal unstretched lengths from the ground to the kite;
+        in between it is linear. `wind_velocity` and the wind profile are then not used. 0: none.
     kernels : runtime.kernel_library.Kernels or None
         Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
     **quantities
@@ -69,6 +72,7 @@ class TetherModel:
         *,
         point_masses: Mapping[int, float] | None = None,
         shape_points: int | None = None,
+        wind_points: int = 0,
         kernels: Kernels | None = None,
         _free_ends: tuple[bool, bool] = (False, False),
         _kite_mass: float = 0.0,
@@ -89,6 +93,7 @@ class TetherModel:
         for sentence in arguments.doubts(tethers):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
         self._kernels, self._points = kernels, points
+        self.wind_points: int = arguments.wind_points(wind_points)
         self._records = tethers, *records
         self._more = {"point_masses": tuple(masses.items()), "free_ends": _free_ends}
         self._runs = False
@@ -98,11 +103,11 @@ class TetherModel:
         """Make the arrays, and what leads into them."""
         self._variant = BY_NAME[self.variant]
         kernels = self._kernels or ready.kernels(library_of(self.variant))
-        self._instance = instance = Instance(kernels, self._points)
+        self._instance = instance = Instance(kernels, self._points, wind_points=self.wind_points)
         instance.set_up(*pack_records(kernels, *self._records, **self._more))
         self.segments: int = instance.segments
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
-        self._inputs, self._outputs = values[: at.INPUTS], values[OUTPUTS_AT:]
+        self._inputs, self._outputs = np.split(values, (instance.outputs_at,))
         self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
 
     def __getstate__(self):
@@ -153,6 +158,7 @@ class TetherModel:
         winch_force: float = 0.0,
         winch_length: float = 0.0,
         *,
+        wind_at: ArrayLike | None = None,
         slack: float | None = None,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
@@ -171,6 +177,8 @@ class TetherModel:
             Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
         winch_force : float
             Force [N] with which the winch pulls at the tether, with `winch_control` = force: from the first step on.
+        wind_at : (wind_points, 3) array
+            Wind [m/s] at the wind points of a tether that has them, and no other wind; no wind if it is not given.
         winch_length : float
             Unstretched length [m] that the winch has paid out, with `winch_control` = length; 0: `initial_length`.
         slack : float or None
@@ -203,6 +211,7 @@ class TetherModel:
             ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
             self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
             self._set(winch_force=winch_force, winch_length=winch_length)
+            self._set_wind_at(wind_at if wind_at is not None or not self.wind_points else np.zeros((self.wind_points, 3)))
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -217,7 +226,7 @@ class TetherModel:
         for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE):
             self._parameters[place] = parameters[place]
         if nodes is not None:
-            self._state[at.STATE_HEADER :] = nodes.ravel()
+            self._motion_in_state()[:] = nodes
             self._instance.take_outputs()
         self._runs = True
         self._warn()
@@ -236,6 +245,7 @@ class TetherModel:
         winch_force: float | None = None,
         winch_length: float | None = None,
         *,
+        wind_at: ArrayLike | None = None,
         tether_length: float | None = None,
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
@@ -252,6 +262,8 @@ class TetherModel:
             Force [N] with which the winch pulls at the tether, with `winch_control` = force; positive reels in.
         winch_length : float
             Unstretched length [m] that the winch should have paid out, with `winch_control` = length.
+        wind_at : (wind_points, 3) array
+            Wind [m/s] at the wind points of a tether that has them.
         tether_length : float
             Unstretched length [m] at the end of the step, whatever it was before, for the tethers without waves (all but the
             dynamic one). `reel_out_speed` still says how fast material moves along the tether.
@@ -271,14 +283,15 @@ class TetherModel:
         kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
         ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
         winch = {"reel_out_speed": reel_out_speed, "winch_force": winch_force, "winch_length": winch_length}
-        return self._step(step, tether_length, **kite, **ground, **winch, wind_velocity=wind_velocity)
+        return self._step(step, tether_length, wind_at, **kite, **ground, **winch, wind_velocity=wind_velocity)
 
-    def _step(self, step, tether_length=None, **given):
+    def _step(self, step, tether_length=None, wind_at=None, **given):
         """What `step` does; given : inputs by name."""
         self._check_started()
         before = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
         try:
             self._set(**given)
+            self._set_wind_at(wind_at)
             self._advance(arguments.number("step", step, "s"), tether_length)
         except ValueError:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = before
@@ -314,6 +327,7 @@ class TetherModel:
         outputs: bool = True,
         on_refusal: str = "raise",
         node_winds: ArrayLike | None = None,
+        wind_at: ArrayLike | None = None,
     ) -> Flown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
@@ -338,6 +352,9 @@ class TetherModel:
             next step (outputs are then computed after each step). `Flown.refusals` says where and why.
         node_winds : (steps, segments + 1, 3) array or None
             Wind [m/s] at each node in each step, instead of the wind in `inputs` (tethers with nodes only).
+        wind_at : (steps, wind_points, 3) array or None
+            Wind [m/s] at the wind points of a tether that has them, which then ignores the wind in `inputs`; None: that of
+            before in all steps.
 
         Returns
         -------
@@ -351,7 +368,7 @@ class TetherModel:
             If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
-        inputs = arguments.input_rows(inputs)
+        inputs = self._rows(arguments.input_rows(inputs), wind_at)
         step = arguments.steps("step", step, len(inputs)) if np.ndim(step) else arguments.number("step", step, "s")
         winds = self._checked_winds(node_winds, len(inputs))
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
@@ -447,6 +464,27 @@ class TetherModel:
         if wind_velocity is not None:
             self._set_wind(wind_velocity)
 
+    def _set_wind_at(self, wind):
+        """Set the wind [m/s] at the wind points, (wind_points, 3), if it is not None; ValueError if there are none."""
+        if wind is not None:
+            self._inputs[at.INPUTS :] = self._checked_wind_at(wind, ()).ravel()
+
+    def _checked_wind_at(self, wind, before):
+        """Wind at the wind points [m/s], array (*before, wind_points, 3); ValueError for another shape or without them."""
+        if not self.wind_points:
+            raise ValueError(f"this {type(self).__name__} has no wind points for wind_at: make it with wind_points=11")
+        return arguments.numbers_in_shape("wind_at", wind, (*before, self.wind_points, 3))
+
+    def _rows(self, inputs, wind):
+        """Rows of inputs with the wind at the wind points, as `compiled_flight.fly` takes them; wind : as in `fly`."""
+        if wind is not None:
+            wind = self._checked_wind_at(wind, (len(inputs),))
+        elif self.wind_points:
+            wind = np.tile(self._inputs[at.INPUTS :], (len(inputs), 1))
+        else:
+            return inputs
+        return np.concatenate((inputs, wind.reshape(len(inputs), -1)), axis=1)
+
     def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
         """`Energy`, tensions [N] and velocities [m/s] of the present state, see `energy.account`."""
         if not self._variant.has_nodes:
@@ -457,12 +495,14 @@ class TetherModel:
     def _set_wind(self, wind):
         """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
         shape = np.shape(wind)
+        if self.wind_points and np.any(wind):
+            raise ValueError(f"wind_velocity is given to a {type(self).__name__} with wind points; give wind_at")
         if shape == (self.segments + 1, 3) and self._variant.has_nodes:
             wind = arguments.node_vectors("wind_velocity", wind, self.segments)
             compiled_flight.put_node_winds(self._instance, wind)
         elif shape == (3,):
             self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-            self._parameters[at.WIND_PROFILE] = self._records[1].wind_profile
+            self._parameters[at.WIND_PROFILE] = at.AT_NODES if self.wind_points else self._records[1].wind_profile
         else:
             nodes = f", or ({self.segments + 1}, 3) for a wind at each node" if self._variant.has_nodes else ""
             raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")
@@ -471,14 +511,19 @@ class TetherModel:
         """Winds at the nodes in so many steps [m/s], array, or None; ValueError if they have another shape."""
         if winds is None:
             return None
-        if not self._variant.has_nodes:
-            raise ValueError(f"{type(self).__name__} has no nodes: give wind_velocity")
+        if not self._variant.has_nodes or self.wind_points:
+            instead = "has wind points: give wind_at" if self.wind_points else "has no nodes: give wind_velocity"
+            raise ValueError(f"{type(self).__name__} {instead}")
         return arguments.numbers_in_shape("node_winds", winds, (steps, self.segments + 1, 3))
 
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
         self._check_started()
-        return self._state[at.STATE_HEADER :].reshape(2, -1, 3)
+        return self._motion_in_state()
+
+    def _motion_in_state(self):
+        """The same before the start."""
+        return self._state[at.STATE_HEADER : at.state_size(self.segments)].reshape(2, -1, 3)
 
     def _check_started(self):
         """StepRefused before `initialize`."""

@@ -13,6 +13,7 @@ from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
@@ -45,6 +46,13 @@ def shape_points(text):
     """Type of the number of points of the shape."""
     if not text.isdecimal() or int(text) not in (0, *range(2, MAX_SHAPE_POINTS + 1)):
         raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be 0, or from 2 to {MAX_SHAPE_POINTS}")
+    return int(text)
+
+
+def wind_points(text):
+    """Type of the number of points of the wind."""
+    if not text.isdecimal() or int(text) not in (0, *range(2, MAX_WIND_POINTS + 1)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be 0, or from 2 to {MAX_WIND_POINTS}")
     return int(text)
 
 
@@ -88,6 +96,13 @@ def parse(arguments, prog="tetherfmu build"):
         default=BuildOptions.shape_points,
         metavar="K",
         help=f"points of the output shape, 0 for none (default: {BuildOptions.shape_points})",
+    )
+    option(
+        "--wind-points",
+        type=wind_points,
+        default=BuildOptions.wind_points,
+        metavar="K",
+        help="points of the input wind_at, which replaces wind_velocity and the profile; 0 for none (default: 0)",
     )
     option(
         "--platforms",
@@ -166,7 +181,7 @@ def main(arguments=None, prog="tetherfmu build"):
     if wanted.diameter and (doubt := diameter_in_doubt(wanted.diameter)):
         print(doubt, file=sys.stderr)
     starts = starts_of(wanted.diameter, wanted.material)
-    options = BuildOptions(segments, wanted.shape_points, platforms, starts=starts)
+    options = BuildOptions(segments, wanted.shape_points, platforms, starts=starts, wind_points=wanted.wind_points)
     for name in names:
         build(wanted, name, options)
     if wanted.examples:

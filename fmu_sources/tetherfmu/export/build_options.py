@@ -47,6 +47,8 @@ class BuildOptions:
         (Input or parameter, start value), where it is not the default; without a purpose parameters of `Tether` only.
     purpose : Purpose, optional
         Of an FMU that is for one scene or one system; None for all others, which have an evidence set.
+    wind_points : int
+        Points of the input `wind_at`, at least 2; 0 leaves it out.
     """
 
     segments: int = DEFAULT_OPTIONS["segments"]
@@ -54,10 +56,13 @@ class BuildOptions:
     platforms: tuple = field(default_factory=lambda: (this_platform(),))
     starts: tuple = ()
     purpose: Purpose | None = None
+    wind_points: int = DEFAULT_OPTIONS["wind_points"]
 
     def as_dict(self):
         """What the FMU itself must know, without defaults, as `runtime.resources.options_in` reads it."""
         options = {"segments": self.segments, "shape_points": self.shape_points}
+        if self.wind_points:
+            options["wind_points"] = self.wind_points
         if self.starts:
             options["starts"] = [list(each) for each in self.starts]
         if self.purpose:

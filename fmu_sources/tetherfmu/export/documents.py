@@ -37,7 +37,7 @@ def documents(name, variant, description, options, native=None):
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         tether = Tether(segments=options.segments, **dict(options.starts))
-        for file, text in evidence.files(name, tether, arrays=native == 3).items():
+        for file, text in evidence.files(name, tether, native == 3, options.wind_points).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
         texts["documentation/index.html"] = page(name, variant, description, table, texts, native)
     return {

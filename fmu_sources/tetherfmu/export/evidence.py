@@ -26,6 +26,7 @@ _TURN_RATE, _TURN_RISES = 0.08, 4.0  # [rad/s], [s]
 _GROWTH, _GROWS = 0.018, 8.0  # of the distance [-], [s]
 _REEL_OUT, _REEL_OUT_BEGINS, _REEL_OUT_RISES = 0.5, 2.0, 4.0  # [m/s], [s], [s]
 _WIND, _WIND_RISES = 8.0, 3.0  # [m/s], [s]
+_WIND_AT_GROUND = 0.5  # wind at the first wind point over that in the middle [-]
 _GUST, _GUST_RATE = 2.0, 0.5  # [m/s], [rad/s]
 # on a free kite, as parts of the force of the tether at the start: along the tether and across it
 _PULL, _PULL_RISES = 2.7, 6.0  # [-], [s]
@@ -71,17 +72,30 @@ def _around(time):
     return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
-def files(name, tether, arrays=False):
+def with_wind_at(inputs, wind_points):
+    """Inputs of `inputs_at` with the wind at points, which grows along the tether, in the place of `wind_velocity`."""
+    if not wind_points:
+        return inputs
+    shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (wind_points - 1) for k in range(wind_points)]
+    wind = tuple(_rounded(tuple(share * each for each in inputs["wind_velocity"])) for share in shares)
+    return {**inputs, "wind_velocity": (0.0, 0.0, 0.0), "wind_at": wind}
+
+
+def files(name, tether, arrays=False, wind_points=0):
     """Inputs and reference of an FMU: dict of file name to text.
 
     name : of the FMU and of its class in `models`.  tether : `Tether` of the start values of the FMU.  arrays : whether a
     vector is one variable, as in FMI 3; its numbers then stand in one cell, with blanks between them, as FMPy reads them.
+    wind_points : of the FMU.
     """
     model = getattr(models, name)
-    scene, inputs = scene_of(model, tether), names_of(variables(model.variant, 0), INPUT)
+    scene = [with_wind_at(each, wind_points) for each in scene_of(model, tether)]
+    inputs = names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)
     return {
         f"{name}_in.csv": _table(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
-        f"{name}_ref.csv": _table(recorded(model.variant), reference(model, tether, scene), OUTPUT_DIGITS, arrays),
+        f"{name}_ref.csv": _table(
+            recorded(model.variant), reference(model, tether, scene, wind_points), OUTPUT_DIGITS, arrays
+        ),
     }
 
 
@@ -116,10 +130,10 @@ def facts(variant):
     }
 
 
-def reference(model, tether, scene):
+def reference(model, tether, scene, wind_points=0):
     """Recorded outputs of the Python API at the start and after each step: list of lists of numbers."""
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # the command says once what is in doubt
-        tether = model(tether, solver=Solver(relative_tolerance=REFERENCE_TOLERANCE))
+        tether = model(tether, solver=Solver(relative_tolerance=REFERENCE_TOLERANCE), wind_points=wind_points)
         rows = [tether.initialize(**{key: value for key, value in scene[0].items() if key != "kite_load"})]
         rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]
     return [_flat(row._asdict(), recorded(model.variant)) for row in rows]
@@ -131,7 +145,9 @@ def _flat(values, names):
     for name in names:
         vector, _, index = name.partition("[")
         value = values.get(vector, 0.0)
-        row.append(float(value[int(index[:-1]) - 1] if index and vector in values else value))
+        for each in index[:-1].split(",") if index and vector in values else ():
+            value = value[int(each) - 1]
+        row.append(float(value))
     return row
 
 

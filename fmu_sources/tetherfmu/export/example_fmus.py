@@ -36,11 +36,11 @@ def table_of(name):
     return slave(name)(instance_name=name, resources="").table
 
 
-def build(name, folder, starts=()):
+def build(name, folder, starts=(), files_inside=()):
     """Build an FMU of the examples and return its path.
 
     name : one of `SLAVES`.  folder : made if missing.  starts : pairs (input or parameter, start value), where they are not
-    the defaults.
+    the defaults.  files_inside : pairs (file name, bytes) of more files in its resources.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -50,6 +50,8 @@ def build(name, folder, starts=()):
         resources = Path(temporary) / "resources"
         shipped = write_package(resources, name, script, modules=modules)
         (resources / OPTIONS_FILE).write_text(json.dumps({"starts": [list(each) for each in starts]}))
+        for file, content in files_inside:
+            (resources / file).write_bytes(content)
         files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     texts = {

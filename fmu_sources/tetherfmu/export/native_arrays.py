@@ -1,8 +1,9 @@
-"""Variables of FMI 3: the vectors of a table of variables, and the shape, as arrays."""
+"""Variables of FMI 3: the vectors of a table of variables, the shape and the wind at points as arrays."""
 
 from typing import NamedTuple
 
-from tetherfmu.runtime.variables import references
+from tetherfmu.runtime.inputs import WIND_AT
+from tetherfmu.runtime.variables import references, wind_points_in
 
 COMPONENTS = 3  # of a vector
 
@@ -21,7 +22,7 @@ def arrays(table, shape_points):
     found = {}
     for variable, reference in zip(table, references(table, shape_points), strict=True):
         found.setdefault(variable.name.partition("[")[0], []).append((variable, reference))
-    dimensions = {"shape": (shape_points, COMPONENTS)}
+    dimensions = {"shape": (shape_points, COMPONENTS), WIND_AT.name: (wind_points_in(table), COMPONENTS)}
     made = []
     for name, elements in found.items():
         size = dimensions.get(name, (COMPONENTS,)) if "[" in elements[0][0].name else ()

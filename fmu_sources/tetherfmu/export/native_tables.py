@@ -4,9 +4,10 @@ Places in the flat arrays, variables, parameters with their ranges, sentences: w
 """
 
 import re
+from functools import partial
 
 from tetherfmu.runtime import inputs, layout, parameters, plausibility, refusals, saved_state, status
-from tetherfmu.runtime.variables import INPUT_NAMES, PARAMETER, parameters_at, references
+from tetherfmu.runtime.variables import PARAMETER, input_names, parameters_at, references, wind_points_in
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
@@ -23,7 +24,7 @@ def c_text(text):
 
 def count_of_values(table, shape_points):
     """Number of all values: inputs, outputs, parameters."""
-    return parameters_at(shape_points) + _count_of_parameters(table)
+    return parameters_at(shape_points, wind_points_in(table)) + _count_of_parameters(table)
 
 
 def _count_of_parameters(table):
@@ -42,7 +43,7 @@ def header(variant, table, shape_points, widths, token):
             "#ifndef TABLES_H",
             "#define TABLES_H",
             *_constants(variant, token),
-            *_inputs(),
+            *_inputs(wind_points_in(table)),
             *_sizes(table, shape_points),
             *_parameters(table),
             *_variables(table, shape_points, widths),
@@ -90,25 +91,29 @@ def _constants(variant, token):
     ]
 
 
-def _inputs():
+def _inputs(wind_points):
     """Name and scale of each input by its place."""
-    scales = [inputs.SCALES.index(each.scale) for each in inputs.INPUT_TABLE for _ in range(each.size)]
+    listed = (*inputs.INPUT_TABLE, *(wind_points * (inputs.WIND_AT,)))
+    scales = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
     return [
         _enumerated({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
         _numbers("unsigned char INPUT_SCALE", scales),
-        _texts("INPUT_NAME", INPUT_NAMES),
+        _texts("INPUT_NAME", input_names(wind_points)),
     ]
 
 
 def _sizes(table, shape_points):
     """Sizes of the arrays; the linear ones are macros of the number of segments."""
     values = count_of_values(table, shape_points)
-    sizes = {"OUTPUTS_AT": layout.INPUTS, "PARAMETERS_AT": parameters_at(shape_points)}
+    points = wind_points_in(table)
+    sizes = {"INPUTS": layout.inputs_size(points), "OUTPUTS_AT": layout.inputs_size(points), "WIND_POINTS": points}
+    sizes |= {"PARAMETERS_AT": parameters_at(shape_points, points)}
     sizes |= {"PARAMETERS": _count_of_parameters(table), "SHAPE_POINTS": shape_points, "VALUES": values, "TIME": values}
     lines = [_enumerated(sizes)]
     for name in _SIZES:
-        base = getattr(layout, name)(0)
-        slope = getattr(layout, name)(1) - base
+        size = partial(layout.state_size, wind_points=points) if name == "state_size" else getattr(layout, name)
+        base = size(0)
+        slope = size(1) - base
         lines.append(f"#define {name.upper()}(segments) ({base} + {slope} * (size_t)(segments))")
     return lines
 

@@ -34,7 +34,8 @@ def model_description(table):
             _vector(port, kind, f"{end}_{what}", units, f"{end}_{what}")
         if len(port):
             groups.append(port)
-    _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
+    if "wind_at[1,1]" not in units:  # which replaces it, and has no group
+        _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for kind, group, name in (
         ("LinearVelocity", "reel_out", "reel_out_speed"),
         ("Force", "winch_pull", "winch_force"),

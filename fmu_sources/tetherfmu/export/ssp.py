@@ -6,7 +6,8 @@ one that is called SystemStructure.ssd is what importers open.
 """
 
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -28,6 +29,19 @@ STEP, STOP = 0.02, 200.0  # of the default experiment [s]
 PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}. {about}</p>\n"
 
 
+@dataclass(frozen=True)
+class Wiring:
+    """What a system has beside connections of equal names.
+
+    renamed : dict of an input, "instance.name", to the name of the output that it gets, "" for none.  with_shape : whether
+    the points of the tether are connected.  files : dict of FMUs to pairs (file name, bytes) in their resources.
+    """
+
+    renamed: dict = field(default_factory=dict)
+    with_shape: bool = False
+    files: dict = field(default_factory=dict)
+
+
 def write_all(folder, options=None):
     """Write the systems of the examples to a folder; returns their paths.
 
@@ -39,46 +53,80 @@ def write_all(folder, options=None):
     return [
         write("kite_power_system", given.FMUS, given.START, power, Path(folder), options),
         write("circular_flight", given.CIRCLE, given.CIRCLE_START, {"standard": {}}, Path(folder), options),
+        *in_turbulence(folder, options),
     ]
 
 
-def write(name, fmus, start, fidelities, folder, options):
+def in_turbulence(folder, options):
+    """Write the systems with turbulent wind to a folder; gives their paths. options : as in `write_all`."""
+    given = example("wind.turbulence_systems")
+    options = replace(options, wind_points=given.POINTS, shape_points=given.POINTS)
+    wiring = Wiring(given.RENAMED, with_shape=True, files={"TurbulentWind": [(Path(given.BOX).name, given.box())]})
+    for name, fmus, start in (
+        ("turbulent_circle", given.CIRCLE, given.CIRCLE_START),
+        ("turbulent_parked_kite", given.PARKED, given.PARKED_START),
+    ):
+        yield write(name, fmus, start, {"standard": {}}, Path(folder), options, wiring)
+
+
+def write(name, fmus, start, fidelities, folder, options, wiring=Wiring()):
     """Write NAME.ssp; returns its path.
 
     fmus : dict of instances to names of FMUs.  start : start values, of every FMU that has the name.  fidelities : dict of
     names to dicts of instances to values of parameters; "standard" is the one that importers open.  options : as in
-    `write_all`.
+    `write_all`.  wiring : `Wiring`.
     """
     with tempfile.TemporaryDirectory() as temporary:
-        paths = {each: _built(fmu, start, name, Path(temporary) / each, options) for each, fmu in fmus.items()}
+        built = partial(_built, start=start, system=name, options=options, files=wiring.files)
+        paths = {each: built(fmu, folder=Path(temporary) / each) for each, fmu in fmus.items()}
         variables = {instance: read_model_description(str(path)).modelVariables for instance, path in paths.items()}
         files = {_source(fmus[each]): path.read_bytes() for each, path in paths.items()}
     for fidelity, values in fidelities.items():
         ending = "" if fidelity == "standard" else f"_{fidelity}"
-        texts = {f"SystemStructure{ending}.ssd": _structure(name, fidelity, fmus, variables, values)}
+        texts = {f"SystemStructure{ending}.ssd": _structure(name, fidelity, fmus, variables, values, wiring)}
         texts |= {_set(each, fidelity): _parameters(fidelity, given) for each, given in values.items()}
         files |= {path: xml_text(root).encode("utf-8") for path, root in texts.items()}
     return archive.write_archive(files, folder / f"{name}.ssp")
 
 
-def _structure(name, fidelity, fmus, variables, values):
+def _connections(variables, wiring):
+    """Dict of instances to dicts of their inputs to pairs (instance, output)."""
+    given = example("power_system.kite_power_system")
+    givers = {
+        output: instance for instance, known in variables.items() for output in given.given_by(known, wiring.with_shape)
+    }
+    found = {}
+    for instance, known in variables.items():
+        wanted = {v.name: _output_for(f"{instance}.{v.name}", wiring) for v in known if v.causality == "input"}
+        found[instance] = {name: (givers[output], output) for name, output in wanted.items() if output in givers}
+    return found
+
+
+def _output_for(place, wiring):
+    """Name of the output that an input, "instance.name", gets."""
+    vector, bracket, index = place.partition("[")
+    renamed = wiring.renamed.get(vector)
+    return place.partition(".")[2] if renamed is None else f"{renamed}{bracket}{index}"
+
+
+def _structure(name, fidelity, fmus, variables, values, wiring):
     """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
-    wiring = example("power_system.kite_power_system")
+    given = example("power_system.kite_power_system")
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
     root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
     system = SubElement(root, "ssd:System", name=name)
     elements, connections = SubElement(system, "ssd:Elements"), SubElement(system, "ssd:Connections")
-    givers = {output: instance for instance, known in variables.items() for output in wiring.given_by(known)}
+    inputs_of = _connections(variables, wiring)
     for instance, known in variables.items():
-        inputs = wiring.wanted_by(known, givers)
+        inputs = inputs_of[instance]
         component = SubElement(elements, "ssd:Component", name=instance, type=FMU, source=_source(fmus[instance]))
-        _connectors(component, inputs, wiring.given_by(known))
+        _connectors(component, inputs, given.given_by(known, wiring.with_shape))
         if instance in values:
             bindings = SubElement(component, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=_set(instance, fidelity))
-        for each in inputs:
-            ends = {"startElement": givers[each], "endElement": instance}
-            SubElement(connections, "ssd:Connection", ends, startConnector=each, endConnector=each)
+        for each, (giver, output) in inputs.items():
+            ends = {"startElement": giver, "endElement": instance}
+            SubElement(connections, "ssd:Connection", ends, startConnector=output, endConnector=each)
     SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number_text(STOP))
     return root
 
@@ -93,11 +141,13 @@ def _set(instance, fidelity):
     return f"resources/{instance}_{fidelity}.ssv"
 
 
-def _built(fmu, start, system, folder, options):
+def _built(fmu, start, system, folder, options, files):
     """Path of an FMU with start values of a system."""
     if fmu in example_fmus.SLAVES:
         known = {variable.name for variable in example_fmus.table_of(fmu) if variable.causality != "output"}
-        return example_fmus.build(fmu, folder, [(name, value) for name, value in start.items() if name in known])
+        known |= {"file"} if fmu in files else set()
+        starts = [(name, value) for name, value in start.items() if name in known]
+        return example_fmus.build(fmu, folder, starts, files.get(fmu, ()))
     about = f"With the start values of the system {system}."
     purpose = Purpose(system, (), about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
     return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))

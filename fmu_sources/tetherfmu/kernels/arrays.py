@@ -9,6 +9,7 @@ from tetherfmu.runtime import layout as at
 from .compilation import kernel, part, view
 
 parameters_size = kernel(at.parameters_size)
+inputs_size = kernel(at.inputs_size)
 state_size = kernel(at.state_size)
 outputs_size = kernel(at.outputs_size)
 

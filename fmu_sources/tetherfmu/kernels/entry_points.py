@@ -17,8 +17,9 @@ from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variants import BY_NAME
 
 from . import packing
-from .arrays import copy, outputs_size, parameters_size, positions_and_velocities, state_size
+from .arrays import copy, inputs_size, outputs_size, parameters_size, positions_and_velocities, state_size
 from .compilation import kernel, part, view
+from .equations import wind_points
 from .equations.boundary import inputs_of_step
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance, transaction
@@ -46,11 +47,24 @@ def entry_points(variant):
     @view
     def chain_arrays(n, parameters, state, work):
         """The parameters, the state and the work as arrays."""
-        return carray(parameters, parameters_size(n)), carray(state, state_size(n)), carray(work, variant.work_size(n))
+        p = carray(parameters, parameters_size(n))
+        return p, state_array(n, p, state), carray(work, variant.work_size(n))
+
+    @view
+    def state_array(n, p, state):
+        """A state as an array."""
+        return carray(state, state_size(n, wind_points.count_of(p)))
+
+    @view
+    def inputs_array(p, inputs):
+        """The inputs as an array."""
+        return carray(inputs, inputs_size(wind_points.count_of(p)))
 
     @kernel
     def take_outputs(n, p, s, shape_points, outputs, w):
         """Outputs (modified) that belong to a state; a status: OK or OUTPUT_NOT_FINITE."""
+        if has_nodes:
+            wind_points.blow(n, p, s)
         variant.outputs_of(n, p, s, shape_points, outputs, w)
         return complete(n, s, outputs)
 
@@ -69,6 +83,7 @@ def entry_points(variant):
             return status
         copy(s, before)
         transaction.remember(p, inputs, given, s)
+        wind_points.step_on(n, p, inputs, step, has_waves, s)
         status = variant.advance(n, p, given, before, s, w)
         return transaction.commit(n, p, status, before, s)
 
@@ -100,7 +115,7 @@ def entry_points(variant):
     def initialize(n, parameters, inputs, state, shape_points, outputs, work):
         """First state and its outputs (both modified) between two ends; they have no meaning on any status but OK."""
         p, s, w = chain_arrays(n, parameters, state, work)
-        status = transaction.start(n, p, carray(inputs, at.INPUTS), s)
+        status = transaction.start(n, p, inputs_array(p, inputs), s)
         if status == OK:
             status = variant.initialize(n, p, s, w)
         status = transaction.commit_start(n, p, status, s)
@@ -114,7 +129,7 @@ def entry_points(variant):
         before (modified) : room for a state; after a step that was done, the state of before it.
         """
         p, s, w = chain_arrays(n, parameters, state, work)
-        i, old, o = carray(inputs, at.INPUTS), carray(before, state_size(n)), carray(outputs, outputs_size(shape_points))
+        i, old, o = inputs_array(p, inputs), state_array(n, p, before), carray(outputs, outputs_size(shape_points))
         return take_step_with_outputs(n, p, i, step, s, old, shape_points, o, w)
 
     def outputs(n, parameters, state, shape_points, outputs, work):
@@ -132,8 +147,8 @@ def entry_points(variant):
         """
         p, s, w = chain_arrays(n, parameters, state, work)
         x, _ = positions_and_velocities(n, s)
-        old = carray(before, state_size(n))
-        flight = carray(inputs, steps * at.INPUTS)
+        old, size_of_row = state_array(n, p, before), inputs_size(wind_points.count_of(p))
+        flight = carray(inputs, steps * size_of_row)
         size, nodes = outputs_size(shape_points), 3 * (n + 1)
         observed = size + 1 if outputs != at.NEVER else 0
         width = observed + nodes
@@ -141,7 +156,7 @@ def entry_points(variant):
         largest, row = 0.0, 0
         for k in range(steps):
             keep = every > 0 and (k + 1) % every == 0
-            inputs_now = part(flight, k * at.INPUTS, at.INPUTS)
+            inputs_now = part(flight, k * size_of_row, size_of_row)
             if outputs == at.ALWAYS or (keep and outputs == at.AT_ROWS):
                 now = part(kept, row, size)
                 if take_step_with_outputs(n, p, inputs_now, step, s, old, shape_points, now, w) != OK:
@@ -159,6 +174,7 @@ def entry_points(variant):
     def energy(n, parameters, state, inputs, energies, work):
         """Energies, powers, tensions and velocities (modified) of a state with wind, reel-out speed and load of `inputs`."""
         p, s, w = chain_arrays(n, parameters, state, work)
+        wind_points.blow(n, p, s)
         v = variant.velocities_of(n, p, s, w)
         return power_balance.balance(n, p, s, v, carray(inputs, at.INPUTS), carray(energies, power_balance.size(n)), w)
 

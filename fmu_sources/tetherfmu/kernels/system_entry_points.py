@@ -1,28 +1,35 @@
 """The entry points of the library for systems: numbers and pointers to flat arrays, as those of `entry_points.py`.
 
-Four: line_work_size and points_work_size, from which the caller makes the plan (`runtime/system_layout.py`), advance, fly.
+Seven: segments and pack, for each line; complete, which makes the plan (`runtime/system_layout.py`); initialize, advance,
+outputs, fly. They return statuses (`status.py`), segments and fly a number. What a status is about stands in the plan at
+STATUS_LINE; INPUT_NOT_FINITE about ALL_LINES carries the number of a free point, whose load it is about.
 """
 
 from numba import carray, types
 
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.kernel_library import SystemKernels
 from tetherfmu.runtime.status import OK
 
-from .arrays import copy
+from . import packing
+from .arrays import copy, parameters_size
 from .compilation import kernel, part, view
-from .equations.lines import System, points_size
+from .equations.lines import System
+from .equations.properties import put_point_mass
 from .variants import system as variant
 
 plan_size = kernel(places.plan_size)
-inputs_size = kernel(places.inputs_size)
 
 _DOUBLES, _WHOLE = types.CPointer(types.float64), types.CPointer(types.int64)
 _COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
 SIGNATURES = SystemKernels(
-    line_work_size=_COUNT(_COUNT),
-    points_work_size=_COUNT(_COUNT, _COUNT),
-    advance=_STATUS(_WHOLE, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES, _DOUBLES),
+    segments=_COUNT(_COUNT, _DOUBLES),
+    pack=_STATUS(_COUNT, _DOUBLES, _NUMBER, _COUNT, _COUNT, _NUMBER, _NUMBER, _DOUBLES),
+    complete=_STATUS(_WHOLE),
+    initialize=_STATUS(_WHOLE, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    advance=_STATUS(_WHOLE, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    outputs=_STATUS(_WHOLE, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
     fly=_COUNT(_WHOLE, _DOUBLES, _DOUBLES, _COUNT, _NUMBER, _COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
 )
 
@@ -35,47 +42,82 @@ def plan_at(plan):
 
 
 @view
-def behind_lines(plan, which):
-    """Length of what all lines have of `parameters` or `state`."""
-    return plan[places.PLAN_HEADER + places.LINE_NUMBERS * plan[places.LINES] + which]
+def states_at(plan, state):
+    """States of all lines as an array."""
+    return carray(state, plan[places.STATE_SIZE])
 
 
 @view
-def states_at(plan, state):
-    """States of all lines as an array."""
-    return carray(state, behind_lines(plan, places.STATE_AT))
+def outputs_at(plan, outputs):
+    """Outputs of all lines as an array."""
+    return carray(outputs, plan[places.OUTPUTS_SIZE])
 
 
 @view
 def system_at(plan, parameters, inputs, state, work):
-    """`System` of these arrays."""
+    """`System` of these arrays; inputs : an array already."""
     return System(
         plan,
-        carray(parameters, behind_lines(plan, places.PARAMETERS_AT)),
+        carray(parameters, plan[places.PARAMETERS_SIZE]),
         inputs,
         states_at(plan, state),
-        carray(work, plan[places.POINTS_WORK] + points_size(plan[places.FREE_POINTS], plan[places.BAND])),
+        carray(work, plan[places.WORK_SIZE]),
     )
 
 
-def line_work_size(n):
-    """Length of what a line of n segments needs of `work`."""
-    return variant.line_work_size(n)
+def segments(tethers, quantities):
+    """Number of segments of a line of tethers in series with these quantities, see `packing`; 0 if it cannot be told."""
+    return packing.count_segments(tethers, carray(quantities, packing.count_of_quantities(tethers, 0)), True)
 
 
-def points_work_size(points, band):
-    """Length of what so many free points need of `work`, with this band of their matrix."""
-    return points_size(points, band)
+def pack(tethers, quantities, tolerance, start_is_free, end_is_free, start_mass, end_mass, parameters):
+    """Parameters (modified) of a line with as many segments as `segments` says; a status, and nothing is done but on OK.
+
+    start_is_free, end_is_free : 1 if its start, or its end, is a free point, else 0.  start_mass, end_mass : of these
+    points [kg], as far as this line carries it: all of it in the first line at a point, 0 in the others.
+    """
+    given = carray(quantities, packing.count_of_quantities(tethers, 0))
+    n = packing.count_segments(tethers, given, True)
+    p = carray(parameters, parameters_size(n))
+    status = packing.pack(tethers, 0, given, tolerance, True, True, p)
+    if status == OK:
+        p[at.GROUND_IS_FREE], p[at.KITE_IS_FREE] = float(start_is_free), float(end_is_free)
+        put_point_mass(n, 0, start_mass, p)
+        put_point_mass(n, n, end_mass, p)
+    return status
 
 
-def advance(plan, parameters, inputs, step, state, before, work):
-    """One communication step of `step` [s]: the states (modified) are left as they were on any status but OK.
+def complete(plan):
+    """Write into a plan (modified) what follows from the numbers that are given; returns OK."""
+    variant.complete_plan(plan_at(plan))
+    return OK
 
-    before (modified) : room for all states.
+
+def initialize(plan, parameters, inputs, state, before, outputs, work):
+    """First states and outputs of all lines (both modified), left as they were on any status but OK.
+
+    Free points start where the inputs of their lines say, as driven ones.  before (modified) : room for all states.
     """
     p = plan_at(plan)
-    given = carray(inputs, inputs_size(p[places.LINES], p[places.FREE_POINTS]))
-    return variant.advance(system_at(p, parameters, given, state, work), step, states_at(p, before))
+    system = system_at(p, parameters, carray(inputs, p[places.INPUTS_SIZE]), state, work)
+    return variant.initialize(system, states_at(p, before), outputs_at(p, outputs))
+
+
+def advance(plan, parameters, inputs, step, state, before, outputs, work):
+    """One communication step of `step` [s]: states and outputs (both modified), left as they were on any status but OK.
+
+    before (modified) : room for all states; after a step that was done, those of before it.
+    """
+    p = plan_at(plan)
+    system = system_at(p, parameters, carray(inputs, p[places.INPUTS_SIZE]), state, work)
+    return variant.advance_with_outputs(system, step, states_at(p, before), outputs_at(p, outputs))
+
+
+def outputs(plan, parameters, state, outputs, work):
+    """Outputs of all lines (modified) that belong to their states, left as they were on any status but OK."""
+    p = plan_at(plan)
+    none = carray(state, 0)
+    return variant.take_outputs(system_at(p, parameters, none, state, work), outputs_at(p, outputs))
 
 
 def fly(plan, parameters, inputs, steps, step, every, state, before, rows, work):
@@ -85,7 +127,7 @@ def fly(plan, parameters, inputs, steps, step, every, state, before, rows, work)
     states.  rows (modified) : the states after each kept step.
     """
     p = plan_at(plan)
-    size, width = inputs_size(p[places.LINES], p[places.FREE_POINTS]), behind_lines(p, places.STATE_AT)
+    size, width = p[places.INPUTS_SIZE], p[places.STATE_SIZE]
     flight, old = carray(inputs, steps * size), states_at(p, before)
     kept = carray(rows, width * (steps // every if every > 0 else 0))
     for k in range(steps):
@@ -97,4 +139,4 @@ def fly(plan, parameters, inputs, steps, step, every, state, before, rows, work)
     return steps
 
 
-ENTRY_POINTS = SystemKernels(line_work_size, points_work_size, advance, fly)
+ENTRY_POINTS = SystemKernels(segments, pack, complete, initialize, advance, outputs, fly)

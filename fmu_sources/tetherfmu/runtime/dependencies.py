@@ -5,7 +5,7 @@ A dependency is the name of an input or a parameter: of a vector, which stands f
 tether differs. A test sets every input and parameter to another value and looks which outputs change.
 """
 
-from .inputs import BY_NAME, DRIVEN_KITE, components
+from .inputs import BY_NAME, DRIVEN_KITE, WITHOUT_EFFECT, components, wind_at_names
 
 POSITIONS = ("kite_position", "ground_position")
 LENGTH = ("initial_length", "winch_control", "winch_length")
@@ -21,17 +21,21 @@ REELING = ("reel_out_speed",)
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 
-def depends_on(variant, output, element, shape_points, left_out=()):
+def depends_on(variant, output, element, shape_points, left_out=(), wind_points=0):
     """Names of the inputs and parameters that an element of an output depends on when initialization ends.
 
     variant : `variants.Variant`.  output : `outputs.Output`.  element : its FMI name, such as "kite_force[2]".
     shape_points : number of points of the output `shape`.  left_out : inputs and parameters that this FMU does not have.
+    wind_points : number of points of the input `wind_at`.
     """
     *point, component = element.removeprefix(output.name).strip("[]").split(",")
     declared = variant.depends_on.get(element, variant.depends_on.get(output.name, output.depends_on))
     if point:  # of the shape; its ends are those of the tether, which are given
         declared = {shape_points: ("kite_position[*]",), 1: ("ground_position[*]",)}.get(int(point[0]), declared)
     names = dict.fromkeys(each for name in declared for each in _components(variant, name, component))
+    if wind_points and "wind_velocity" in declared:
+        blown = {name for vector in WITHOUT_EFFECT for name in _components(variant, vector, component)}
+        names = (*(name for name in names if name not in blown), *wind_at_names(wind_points))
     reeling_is_felt = variant.has_waves or declared == REELING
     unused = {*variant.ignored, *left_out, *(() if reeling_is_felt else REELING)}
     return tuple(name for name in names if name not in unused)

@@ -92,6 +92,16 @@ INPUT_TABLE = (
         SEGMENT_LENGTH,
     ),
 )
+# with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
+WIND_AT = Input(
+    "wind_at",
+    "m/s",
+    "points on the tether at equal unstretched length, ground first: wind there; in between it is linear",
+    ZERO,
+    FAST_WIND,
+)
+# inputs and parameters that then have no effect
+WITHOUT_EFFECT = ("wind_velocity", "wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness")
 BY_NAME = {each.name: each for each in INPUT_TABLE}
 COUNT = sum(each.size for each in INPUT_TABLE)  # of numbers in the array
 PLACES = places_of(INPUT_TABLE)
@@ -100,6 +110,11 @@ PLACES = places_of(INPUT_TABLE)
 def components(name, size):
     """FMI names of a variable: its own of a scalar, with indices from 1 of a vector."""
     return (name,) if size == 1 else tuple(f"{name}[{i}]" for i in range(1, size + 1))
+
+
+def wind_at_names(wind_points):
+    """FMI names of the wind at so many points, by their places."""
+    return tuple(f"{WIND_AT.name}[{k},{i}]" for k in range(1, wind_points + 1) for i in (1, 2, 3))
 
 
 def inputs_of(kite_is_free):

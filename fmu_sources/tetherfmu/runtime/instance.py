@@ -9,10 +9,10 @@ from math import dist, inf
 from . import layout as at
 from . import plausibility, status
 from .saved_state import check_state
-from .variables import INPUT_NAMES, parameters_at
+from .variables import input_names, parameters_at
 
 _KITE_MOTION = range(at.KITE_POSITION, at.KITE_VELOCITY + 3)  # places of the motion of the kite end among the inputs
-OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values`; the inputs are before them
+OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values` without wind points; the inputs are before them
 
 
 def zeros(count):
@@ -36,11 +36,14 @@ class Instance:
         Points of the output `shape`.
     room : int
         Places for the caller behind inputs and outputs in `values`.
+    wind_points : int
+        Points at which the wind is an input; 0 for none, at least 2 otherwise.
 
     Attributes
     ----------
     values : array
-        Inputs, outputs and `room` places, at the same address for life. The caller sets the inputs.
+        Inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address for life. The
+        caller sets the inputs.
     parameters, state, before, work : array
         As `layout.py` has them; `before` is the state of before the last start or step. A `set_up` for another number of
         segments makes new arrays.
@@ -50,25 +53,28 @@ class Instance:
         Status of the last start or step, see `status.py`.
     """
 
-    def __init__(self, kernels, points, room=0):
+    def __init__(self, kernels, points, room=0, wind_points=0):
         self.kernels = kernels
         self.points = points
+        self.wind_points = wind_points
         self.segments = 0
         self.status = status.OK
         self._warned = 0
-        self.parameters_at = parameters_at(points)
+        self.outputs_at, self.parameters_at = at.inputs_size(wind_points), parameters_at(points, wind_points)
         self.values = zeros(self.parameters_at + room)
         self.state = zeros(0)
         self._inputs_address = address(self.values)
-        self._outputs_address = self._inputs_address + 8 * OUTPUTS_AT
+        self._outputs_address = self._inputs_address + 8 * self.outputs_at
 
     def set_up(self, segments, parameters):
         """Take a number of segments and their parameters, see `packing`, and make the arrays; it is to be started next."""
         self.parameters = parameters
+        if self.wind_points:
+            parameters[at.WIND_POINTS], parameters[at.WIND_PROFILE] = self.wind_points, at.AT_NODES
         if segments != self.segments:
             self.segments = segments
-            self.state = zeros(at.state_size(segments))
-            self.before = zeros(at.state_size(segments))
+            self.state = zeros(at.state_size(segments, self.wind_points))
+            self.before = zeros(len(self.state))
             self.work = zeros(self.kernels.work_size(segments))
         self._parameters_address = address(self.parameters)
         self._state_address, self._before_address = address(self.state), address(self.before)
@@ -76,7 +82,7 @@ class Instance:
 
     def start(self):
         """Find the first shape between the ends that the inputs give. Returns what is wrong, or None."""
-        outputs = self.values[OUTPUTS_AT : self.parameters_at]
+        outputs = self.values[self.outputs_at : self.parameters_at]
         self.before[:] = self.state
         self.status = self.kernels.initialize(
             *(self.segments, self._parameters_address, self._inputs_address, self._state_address),
@@ -88,7 +94,7 @@ class Instance:
         free = self.parameters[at.KITE_IS_FREE] != 0.0
         problem = self.sentence(self.status, 0.0, free)  # with the length that was tried
         self.state[:] = self.before
-        self.values[OUTPUTS_AT : self.parameters_at] = outputs
+        self.values[self.outputs_at : self.parameters_at] = outputs
         return problem
 
     def advance(self, step):
@@ -129,7 +135,7 @@ class Instance:
         free : whether the motion of the kite end is that of a free one at the start, which is no input.
         """
         place = status.index(result)
-        name = INPUT_NAMES[place]
+        name = input_names(self.wind_points)[place]
         return status.sentence(
             result,
             name=f"{name} at the start" if free and place in _KITE_MOTION else name,

@@ -31,11 +31,14 @@ PROTOTYPES = Kernels(
     energy=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 )
 SYSTEM = "system"
-SystemKernels = namedtuple("SystemKernels", "line_work_size points_work_size advance fly")
+SystemKernels = namedtuple("SystemKernels", "segments pack complete initialize advance outputs fly")
 SYSTEM_PROTOTYPES = SystemKernels(
-    line_work_size=CFUNCTYPE(c_int64, c_int64),
-    points_work_size=CFUNCTYPE(c_int64, c_int64, c_int64),
-    advance=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, _ARRAY),
+    segments=CFUNCTYPE(c_int64, c_int64, _ARRAY),
+    pack=CFUNCTYPE(c_int32, c_int64, _ARRAY, c_double, c_int64, c_int64, c_double, c_double, _ARRAY),
+    complete=CFUNCTYPE(c_int32, _ARRAY),
+    initialize=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    advance=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    outputs=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
     fly=CFUNCTYPE(c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, c_double, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
 )
 SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}

@@ -20,6 +20,7 @@ from .limits import (  # noqa: F401 - for those who look for them here, as the k
     LARGEST_INTEGER,
     LONGEST_STEP,
     MAX_SEGMENTS,
+    MAX_WIND_POINTS,
     MIN_SEGMENT_LENGTH,
     NO_STOP,
     WORK_BUDGET,
@@ -56,7 +57,8 @@ GROUND_HEIGHT = 26
 GROUND_FRICTION = 27
 GROUND_SINK = 28
 # parameters: one array of n numbers per property of a segment, in this order ...
-PARAMETER_SCALARS = 29
+WIND_POINTS = 29  # at which the wind is an input, 0 for none
+PARAMETER_SCALARS = 30
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -74,7 +76,10 @@ for _name, _place in outputs.PLACES.items():
     globals()[f"{'OUTPUT_' if _name in inputs.PLACES else ''}{_name.upper()}"] = _place
 SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
-# state: header, then node positions, then node velocities
+# behind the inputs of the table, with wind points: the wind at each of them [m/s]
+
+# state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
+# [m/s], then their derivatives that are given for the next step [m/s2]
 WARNING_KINDS = 12
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
@@ -119,7 +124,7 @@ STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 # enumerations of the parameters
 STRAIN_RATE, STRETCH_RATE = 1, 2
 UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
-AT_NODES = 5  # no choice of `Environment`: the wind is given at each node
+AT_NODES = 5  # no choice of `Environment`: the wind is given at each node, or at wind points
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
@@ -134,9 +139,14 @@ def parameters_size(segments):
     return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + 4 * (segments + 1)
 
 
-def state_size(segments):
-    """Length of the `state` array [-] of a tether with so many segments."""
-    return STATE_HEADER + 6 * (segments + 1)
+def inputs_size(wind_points):
+    """Length of the `inputs` array [-] with so many points at which the wind is given."""
+    return INPUTS + 3 * wind_points
+
+
+def state_size(segments, wind_points=0):
+    """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given."""
+    return STATE_HEADER + 6 * (segments + 1) + 6 * wind_points
 
 
 def outputs_size(shape_points):

@@ -4,6 +4,7 @@ LARGEST_INTEGER = 2**31 - 1  # of FMI 2.0
 LARGEST_INPUT = 1e9  # in magnitude, any input
 LONGEST_STEP = 1e6  # [s]
 MAX_SEGMENTS = 300
+MAX_WIND_POINTS = 1001
 WORK_BUDGET = 200_000  # segments times internal steps in one communication step: 10 000 steps of 20 segments
 ITERATION_BUDGET = 1_000_000  # segments times iterations of backward Euler in it: six fixed steps of 300 at worst
 STIFF = 1e8  # axial stiffness [N] above which the errors of positions that solvers allow show in the tension

@@ -30,6 +30,22 @@ def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
     return segments, parameters
 
 
+def pack_line(kernels, numbers, tethers, free_ends, masses, tolerance=0.0):
+    """As `pack`, of a line of a system.
+
+    kernels : `kernel_library.SystemKernels`.  free_ends : whether its start and its end are free points.  masses : of these
+    points [kg], as far as this line carries it, see `kernels/system_entry_points.py`.
+    """
+    quantities = array("d", numbers)
+    segments = kernels.segments(tethers, address(quantities))
+    parameters = zeros(at.parameters_size(segments))
+    ends = *map(int, free_ends), *masses
+    result = kernels.pack(tethers, address(quantities), tolerance, *ends, address(parameters))
+    if result != status.OK:
+        raise ValueError(_sentence(result, numbers, tethers))
+    return segments, parameters
+
+
 def pack_records(
     kernels,
     tethers,

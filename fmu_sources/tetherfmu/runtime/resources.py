@@ -9,7 +9,13 @@ from .parameters import Tether
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
 # one point of the output `shape` at each node
-DEFAULT_OPTIONS = {"segments": Tether.segments, "shape_points": Tether.segments + 1, "about": "", "step": 0.02}
+DEFAULT_OPTIONS = {
+    "segments": Tether.segments,
+    "shape_points": Tether.segments + 1,
+    "wind_points": 0,
+    "about": "",
+    "step": 0.02,
+}
 
 
 @lru_cache

@@ -1,11 +1,12 @@
 """The slave of every tether: `base_slave.BaseSlave` around an `Instance` with its compiled kernels."""
 
 from array import array
+from functools import partial
 from pathlib import Path
 
 from . import layout, refusals, saved_state, status, variables
 from .base_slave import WARNING, BaseSlave
-from .instance import OUTPUTS_AT, Instance, zeros
+from .instance import Instance, zeros
 from .kernel_library import load
 from .packing import pack
 from .parameters import DEFAULT_TOLERANCE, diameter_in_doubt
@@ -28,7 +29,8 @@ class TetherSlave(BaseSlave):
         self._kite_is_free = BY_NAME[self.variant].kite_is_free
         table = variables.table_of(self.variant, options)
         self._parameter_names = variables.names_of(table, variables.PARAMETER)
-        self._instance = Instance(self._kernels(), options["shape_points"], room=len(self._parameter_names))
+        points = options["shape_points"], options["wind_points"]
+        self._instance = Instance(self._kernels(), points[0], len(self._parameter_names), points[1])
         references = variables.references(table, options["shape_points"])
         self.declare(table, self._instance.values, references, options["step"])
         self._importer_tolerance = 0.0
@@ -106,11 +108,16 @@ class TetherSlave(BaseSlave):
         """Go back to a state; ValueError, with nothing changed, if it is none of this tether."""
         before, values = self.state_to_bytes(), self.values[:]
         try:
-            self._take(saved_state.from_bytes(blob, self.variant, len(self.values)))
+            self._take(self._saved(blob))
         except ValueError:
-            self._take(saved_state.from_bytes(before, self.variant, len(self.values)))
+            self._take(self._saved(before))
             self.values[:] = values  # also outputs that cannot be computed from what has been set since
             raise
+
+    def _saved(self, blob):
+        """The `SavedState` in bytes; ValueError says what is wrong with them."""
+        size = partial(layout.state_size, wind_points=self._instance.wind_points)
+        return saved_state.from_bytes(blob, self.variant, len(self.values), size)
 
     def _take(self, saved):
         """Be as in a `SavedState`; ValueError, half done, if its numbers cannot be used.
@@ -125,8 +132,9 @@ class TetherSlave(BaseSlave):
         packed = self._packed_of_state(saved) if saved.phase >= STEPPING else None
         self.phase, self._importer_tolerance, self.time = saved.phase, saved.tolerance, saved.time
         instance = self._instance
-        self.values[:OUTPUTS_AT] = saved.values[:OUTPUTS_AT]
-        self.values[OUTPUTS_AT : instance.parameters_at] = zeros(instance.parameters_at - OUTPUTS_AT)
+        first = instance.outputs_at
+        self.values[:first] = saved.values[:first]
+        self.values[first : instance.parameters_at] = zeros(instance.parameters_at - first)
         self.values[instance.parameters_at :] = saved.values[instance.parameters_at :]
         if packed:
             instance.set_up(*packed)

@@ -7,30 +7,42 @@ Each line has arrays of its own, those of a single tether (`layout.py`), one beh
 `parameters`   those of all lines
 `inputs`       those of all lines, then the load on each free point [N]
 `state`        those of all lines; the memory of the solver stands in that of the first line
-`work`         scratch space of all lines, then that of the free points
+`outputs`      those of all lines
+`work`         scratch space of all lines, then that of the free points, then that of the outputs
 =============  ======================================================================
 
 A line goes from its start (the ground end of a single tether) to its end (the kite end). A free point is the free end of
 several lines: each has a copy of its motion, and the first of them carries its mass.
+
+Whoever makes a plan writes the numbers that are marked as given, and the entry point `complete` finds all others from them.
+Only then the sizes of the arrays are known.
 """
 
 from .layout import INPUTS
 
 # plan: scalars
-LINES = 0
-FREE_POINTS = 1
-POINTS_WORK = 2  # place of the free points in `work`
+LINES = 0  # given
+FREE_POINTS = 1  # given
+BAND = 2  # given: of the matrix of the free points, see `systems/ordering.py`
 STATUS_LINE = 3  # number of the line that a status is about, or ALL_LINES; written by the kernels
-BAND = 4  # of the matrix of the free points
-PLAN_HEADER = 5
-# then of each line, and once more: the places behind the last line
-SEGMENTS = 0
-START_POINT = 1  # number of the free point at its start, or DRIVEN
-END_POINT = 2
-PARAMETERS_AT = 3  # its first place in `parameters`, `state` and `work`
-STATE_AT = 4
-WORK_AT = 5
-LINE_NUMBERS = 6
+POINTS_WORK = 4  # place of the free points in `work`
+OUTPUTS_WORK = 5  # place of the outputs in `work`
+PARAMETERS_SIZE = 6  # length of the array
+INPUTS_SIZE = 7
+STATE_SIZE = 8
+OUTPUTS_SIZE = 9
+WORK_SIZE = 10
+PLAN_HEADER = 11
+# then of each line
+SEGMENTS = 0  # given
+START_POINT = 1  # given: number of the free point at its start, or DRIVEN
+END_POINT = 2  # given
+SHAPE_POINTS = 3  # given: points of its output `shape`
+PARAMETERS_AT = 4  # its first place in `parameters`, `state`, `outputs` and `work`
+STATE_AT = 5
+OUTPUTS_AT = 6
+WORK_AT = 7
+LINE_NUMBERS = 8
 
 DRIVEN = -1  # a point
 ALL_LINES = -1
@@ -38,7 +50,7 @@ ALL_LINES = -1
 
 def plan_size(lines):
     """Length of the `plan` array [-] of so many lines."""
-    return PLAN_HEADER + LINE_NUMBERS * (lines + 1)
+    return PLAN_HEADER + LINE_NUMBERS * lines
 
 
 def inputs_size(lines, points):

@@ -12,8 +12,8 @@ from functools import lru_cache
 from . import inputs, outputs
 from . import layout as at
 from .dependencies import depends_on
-from .inputs import DRIVEN_KITE, INPUT_TABLE, components, inputs_of
-from .outputs import ARRAY_ORDER, SCALAR, VECTOR
+from .inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
+from .outputs import ARRAY_ORDER, POINTS, SCALAR, VECTOR
 from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from .quantities import Quantity, quantities
 from .variants import BY_NAME
@@ -30,12 +30,18 @@ class Variable:
     causality: str  # INPUT, OUTPUT or PARAMETER
     kind: str  # "Real", "Integer" or "Enumeration"
     quantity: Quantity
-    place: int  # in the `inputs` array or, from `layout.INPUTS` on, in the `outputs` array; of a parameter, its number
+    place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
     start: float | None = None  # of inputs and parameters
     depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends
 
 
+IGNORED_WITH_WIND_AT = "(ignored: the wind is that of wind_at)"
 INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.name, each.size))  # by their places
+
+
+def input_names(wind_points):
+    """FMI names of all inputs by their places, with so many points at which the wind is given."""
+    return INPUT_NAMES + wind_at_names(wind_points)
 
 
 def _elements(name, meaning, shape, shape_points):
@@ -56,24 +62,28 @@ def _input_elements(each):
     return _elements(each.name, each.meaning, VECTOR if each.size > 1 else SCALAR, 0)
 
 
-def _input_variables(variant):
+def _input_variables(variant, wind_points):
     for each in inputs_of(variant.kite_is_free):
         place = inputs.PLACES[each.name]
+        if wind_points and each.name in WITHOUT_EFFECT:
+            each = replace(each, meaning=f"{each.meaning} {IGNORED_WITH_WIND_AT}")
         for i, (name, meaning) in enumerate(_input_elements(each)):
             yield Variable(name, INPUT, "Real", Quantity(each.unit, meaning), place + i, each.start[i])
+    for i, (name, meaning) in enumerate(_elements(WIND_AT.name, WIND_AT.meaning, POINTS, wind_points)):
+        yield Variable(name, INPUT, "Real", Quantity(WIND_AT.unit, meaning), at.INPUTS + i, WIND_AT.start[i % 3])
 
 
-def _output_variables(variant, shape_points, left_out):
+def _output_variables(variant, shape_points, left_out, wind_points):
     """What is an input of this tether is no output of it."""
     given = {each.name for each in inputs_of(variant.kite_is_free)}
     for output in ARRAY_ORDER:
         if output.name in given:
             continue
-        place = at.INPUTS + outputs.PLACES[output.name]
+        place = at.inputs_size(wind_points) + outputs.PLACES[output.name]
         meaning = variant.meanings.get(output.name, output.quantity.meaning)
         for i, (name, text) in enumerate(_elements(output.name, meaning, output.shape, shape_points)):
             quantity = replace(output.quantity, meaning=text)
-            known = depends_on(variant, output, name, shape_points, left_out)
+            known = depends_on(variant, output, name, shape_points, left_out, wind_points)
             yield Variable(name, OUTPUT, output.kind, quantity, place + i, depends_on=known)
 
 
@@ -99,9 +109,12 @@ def parameters_of(record_classes, starts=None):
     return variables
 
 
-def _parameter_variables(variant, starts):
+def _parameter_variables(variant, starts, wind_points=0):
     variables = []
     for each in parameters_of(records_of(variant.name), starts):
+        if wind_points and each.name in WITHOUT_EFFECT:
+            meaning = f"{each.quantity.meaning} {IGNORED_WITH_WIND_AT}"
+            each = replace(each, quantity=replace(each.quantity, meaning=meaning))
         if each.name in variant.ignored:
             meaning = f"{each.quantity.meaning} (ignored: {variant.ignored[each.name]})"
             each = replace(each, quantity=replace(each.quantity, meaning=meaning))
@@ -122,31 +135,40 @@ PARAMETERS_WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are no
 
 
 @lru_cache
-def variables(variant, shape_points, starts=(), left_out=()):
+def variables(variant, shape_points, starts=(), left_out=(), wind_points=0):
     """The table of all variables, a tuple: inputs, outputs, parameters.
 
     variant : one of `variants.EVERY_VARIANT`.  shape_points : number of points of the output `shape`.
     starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
-    FMU for one scene goes without; such inputs stay 0.
+    FMU for one scene goes without; such inputs stay 0.  wind_points : number of points of the input `wind_at`.
     """
     tether, first = BY_NAME[variant], dict(starts)
-    given = [replace(each, start=first.get(each.name, each.start)) for each in _input_variables(tether)]
-    table = (*given, *_output_variables(tether, shape_points, left_out), *_parameter_variables(tether, first))
+    given = [replace(each, start=first.get(each.name, each.start)) for each in _input_variables(tether, wind_points)]
+    found = _output_variables(tether, shape_points, left_out, wind_points)
+    table = (*given, *found, *_parameter_variables(tether, first, wind_points))
     return tuple(variable for variable in table if variable.name not in left_out)
 
 
 def table_of(variant, options):
-    """The table of an FMU with these build options: `segments`, `shape_points`, and of a scene `starts` and `left_out`."""
+    """The table of an FMU with these build options: `segments`, `shape_points`, if there are any `wind_points`, and of a
+    scene `starts` and `left_out`.
+    """
     starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
-    return variables(variant, options["shape_points"], starts, tuple(options.get("left_out", ())))
+    points = options["shape_points"], options.get("wind_points", 0)
+    return variables(variant, points[0], starts, tuple(options.get("left_out", ())), points[1])
 
 
-def parameters_at(shape_points):
+def wind_points_in(table):
+    """Number of points of the input `wind_at` in a table of `variables`."""
+    return sum(variable.causality == INPUT and variable.name.startswith(f"{WIND_AT.name}[") for variable in table) // 3
+
+
+def parameters_at(shape_points, wind_points=0):
     """Place of the first parameter in the array of all values: inputs, outputs, parameters."""
-    return at.INPUTS + at.outputs_size(shape_points)
+    return at.inputs_size(wind_points) + at.outputs_size(shape_points)
 
 
 def references(table, shape_points):
     """Value references of a table of `variables`: their places in the array of all values."""
-    first = parameters_at(shape_points)
+    first = parameters_at(shape_points, wind_points_in(table))
     return [variable.place + (first if variable.causality == PARAMETER else 0) for variable in table]

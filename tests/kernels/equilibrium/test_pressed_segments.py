@@ -79,8 +79,9 @@ def test_balance_and_stability_of_an_inextensible_chain(count, seed):
     pulls = pulls[:, 1:-1].reshape(count, -1)
     weight = np.tile([0.0, 0.0, -1.0], count - 1)  # in units of that of a node
     tension = np.linalg.lstsq(pulls.T, -weight)[0]
-    # rounding of a direction is 1e-16 |x|/l0, up to 1e-14; times the condition of the chain
-    np.testing.assert_allclose(pulls.T @ tension, -weight, atol=1e-7)
+    # the search ends where the rounding of its springs, up to the weight of a node, hides what is left; how far the
+    # directions are then depends on the last bit of the kite, which numpy's norm leaves to the processor: 1e-13 to 2e-6
+    np.testing.assert_allclose(pulls.T @ tension, -weight, atol=1e-5)
     inextensible = np.linalg.svd(pulls)[2][count:].T
     across = slope(tension[:, None, None] / length[:, None, None] * (np.eye(3) - outer(e)))[3:-3, 3:-3]
     assert np.linalg.eigvalsh(inextensible.T @ across @ inextensible).max() < -1e-5 / rest

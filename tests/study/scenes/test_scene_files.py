@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.input_files import contents_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Ground
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.runs import Config, parameters_of
-from tetherfmu.study.scenes.files import contents_of, load
+from tetherfmu.study.scenes.files import load
 
 HEAD = "time,kite_position[1],kite_position[2],kite_position[3]\n"
 SERIES = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "series"\nfile = "flight.csv"')
@@ -150,7 +151,7 @@ def test_a_file_of_unknown_size_is_empty():
 
 
 def test_a_file_that_is_too_large(tmp_path, monkeypatch):
-    monkeypatch.setattr("tetherfmu.study.scenes.files.LARGEST_FILE", 10)
+    monkeypatch.setattr("tetherfmu.input_files.LARGEST_FILE", 10)
     (tmp_path / "file").write_bytes(b"x" * 11)
     with pytest.raises(ValueError, match=r"it has more than 1e-08 GB"):
         contents_of(tmp_path / "file")

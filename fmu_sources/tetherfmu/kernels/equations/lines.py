@@ -8,7 +8,7 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind, parameters_size, positions_and_velocities, state_size
+from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, state_size
 from ..compilation import kernel, part, view
 from ..linear_algebra.points import row_size
 from ..linear_algebra.vectors import add, get, put, put_at, vector_at
@@ -74,6 +74,14 @@ def parameters_of(system, k):
 def state_of(system, k):
     """`state` of line k."""
     return part(system.state, number_of_line(system, k, places.STATE_AT), state_size(segments_of(system, k)))
+
+
+@view
+def outputs_of_line(system, k, outputs):
+    """Part of line k of an array of outputs."""
+    return part(
+        outputs, number_of_line(system, k, places.OUTPUTS_AT), outputs_size(number_of_line(system, k, places.SHAPE_POINTS))
+    )
 
 
 @view

@@ -113,3 +113,23 @@ def node_wind(chain, s, above):
     x = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + count + above
     y, z = x + count, x + 2 * count
     return number_at(chain.parameters, x, s), number_at(chain.parameters, y, s), number_at(chain.parameters, z, s)
+
+
+@kernel
+def put_node_wind(n, i, wind, parameters):
+    """Set the wind at node i [m/s] (in the parameters, modified)."""
+    x = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + n + 1 + i
+    parameters[x], parameters[x + n + 1], parameters[x + 2 * (n + 1)] = wind
+
+
+@kernel
+def share_of(n, s, parameters):
+    """Unstretched length of segment s over that of the tether [-]."""
+    return parameters[at.PARAMETER_SCALARS + at.SHARE * n + s]
+
+
+@kernel
+def scale_node_winds(n, factor, parameters):
+    """Multiply the winds at the nodes in the parameters (modified) by a factor."""
+    for k in range(at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + n + 1, len(parameters)):
+        parameters[k] *= factor

@@ -117,6 +117,12 @@ def half_drag(chain, s, length, e, height, velocity):
     Length [m], direction e, mean height [m] and mean velocity [m/s] of its nodes.
     """
     wind, density, _, _ = air_of(chain, s, height)
+    return half_drag_in(chain, s, length, e, wind, density, velocity)
+
+
+@kernel
+def half_drag_in(chain, s, length, e, wind, density, velocity):
+    """`half_drag` in air of this wind [m/s] and density [kg/m3]."""
     w, _ = apparent_wind(wind, e, velocity)
     return scale(0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length * sqrt(dot(w, w) + STILLEST), w)
 

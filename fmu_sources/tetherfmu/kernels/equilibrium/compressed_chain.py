@@ -14,7 +14,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import node_loads, segment
-from ..equations.properties import has_node_winds, rest_length
+from ..equations.properties import has_node_winds, node_wind, rest_length
 from ..linear_algebra.vectors import add_scaled, cross, dot, get, norm, put, scale, sub
 
 PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
@@ -87,6 +87,19 @@ def is_moved_along(n, e, v):
 
 
 @kernel
+def is_blown_along(chain, e):
+    """Whether the wind is along the direction e, or zero, at all nodes; without air it is."""
+    density = chain.parameters[at.AIR_DENSITY]
+    if not has_node_winds(chain):
+        return is_along(e, scale(density, chain.wind), EXACTLY)
+    for i in range(chain.n + 1):
+        wind = scale(density, node_wind(chain, i, 0))
+        if not is_along(e, wind, EXACTLY):
+            return False
+    return True
+
+
+@kernel
 def leave(chain, x, v):
     """Move the inner nodes of x [m] (modified) a little sideways if the chain is compressed and nothing else moves it there.
 
@@ -94,8 +107,7 @@ def leave(chain, x, v):
     """
     _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
     weight = node_loads.free_acceleration(chain)
-    wind = scale(chain.parameters[at.AIR_DENSITY], chain.wind)
-    if has_node_winds(chain) or not (is_along(e, weight, EXACTLY) and is_along(e, wind, EXACTLY)):
+    if not (is_along(e, weight, EXACTLY) and is_blown_along(chain, e)):
         return
     if is_unstable(chain, x, EXACTLY) and is_moved_along(chain.n, e, v):
         side = sideways(e)

@@ -12,7 +12,7 @@ distance from the ground end outgrows tension, which grows linearly.
 
 from ..arrays import copy
 from ..compilation import kernel, view
-from ..equations.properties import chain_at
+from ..equations.properties import chain_at, has_node_winds, scale_node_winds
 from ..linear_algebra.vectors import put, scale
 from . import newton
 from .rigid_body import Body
@@ -25,10 +25,13 @@ MOST_LEVELS = 60  # that are tried; it needs 4 to 14
 
 
 @view
-def at_level(body, level):
-    """The body in a wind and with a spin and an extension rate `level` times its own; wind that is given at nodes stays."""
+def at_level(body, level, w):
+    """The body in a wind and with a spin and an extension rate `level` times its own (w.parameters modified)."""
     chain = body.chain
-    slower = chain_at(chain.n, chain.parameters, chain.length, chain.reeling, scale(level, chain.wind))
+    copy(chain.parameters, w.parameters)
+    if has_node_winds(chain):
+        scale_node_winds(chain.n, level, w.parameters)
+    slower = chain_at(chain.n, w.parameters, chain.length, chain.reeling, scale(level, chain.wind))
     return Body(slower, scale(level, body.spin), level * body.extension_rate, body.x, body.v, *body[5:])
 
 
@@ -66,7 +69,7 @@ def raise_level(body, level, ground, kite, w):
     for _ in range(MOST_LEVELS):
         higher = min(1.0, (1.0 + rise) * level)
         put_end_velocities(body, higher, ground, kite)
-        found, more = relax_kept(at_level(body, higher), w)
+        found, more = relax_kept(at_level(body, higher, w), w)
         iterations += more
         if found:
             level = higher

@@ -114,7 +114,7 @@ def by_piling(body, level, w):
     still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.anchor, True)
     ground, kite = get(body.v, 0), get(body.v, body.chain.n)
     load_continuation.put_end_velocities(body, level, ground, kite)
-    lighter = load_continuation.at_level(still, level)
+    lighter = load_continuation.at_level(still, level, w)
     found, iterations = newton.relax(lighter, False, True, weight_of(body, w) / body.chain.length, w)
     if found and level < 1.0:
         reached, more = load_continuation.raise_level(still, level, ground, kite, w)

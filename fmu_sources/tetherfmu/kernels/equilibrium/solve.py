@@ -85,7 +85,7 @@ def by_load_continuation(body, w):
     level = 0.5
     while reached == 0.0 and level >= load_continuation.LOWEST:
         load_continuation.put_end_velocities(body, level, ground, kite)
-        status, more = at_once(load_continuation.at_level(body, level), w)
+        status, more = at_once(load_continuation.at_level(body, level, w), w)
         iterations += more
         if status == OK:
             reached, more = load_continuation.raise_level(body, level, ground, kite, w)

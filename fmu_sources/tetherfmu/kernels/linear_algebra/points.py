@@ -4,7 +4,7 @@
 
 Row i of the m rows holds the columns i - b .. i + 2 b, one after the other, where A has none beyond i - b .. i + b. It costs
 about 2 m b^2 multiplications to factor and 3 m b to solve: for chains and trees of lines, whose points have neighbours with
-near numbers (`system_ordering.py`), in proportion to the number of lines.
+near numbers (`systems/ordering.py`), in proportion to the number of lines.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., algorithm 4.3.1 with the pivots of section 4.3.3.
 """
 

@@ -19,7 +19,7 @@ from tetherfmu.runtime.status import (
 
 from ..arrays import copy, state_size
 from ..compilation import kernel
-from ..equations import winch
+from ..equations import winch, wind_points
 from ..equations.boundary import place_at_start
 from ..equations.continuation import consume_given_derivatives
 from ..equations.properties import chain_at, rest_length
@@ -32,7 +32,7 @@ ROUNDING = 1e-6  # of a force [N] that a controller, or its continuation within 
 @kernel
 def check_inputs(inputs):
     """OK, or INPUT_NOT_FINITE with the place of the first input that is no finite number or a huge one."""
-    for i in range(at.INPUTS):
+    for i in range(len(inputs)):
         if not abs(inputs[i]) <= at.LARGEST_INPUT:
             return INPUT_NOT_FINITE | i << 8
     return OK
@@ -53,12 +53,13 @@ def start(n, parameters, inputs, state):
     status = check_inputs(inputs)
     if status != OK:
         return status
-    for k in range(state_size(n)):
+    for k in range(len(state)):
         state[k] = 0.0
     place_at_start(n, parameters, inputs, state)
     state[at.LENGTH] = winch.first_length(parameters, inputs)
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
+    wind_points.start(n, parameters, inputs, state)
     if winch.follows_force(parameters):
         return check_stops(parameters, state[at.LENGTH])
     return check_length(n, parameters, state[at.LENGTH])

@@ -1,31 +1,140 @@
-"""A system of lines: motion within a communication step, as a transaction of all its lines.
+"""A system of lines: its plan, first shapes, motion within a communication step and outputs, as transactions of all lines.
 
 The lines are started, and their outputs are found, one by one as dynamic tethers between their ends (`dynamic.py`).
 """
 
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
-from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
-from ..arrays import copy
-from ..compilation import kernel
+from ..arrays import copy, outputs_size, parameters_size, state_size
+from ..compilation import kernel, part
 from ..equations.boundary import conditions_of_chain, inputs_of_step, place_ends
 from ..equations.lines import (
     System,
     conditions_of,
+    free_points,
     inputs_of,
     lines_of,
     motion_of,
+    outputs_of_line,
     parameters_of,
+    points_size,
     room_of,
     segments_of,
     state_of,
     store_conditions,
 )
 from ..equations.properties import chain_of
-from ..equilibrium import compressed_chain, end_tensions
+from ..equilibrium import compressed_chain, end_tensions, newton
 from ..integrators import system_control, system_step
 from ..step import transaction
+from ..step.outputs import complete
 from ..step.plausibility import note_stiff_and_slack
+from . import dynamic
+
+# --- the plan
+
+
+@kernel
+def line_work_size(n):
+    """Length of what a line of n segments needs of `work`: an even number, see `system_step.line_work_size`."""
+    size = newton.workspace_size(n)
+    return max(system_step.line_work_size(n), size + size % 2)
+
+
+@kernel
+def complete_plan(plan):
+    """Write all numbers of a plan (modified) that follow from those that are given, see `system_layout.py`."""
+    parameters, state, outputs, work = 0, 0, 0, 0
+    for k in range(plan[places.LINES]):
+        row = places.PLAN_HEADER + places.LINE_NUMBERS * k
+        n = plan[row + places.SEGMENTS]
+        plan[row + places.PARAMETERS_AT] = parameters
+        plan[row + places.STATE_AT] = state
+        plan[row + places.OUTPUTS_AT] = outputs
+        plan[row + places.WORK_AT] = work
+        parameters += parameters_size(n)
+        state += state_size(n)
+        outputs += outputs_size(plan[row + places.SHAPE_POINTS])
+        work += line_work_size(n)
+    plan[places.STATUS_LINE] = places.ALL_LINES
+    plan[places.POINTS_WORK] = work
+    work += points_size(plan[places.FREE_POINTS], plan[places.BAND])
+    plan[places.OUTPUTS_WORK] = work
+    plan[places.PARAMETERS_SIZE] = parameters
+    plan[places.INPUTS_SIZE] = at.INPUTS * plan[places.LINES] + 3 * plan[places.FREE_POINTS]
+    plan[places.STATE_SIZE] = state
+    plan[places.OUTPUTS_SIZE] = outputs
+    plan[places.WORK_SIZE] = work + outputs
+
+
+# --- outputs
+
+
+@kernel
+def take_outputs(system, outputs):
+    """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they are as they were.
+
+    The plan (modified) says which line a status is about.
+    """
+    found = part(system.work, system.plan[places.OUTPUTS_WORK], system.plan[places.OUTPUTS_SIZE])
+    for k in range(lines_of(system)):
+        system.plan[places.STATUS_LINE] = k
+        n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, found)
+        points = system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.SHAPE_POINTS]
+        dynamic.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
+        status = complete(n, state, own)
+        if status != OK:
+            return status
+    copy(found, outputs)
+    return OK
+
+
+# --- the start
+
+
+@kernel
+def start_line(system, k):
+    """First state of line k (modified) between its points as the inputs say; a status."""
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status = transaction.start(n, parameters, inputs_of(system, k), state)
+    if status == OK:
+        status = dynamic.initialize(n, parameters, state, room_of(system, k))
+    return transaction.commit_start(n, parameters, status, state)
+
+
+@kernel
+def initialize(system, before, outputs):
+    """First states of all lines and their outputs (both modified), as they were on any status but OK.
+
+    before (modified) : room for all states.  The plan (modified) says which line a status is about.
+    """
+    copy(system.state, before)
+    status = check_loads(system)
+    for k in range(lines_of(system)):
+        if status == OK:
+            system.plan[places.STATUS_LINE] = k
+            status = start_line(system, k)
+    if status == OK:
+        status = take_outputs(system, outputs)
+    if status != OK:
+        copy(before, system.state)
+    return status
+
+
+# --- a communication step
+
+
+@kernel
+def check_loads(system):
+    """OK, or INPUT_NOT_FINITE about ALL_LINES, with the number of the free point whose load is no number or a huge one."""
+    first = at.INPUTS * lines_of(system)
+    for i in range(3 * free_points(system)):
+        if not abs(system.inputs[first + i]) <= at.LARGEST_INPUT:
+            system.plan[places.STATUS_LINE] = places.ALL_LINES
+            return INPUT_NOT_FINITE | (i // 3) << 8
+    return OK
 
 
 @kernel
@@ -44,7 +153,11 @@ def begin_line(system, k, step):
     status = transaction.check_reeling(n, parameters, given)
     if status == OK:
         x, v = motion_of(system, k)
+        shape = parameters[at.INITIAL_SHAPE]
+        if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
+            parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
         store_conditions(conditions_of_chain(n, parameters, given, state, x, v), room_of(system, k))
+        parameters[at.INITIAL_SHAPE] = shape
         transaction.remember(parameters, inputs, given, state)
     return status
 
@@ -52,6 +165,9 @@ def begin_line(system, k, step):
 @kernel
 def begin(system, step):
     """`begin_line` of all lines, until one is refused; returns the status."""
+    status = check_loads(system)
+    if status != OK:
+        return status
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = begin_line(system, k, step)
@@ -96,6 +212,17 @@ def commit(system, step, before):
 
 
 @kernel
+def advance_with_outputs(system, step, before, outputs):
+    """`advance`, then the outputs of all lines (modified), which are as they were on any status but OK, too."""
+    status = advance(system, step, before)
+    if status == OK:
+        status = take_outputs(system, outputs)
+        if status != OK:
+            copy(before, system.state)
+    return status
+
+
+@kernel
 def advance(system, step, before):
     """One communication step of `step` [s]; on any status but OK the states of all lines are as they were.
 
@@ -111,6 +238,3 @@ def advance(system, step, before):
     if status != OK:
         copy(before, system.state)
     return status
-
-
-line_work_size = system_step.line_work_size

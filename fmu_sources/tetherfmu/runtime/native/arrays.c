@@ -41,6 +41,10 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
 {
     const double *given = arrays->values + PARAMETERS_AT;
     int32_t result = KERNEL(pack)(1, FREE_KITE, given, importer_tolerance, arrays->parameters);
+    if (!result && WIND_POINTS > 0) {
+        arrays->parameters[AT_WIND_POINTS] = WIND_POINTS;
+        arrays->parameters[AT_WIND_PROFILE] = AT_AT_NODES;
+    }
     if (!result) return true;
     const Parameter *declared = &PARAMETER[index_of(result)];
     fill_in(problem, LONGEST_TEXT, KERNEL_SENTENCE[code_of(result)], FACTS(

@@ -15,7 +15,7 @@ typedef struct {
     double *before; /* the state before the last step that was done */
     double *spare;  /* room for the state before the next one */
     double *values; /* of the tether, for a start or a saved state that may be refused */
-    double inputs[AT_INPUTS]; /* of the last step */
+    double inputs[INPUTS];    /* of the last step */
     bool is_repeatable;       /* whether `before` and `inputs` are known: not after a start or a restored state */
 } Arrays;
 

@@ -7,11 +7,29 @@
 
 #include "instance.h"
 
-/* --- derivatives of inputs: bits of the inputs that have one, then their values, as in the state (AT_GIVEN_DERIVATIVES) */
+/* --- derivatives of inputs: bits of the inputs of the table that have one, then their values, as in the state
+(AT_GIVEN_DERIVATIVES); then those of the wind at points, 0 where none is given, which the state has at its end */
+
+enum { WIND_AT = INPUTS - AT_INPUTS }; /* numbers of the input wind_at, the last ones */
 
 static double *waiting_derivatives(Instance *instance)
 {
     return instance->phase < STEPPING ? instance->derivatives : instance->arrays->state + AT_GIVEN_DERIVATIVES;
+}
+
+static double *waiting_of_wind_at(Instance *instance)
+{
+    if (instance->phase < STEPPING) return instance->derivatives + 1 + AT_INPUTS;
+    return instance->arrays->state + STATE_SIZE(instance->arrays->segments) - WIND_AT;
+}
+
+/* Hand over what was given before the first step to the state of the start. */
+void give_derivatives(Instance *instance)
+{
+    double *state = instance->arrays->state;
+    memcpy(state + AT_GIVEN_DERIVATIVES, instance->derivatives, (1 + AT_INPUTS) * sizeof(double));
+    memcpy(state + STATE_SIZE(instance->arrays->segments) - WIND_AT, instance->derivatives + 1 + AT_INPUTS,
+        WIND_AT * sizeof(double));
 }
 
 static Status check_derivative(const Instance *instance, unsigned reference, int32_t order, double value)
@@ -29,10 +47,14 @@ static Status check_derivative(const Instance *instance, unsigned reference, int
 Status set_input_derivatives(
     Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values)
 {
-    double *derivatives = waiting_derivatives(instance);
+    double *derivatives = waiting_derivatives(instance), *of_wind_at = waiting_of_wind_at(instance);
     for (size_t i = 0; i < count; i++)
         if (check_derivative(instance, references[i], orders[i], values[i]) != OK) return ERROR;
     for (size_t i = 0; i < count; i++) {
+        if (references[i] >= AT_INPUTS) {
+            of_wind_at[references[i] - AT_INPUTS] = values[i];
+            continue;
+        }
         derivatives[0] = (double)((uint32_t)derivatives[0] | 1u << references[i]);
         derivatives[1 + references[i]] = values[i];
     }
@@ -99,7 +121,7 @@ static bool repeat_with(
 {
     memcpy(changed, values, VALUES * sizeof(double));
     memcpy(changed, arrays->inputs, sizeof arrays->inputs);
-    for (int i = 0; i < AT_INPUTS; i++) changed[i] += by * direction[i];
+    for (int i = 0; i < INPUTS; i++) changed[i] += by * direction[i];
     bool is_done = !repeat(arrays, step, changed) && (!(step > 0.0) || took_same_steps(arrays));
     return is_done && is_on_same_side(changed, values);
 }
@@ -141,7 +163,7 @@ static bool differentiate(
 {
     const double *parts = arrays->state[AT_STEPS] > 0.0 ? PARTS_WITH_STEPS : PARTS_WITHOUT_STEPS;
     double largest = 0.0;
-    for (unsigned i = 0; i < AT_INPUTS; i++) {
+    for (unsigned i = 0; i < INPUTS; i++) {
         double size = fabs(direction[i]) / scale_of(arrays, i, step, parts[0]);
         if (size > largest) largest = size;
     }
@@ -201,7 +223,7 @@ Status directional_derivative(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, double *sensitivity, size_t room)
 {
-    double direction[AT_INPUTS] = {0.0};
+    double direction[INPUTS] = {0.0};
     if (read_direction(instance, unknowns, count, knowns, known_count, seed, seeds, room, direction) != OK) return ERROR;
     Arrays *arrays = differentiable(instance);
     if (!arrays) return DISCARD;

@@ -6,6 +6,7 @@
 
 #include "messages.h"
 
+void give_derivatives(Instance *instance);
 Status set_input_derivatives(
     Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values);
 Status directional_derivative(

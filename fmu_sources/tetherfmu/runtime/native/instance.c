@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "derivatives.h"
 #include "finite.h"
 #include "kernels.h"
 
@@ -220,7 +221,7 @@ Status exit_initialization(Instance *instance)
     Status status = start(instance, ERROR);
     if (status != OK) return status;
     instance->phase = STEPPING;
-    memcpy(instance->arrays->state + AT_GIVEN_DERIVATIVES, instance->derivatives, sizeof instance->derivatives);
+    give_derivatives(instance);
     status = warn_of_diameter(instance);
     Status warned = warn(instance);
     return status > warned ? status : warned;

@@ -28,7 +28,7 @@ struct Instance {
     double start_time, stop_time; /* [s] */
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
-    double derivatives[1 + AT_INPUTS]; /* of inputs, given before the first step, see derivatives.c */
+    double derivatives[1 + INPUTS]; /* of inputs, given before the first step, see derivatives.c */
 };
 
 extern const char AN_INSTANCE, A_SAVED_STATE; /* their addresses are the marks of what this FMU has made */

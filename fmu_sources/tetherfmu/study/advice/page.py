@@ -5,13 +5,14 @@ from time import process_time
 
 import pandas as pd
 
+from tetherfmu.input_files import spellings
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store
 from tetherfmu.study.measuring.tables import factor, page, percent
-from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load, spellings
+from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.standard import SEED, random_scenes
 

@@ -5,17 +5,10 @@ import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from tetherfmu.input_files import contents_of, factors, ground_of, record, require
 from tetherfmu.runtime.parameters import Environment, Ground, Tether
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.study.scenes.files import (
-    RECORDS,
-    SceneError,
-    contents_of,
-    factors,
-    ground_of,
-    record,
-    require,
-)
+from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
 
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
 BY_YEAR = {2019: "kitepower_2019", 2023: "kitepower_2023", 2025: "kitepower_2025"}  # of the first row of a log
@@ -261,7 +254,7 @@ def given(kind, table, section):
     """Values that a table of a file gives to a record, dict by name; ValueError names the key."""
     if section not in table:
         return {}
-    made = record(kind, table[section], section, ())
+    made = record(kind, table[section], section, left_out=NOT_OF_A_SCENE)
     return {name: getattr(made, name) for name in table[section]}
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tetherfmu.study.scenes.files import SceneError, contents_of
+from tetherfmu.input_files import contents_of
+from tetherfmu.study.scenes.files import SceneError
 
 from . import clock, columns, frames, readings
 from .report import Report

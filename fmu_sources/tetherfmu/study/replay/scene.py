@@ -9,12 +9,12 @@ import pandas as pd
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.input_files import GROUND
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import components
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.advice import scene_build
-from tetherfmu.study.scenes.files import GROUND
 
 from .facts import finest, slack_share, words
 

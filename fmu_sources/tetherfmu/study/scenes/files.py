@@ -1,30 +1,27 @@
 """Scenes as files: what is flown with which tether in which wind; see docs/use/how_much_tether.md, "Scene files"."""
 
 import hashlib
-import stat
 import sys
 import tomllib
-from dataclasses import dataclass, field, fields, make_dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
+from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, in_si, record, require, value_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Environment, Ground, Tether, diameter_in_doubt
+from tetherfmu.runtime.parameters import Environment, Ground, Tether, diameter_in_doubt
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
-from tetherfmu.runtime.quantities import check, quantities, quantity
+from tetherfmu.runtime.quantities import check, quantity
 
 from .flights import KINDS
 
-# what else a quantity may be given in than in its unit, and the factor to the unit
-UNITS = pd.read_csv(Path(__file__).with_name("units.csv"), keep_default_na=False, converters={"factor": float})
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
-LARGEST_FILE = 1_000_000_000  # [B]
+NOT_OF_A_SCENE = ("segments",)
 REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
@@ -38,11 +35,28 @@ class SceneError(WrongUse):
     """A scene file that cannot be used; the message is one line with file, key, value and what is allowed."""
 
 
+def velocity(value):
+    """Three finite numbers [m/s]."""
+    if not isinstance(value, list) or len(value) != 3:
+        raise ValueError("it must be three numbers [x, y, z] in m/s")
+    numbers = tuple(float(in_si(each, "m/s")) for each in value)
+    if not np.all(np.abs(numbers) <= 200.0):  # NaN is not
+        raise ValueError("each must be a finite number from -200 to 200 m/s")
+    return numbers
+
+
+def output_names(value):
+    """Names of `OUTPUTS`."""
+    if not isinstance(value, list) or not value or any(each not in OUTPUTS for each in value):
+        raise ValueError(f"it must be a list of some of {', '.join(OUTPUTS)}")
+    return tuple(value)
+
+
 @dataclass(frozen=True)
 class Wind:
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
-    velocity: tuple = (0.0, 0.0, 0.0)
+    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": velocity})
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
     __post_init__ = check
@@ -57,22 +71,13 @@ class Wind:
 class Wanted:
     """What the user asks for; errors are relative, see docs/use/how_much_tether.md, "Errors and cost"."""
 
-    outputs: tuple = ("kite_force",)
+    outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
     __post_init__ = check
 
 
-def without(prefix, record):
-    """A record like another one, the names of whose quantities all begin with a prefix, without it."""
-    copies = [(each, field(default=each.default, metadata=each.metadata)) for each in fields(record)]
-    named = [(each.name.removeprefix(prefix), each.type, copy) for each, copy in copies]
-    return make_dataclass(record.__name__, named, frozen=True, namespace={"__post_init__": check})
-
-
-GROUND = "ground_"  # begins the names of the quantities of a `Ground`
-TABLE_OF_GROUND = without(GROUND, Ground)
 RECORDS = {  # of a scene, by section
     "tether": Tether,
     "environment": Environment,
@@ -182,27 +187,16 @@ def load(path):
     return scene
 
 
-def contents_of(path):
-    """Bytes of a regular file; ValueError for others, which may have no end, and for one that cannot be read."""
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise ValueError("cannot be read (it is no regular file)")
-        if status.st_size > LARGEST_FILE:
-            raise ValueError(f"cannot be read (it has more than {LARGEST_FILE / 1e9:g} GB)")
-        with path.open("rb") as file:
-            return file.read(status.st_size)  # a file without a known size has 0
-    except OSError as error:
-        raise ValueError(f"cannot be read ({error.strerror})") from None
-
-
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
-    require(table, "", ("name", "duration", "flight", *RECORDS))
+    require(table, "", ("name", "duration", "flight", *RECORDS), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
-    records = {key: record(kind, table[key], key) if key in table else kind() for key, kind in RECORDS.items()}
+    records = {
+        key: record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
+        for key, kind in RECORDS.items()
+    }
     records["ground"] = ground_of(records["ground"], records["environment"])
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
@@ -220,27 +214,6 @@ def read(table, folder, name):
     )
 
 
-def ground_of(table, environment):
-    """The `Ground` of a table of a file; ValueError if it does not go with the environment."""
-    ground = Ground(**{GROUND + name: value for name, value in vars(table).items()})
-    if ground.ground_contact == at.FLAT and environment.gravity == 0.0:
-        raise ValueError(GROUND_WITHOUT_GRAVITY.replace(GROUND, "ground."))
-    return ground
-
-
-def require(table, section, known, needed=None):
-    """ValueError unless a table has what it must have and nothing unknown; needed : keys, None: those of `REQUIRED`."""
-    label = f"{section}." if section else ""
-    if not isinstance(table, dict):
-        raise ValueError(f"{section} is {table!r}; it must be a table [{section}]")
-    for key in REQUIRED.get(section, ()) if needed is None else needed:
-        if key not in table:
-            raise ValueError(f"the key {label}{key} is missing")
-    for key in table:
-        if key not in known:
-            raise ValueError(f"unknown key {label}{key}; known are {', '.join(known)}")
-
-
 def read_flight(table, folder):
     """A flight of `flights.KINDS`, or the series of a CSV file."""
     require(table, "flight", table)
@@ -248,7 +221,7 @@ def read_flight(table, folder):
         raise ValueError("the key flight.kind is missing")
     kind, table = table["kind"], {key: value for key, value in table.items() if key != "kind"}
     if kind == "series":
-        require(table, "flight of kind series", ("file",))
+        require(table, "flight of kind series", ("file",), REQUIRED["flight of kind series"])
         if not isinstance(table["file"], str):
             raise ValueError(f"flight.file is {table.get('file')!r}; it must be the name of a CSV file")
         from .series import Series  # its splines take half a second to import
@@ -257,72 +230,3 @@ def read_flight(table, folder):
     if kind not in KINDS:
         raise ValueError(f"flight.kind is {kind!r}; it must be one of {', '.join([*KINDS, 'series'])}")
     return record(KINDS[kind], table, "flight")
-
-
-def record(kind, table, section, needed=None):
-    """A record from a table of a file; ValueError names the key. The number of segments is no matter of a scene."""
-    require(table, section, [item.name for item in fields(kind) if item.name != "segments"], needed)
-    given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
-    try:
-        return kind(**given)
-    except ValueError as error:
-        raise ValueError(f"{section}.{error}") from None
-
-
-def value_of(kind, key, value, label):
-    """A value of a field of a record in SI units; ValueError names it and says what is allowed."""
-    declared = dict(quantities(kind)).get(key)
-    try:
-        if declared is None:
-            return SPECIAL[key](value)
-        is_named = isinstance(value, str) and value in declared.numbers
-        number = declared.numbers[value] if is_named else in_si(value, declared.unit)
-    except ValueError as error:
-        more = f", {declared.range()}" if declared else ""
-        raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None
-    if not declared.allows(number):
-        raise ValueError(f"{label}{key} is {value!r}; it must be {declared.range()}")
-    return number
-
-
-def factors(unit):
-    """Units in which a quantity may be given, and their factors to its unit."""
-    return {unit: 1.0} | UNITS[UNITS.unit == unit].set_index("spelled").factor.to_dict()
-
-
-def spellings(unit):
-    """Units in which a quantity may be given, in words."""
-    return ", ".join(each or "no unit" for each in factors(unit))
-
-
-def in_si(value, unit):
-    """A number, or a text like "4 mm", as a number in the unit of its quantity; ValueError says what is allowed."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"it must be a number, or a text with a unit ({spellings(unit)})")
-    if not isinstance(value, str):
-        return value
-    amount, _, spelled = value.strip().partition(" ")
-    try:
-        return float(amount) * factors(unit)[spelled.strip()]
-    except (ValueError, KeyError):
-        raise ValueError(f"it must be a number with one of the units {spellings(unit)}") from None
-
-
-def velocity(value):
-    """Three finite numbers [m/s]."""
-    if not isinstance(value, list) or len(value) != 3:
-        raise ValueError("it must be three numbers [x, y, z] in m/s")
-    numbers = tuple(float(in_si(each, "m/s")) for each in value)
-    if not np.all(np.abs(numbers) <= 200.0):  # NaN is not
-        raise ValueError("each must be a finite number from -200 to 200 m/s")
-    return numbers
-
-
-def output_names(value):
-    """Names of `OUTPUTS`."""
-    if not isinstance(value, list) or not value or any(each not in OUTPUTS for each in value):
-        raise ValueError(f"it must be a list of some of {', '.join(OUTPUTS)}")
-    return tuple(value)
-
-
-SPECIAL = {"velocity": velocity, "outputs": output_names}

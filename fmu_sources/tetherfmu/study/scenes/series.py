@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
+from tetherfmu.input_files import contents_of
 from tetherfmu.runtime.inputs import components, inputs_of
 from tetherfmu.runtime.limits import LARGEST_INPUT
 
-from .files import contents_of
 from .flights import Motion
 
 VECTORS = {each.name: components(each.name, each.size) for each in inputs_of(kite_is_free=False) if each.size > 1}

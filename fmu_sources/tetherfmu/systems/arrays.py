@@ -1,26 +1,26 @@
 """The flat arrays of a system, and what moves them: the single tethers of its lines, and the kernels for all at once.
 
-Each line is a dynamic tether of its own between its two points (`runtime.instance`): it packs its parameters, finds its
-first shape and its outputs. What moves all of them works on copies of their arrays, one behind the other
-(`runtime/system_layout.py`).
+The library for systems packs the parameters of each line, completes the plan (`runtime/system_layout.py`), starts, moves and
+observes all lines. The dynamic tethers beside it (`runtime.instance`), one for each line, say why something was refused, and
+find the equilibrium of free points (`start.py`).
 """
 
 import numpy as np
 
 from tetherfmu.libraries import ready
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.packing import pack_records
-from tetherfmu.runtime.parameters import Winch
+from tetherfmu.runtime.packing import pack_line
+from tetherfmu.runtime.parameters import Winch, numbers_of
 from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variables import INPUT_NAMES
 
-from .results import StepRefused
-from .system_ordering import ordered
+from .ordering import ordered
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 
@@ -32,7 +32,7 @@ class Arrays:
     ----------
     instances : list of Instance
         The dynamic tethers of the lines.
-    plan, parameters, inputs, state, before, work : array
+    plan, parameters, inputs, state, before, outputs, work : array
         As `system_layout.py` has them; `before` is the state before the last step.
     """
 
@@ -45,50 +45,42 @@ class Arrays:
         for line in lines:
             self.instances.append(self._instance(line, carried, environment, solver, ground))
         self._make_plan(band)
-        self.inputs = np.zeros(places.inputs_size(len(lines), len(self.free)))
+        self.inputs = np.zeros(self.plan[places.INPUTS_SIZE])
         self.rows = [self.inputs[k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(lines))]
         self.loads = self.inputs[len(lines) * at.INPUTS :].reshape(-1, 3)
         self.parameters = np.concatenate([each.parameters for each in self.instances])
-        self.state = np.zeros(sum(len(each.state) for each in self.instances))
-        self.before = np.zeros_like(self.state)
-        self.work = np.zeros(self._work_size)
+        self.state, self.before = np.zeros((2, self.plan[places.STATE_SIZE]))
+        self.outputs = np.zeros(self.plan[places.OUTPUTS_SIZE])
+        self.work = np.zeros(self.plan[places.WORK_SIZE])
 
     def _instance(self, line, carried, environment, solver, ground):
         """The tether of a line. A free point whose mass no other line carries is in it; carried (modified): such points."""
         tethers = line.tether if isinstance(line.tether, tuple | list) else (line.tether,)
         ends = [self.point(name) for name in (line.start, line.end)]
-        nodes = 0, sum(tether.segments for tether in tethers)
-        masses = [
-            (node, end.mass) for node, end in zip(nodes, ends, strict=True) if not end.is_driven and end.name not in carried
-        ]
+        masses = [0.0 if end.is_driven or end.name in carried else end.mass for end in ends]
         carried.update(end.name for end in ends)
-        kernels = ready.kernels("dynamic")
-        instance = Instance(kernels, nodes[1] + 1)
         free = [not end.is_driven for end in ends]
+        numbers = numbers_of(tethers, environment, solver, Winch(), ground)
         try:
-            packed = pack_records(
-                kernels, tethers, environment, solver, Winch(), ground, point_masses=masses, free_ends=free
-            )
+            packed = pack_line(self._kernels, numbers, len(tethers), free, masses)
         except ValueError as problem:
             raise ValueError(f"the line {line.name}: {problem}") from None
+        instance = Instance(ready.kernels("dynamic"), packed[0] + 1)
         instance.set_up(*packed)
         return instance
 
     def _make_plan(self, band):
-        """The plan, and the length of the work array; band : of the matrix of the free points."""
-        rows, here = [], np.zeros(3, int)
-        for line, instance in zip(self.lines, self.instances, strict=True):
+        """The plan; band : of the matrix of the free points."""
+        self.plan = np.zeros(places.plan_size(len(self.lines)), dtype=np.int64)
+        self.plan[[places.LINES, places.FREE_POINTS, places.BAND]] = len(self.lines), len(self.free), band
+        rows = self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
+        for row, line, instance in zip(rows, self.lines, self.instances, strict=True):
             ends = [self.free.index(name) if name in self.free else places.DRIVEN for name in (line.start, line.end)]
-            rows.append([instance.segments, *ends, *here.tolist()])
-            work = self._kernels.line_work_size(instance.segments)
-            here += [len(instance.parameters), len(instance.state), work]
-        rows.append([0, places.DRIVEN, places.DRIVEN, *here.tolist()])
-        header = [0] * places.PLAN_HEADER
-        header[places.LINES], header[places.FREE_POINTS] = len(self.lines), len(self.free)
-        header[places.POINTS_WORK], header[places.BAND] = here[2], band
-        self.plan = np.array([*header, *(number for row in rows for number in row)], dtype=np.int64)
-        self._work_size = int(here[2]) + self._kernels.points_work_size(len(self.free), band)
-        self.states_at = [row[places.STATE_AT] for row in rows]
+            given = [places.SEGMENTS, places.START_POINT, places.END_POINT, places.SHAPE_POINTS]
+            row[given] = instance.segments, *ends, instance.points
+        self._kernels.complete(self.plan.ctypes.data)
+        self.states_at = [*rows[:, places.STATE_AT].tolist(), int(self.plan[places.STATE_SIZE])]
+        self.outputs_at = [*rows[:, places.OUTPUTS_AT].tolist(), int(self.plan[places.OUTPUTS_SIZE])]
 
     def topology(self):
         """Copy of the plan without what the kernels write there."""
@@ -138,42 +130,24 @@ class Arrays:
         places_of_forces = (at.GROUND_FORCE, at.KITE_FORCE)
         return None if problem else np.array([found[place : place + 3] for place in places_of_forces])
 
-    def start_line(self, k):
-        """Find the first shape of line k between its points as the inputs say; StepRefused names the line."""
-        instance = self.instances[k]
-        np.frombuffer(instance.values)[: at.INPUTS] = self.rows[k]
-        if instance.start():
-            raise StepRefused(self.sentence(instance.status, 0.0, k), instance.status)
-
     def start(self):
-        """Find the first shapes of all lines; StepRefused, and nothing but the inputs is changed, if that is not possible.
+        """Find the first shapes of all lines; StepRefused, and no array but the inputs is changed, if there are none."""
+        found = self._kernels.initialize(*self._addresses(self.plan, self.parameters, self.inputs), *self._results())
+        if found != OK:
+            k = int(self.plan[places.STATUS_LINE])
+            raise StepRefused(self.sentence(found, 0.0, k, at_start=True), found)
 
-        Driven ends that two lines share move alike only if neither line turns them on its own in its first step
-        (`end_motion.turning_accelerations`): that is for systems of one line.
-        """
-        before = [(each.state[:], each.values[:]) for each in self.instances]
-        try:
-            for k in range(len(self.lines)):
-                self.start_line(k)
-        except StepRefused:
-            for each, (state, values) in zip(self.instances, before, strict=True):
-                each.state[:], each.values[:] = state, values
-            raise
-        self.parameters[:] = np.concatenate([each.parameters for each in self.instances])
-        for k, instance in enumerate(self.instances):
-            self.of_line(k)[:] = instance.state
-            if len(self.lines) > 1:
-                self.parameters[self.parameters_at(k) + at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
+    def _addresses(self, *arrays):
+        """Addresses of arrays."""
+        return [each.ctypes.data for each in arrays]
 
-    def parameters_at(self, k):
-        """Place of the parameters of line k."""
-        return self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
+    def _results(self):
+        """Addresses of what a start or a step modifies."""
+        return self._addresses(self.state, self.before, self.outputs, self.work)
 
     def advance(self, step):
         """Do a communication step [s]; returns the status, and all is as it was but on OK."""
-        arrays = self.parameters.ctypes.data, self.inputs.ctypes.data
-        states = self.state.ctypes.data, self.before.ctypes.data
-        return self._kernels.advance(self.plan.ctypes.data, *arrays, step, *states, self.work.ctypes.data)
+        return self._kernels.advance(*self._addresses(self.plan, self.parameters, self.inputs), step, *self._results())
 
     def fly(self, inputs, step, every):
         """Do a communication step [s] for each row of inputs until one is refused: how many, and the states that were kept.
@@ -186,25 +160,32 @@ class Arrays:
         done = self._kernels.fly(self.plan.ctypes.data, *flight, *states, kept.ctypes.data, self.work.ctypes.data)
         return done, kept[: done // every if every else 0]
 
-    def take_outputs(self, k, state=None):
-        """Outputs of line k, a new array, in its present state or another one; OUTPUT_NOT_FINITE is refused in words."""
-        instance = self.instances[k]
-        np.frombuffer(instance.state)[:] = self.of_line(k) if state is None else state
-        np.frombuffer(instance.values)[: at.INPUTS] = self.rows[k]
-        found = instance.take_outputs()
+    def take_outputs(self, state=None):
+        """Outputs of all lines, a list of new arrays, in the present state or another one; OUTPUT_NOT_FINITE is refused."""
+        own = self.state if state is None else np.ascontiguousarray(state)
+        arrays = self._addresses(self.plan, self.parameters, own, self.outputs, self.work)
+        found = self._kernels.outputs(*arrays)
         if found != OK:
-            raise StepRefused(self.sentence(found, 0.0, k), found)
-        return np.frombuffer(instance.values)[OUTPUTS_AT:].copy()
+            raise StepRefused(self.problem(found, 0.0), found)
+        return np.split(self.outputs.copy(), self.outputs_at[1:-1])
 
     def problem(self, result, step):
         """What a status of `advance` says about a step [s]."""
         return self.sentence(result, step, int(self.plan[places.STATUS_LINE]))
 
-    def sentence(self, result, step, k):
-        """What a status says about a step [s] of line k, or of all of them; an input has the name of its point or line."""
+    def sentence(self, result, step, k, at_start=False):
+        """What a status says about a step [s] of line k, or of all of them; an input has the name of its point or line.
+
+        at_start : whether the lines have the lengths of their start.
+        """
         instance = self.instances[max(k, 0)]
         np.frombuffer(instance.values)[: at.INPUTS] = self.rows[max(k, 0)]
+        length = self.of_line(max(k, 0))[at.LENGTH]
+        instance.state[at.LENGTH] = instance.parameters[at.INITIAL_LENGTH] if at_start else length
         if status.code(result) == status.INPUT_NOT_FINITE:
+            if k == places.ALL_LINES:
+                point = status.index(result)
+                return status.sentence(result, name=f"{self.free[point]}.load", value=self.loads[point].tolist())
             place = status.index(result)
             return status.sentence(result, name=self._input_name(INPUT_NAMES[place], k), value=instance.values[place])
         said = instance.sentence(result, step)

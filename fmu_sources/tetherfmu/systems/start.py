@@ -11,10 +11,9 @@ Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton
 
 import numpy as np
 
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_EQUILIBRIUM
-
-from .results import StepRefused
 
 ITERATIONS = 300
 BALANCED = 1e-9  # residual at a point over the size of the forces of its lines

@@ -28,11 +28,13 @@ def vector(name: str, value: ArrayLike) -> Vector:
 
 
 def checked_name(kind: str, name: str) -> None:
-    """TypeError or ValueError unless this is a name for a point or a line."""
+    """TypeError or ValueError unless this is a name for a point, a line or a system."""
     if not isinstance(name, str):
         raise TypeError(f"the name of a {kind} is {name!r}; it must be a text")
-    if not name.isidentifier():
-        raise ValueError(f"the name of a {kind} is {name!r}; it must be letters, digits and underscores, no digit first")
+    if not (name.isidentifier() and name.isascii()):
+        raise ValueError(
+            f"the name of a {kind} is {name!r}; it must be letters from a to z, digits and underscores, no digit first"
+        )
 
 
 @dataclass(frozen=True)

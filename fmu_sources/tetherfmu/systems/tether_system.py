@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from time import perf_counter
 from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tetherfmu import arguments
+from tetherfmu.results import PlausibilityWarning, StepRefused, outputs_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
-from . import arguments, system_start
-from .results import PlausibilityWarning, StepRefused, outputs_of
-from .system_arrays import Arrays
-from .system_records import Line, Point, check_system
-from .system_results import PointOutputs, SystemFlown, SystemOutputs
+from . import files, start
+from .arrays import Arrays
+from .records import Line, Point, check_system
+from .results import PointOutputs, SystemFlown, SystemOutputs
 
 Vectors = Mapping[str, ArrayLike]
 
@@ -91,6 +93,18 @@ class TetherSystem:
         self._runs = False
         self._warned = [0] * len(lines)
 
+    @classmethod
+    def from_file(cls, path: str | Path) -> TetherSystem:
+        """System of a TOML file; ValueError says in one line what is wrong: file, key, value and what is allowed.
+
+        docs/use/systems.md has the keys.
+        """
+        found = files.load(path)
+        try:
+            return cls(found.points, found.lines, found.environment, found.solver, found.ground)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
         segments = sum(each.segments for each in self._arrays.instances)
@@ -148,7 +162,7 @@ class TetherSystem:
             given = {name: position for name, position in positions.items() if position is not None}
             self._set(given, velocities, loads, speeds, wind_velocity, at_start=True)
             if wanted and np.all(np.isfinite(self._arrays.inputs)):  # otherwise the start names what is not
-                self._set(system_start.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
+                self._set(start.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
             self._arrays.start()
         except ValueError:
             self._arrays.inputs[:] = before
@@ -301,7 +315,8 @@ class TetherSystem:
     def outputs(self) -> SystemOutputs:
         """`SystemOutputs` that belong to the present state; StepRefused before `initialize`."""
         self._check_started()
-        values = {line.name: self._arrays.take_outputs(k) for k, line in enumerate(self.lines)}
+        found = self._arrays.take_outputs()
+        values = {line.name: each for line, each in zip(self.lines, found, strict=True)}
         lines = {name: outputs_of(each) for name, each in values.items()}
         return SystemOutputs(self._points(self._arrays.state, values), lines)
 
@@ -353,10 +368,10 @@ class TetherSystem:
     def _flown(self, states, seconds):
         """`SystemFlown` of kept states (rows, size)."""
         arrays, values, positions = self._arrays, {}, {}
+        rows = [arrays.take_outputs(each) for each in states]
         for k, line in enumerate(self.lines):
-            own = states[:, arrays.states_at[k] : arrays.states_at[k + 1]]
-            rows = [arrays.take_outputs(k, each) for each in own]
-            values[line.name] = np.array(rows).reshape(len(states), at.outputs_size(arrays.instances[k].segments + 1))
+            own = np.array([row[k] for row in rows])
+            values[line.name] = own.reshape(len(states), arrays.outputs_at[k + 1] - arrays.outputs_at[k])
             positions[line.name] = arrays.nodes(k, states)[:, 0].copy()
         return SystemFlown(self._points(states, values), values, positions, seconds)
 
@@ -394,13 +409,8 @@ class TetherSystem:
                 row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
 
     def _is_own(self, topology, parameters):
-        """Whether topology and parameters of a state are those of this system; the start writes INITIAL_SHAPE."""
-        mine = self._arrays.parameters.copy()
-        theirs = parameters.copy()
-        for k in range(len(self.lines)):
-            place = self._arrays.parameters_at(k) + at.INITIAL_SHAPE
-            mine[place] = theirs[place] = 0.0
-        return np.array_equal(topology, self._arrays.topology()) and np.array_equal(mine, theirs)
+        """Whether topology and parameters of a state are those of this system."""
+        return np.array_equal(topology, self._arrays.topology()) and np.array_equal(parameters, self._arrays.parameters)
 
     def _check_started(self):
         """StepRefused before `initialize`."""

@@ -1,0 +1,91 @@
+"""Wind that is an input at K points: at equal unstretched lengths from the ground end to the kite, linear in between.
+
+    W(s) = W_k + f (W_(k+1) - W_k),   s (K - 1) = k + f,   k = 0 .. K - 2
+
+s [-] is the unstretched length from the ground end over that of the tether. As all segments reel in proportion to their
+lengths, a node keeps its s, whatever the winch does.
+
+The state has the winds at the end of the last step, so that outputs and restored states follow from it; behind them wait
+derivatives that the importer gives for the next step. What a tether with nodes computes with, the wind at the nodes, is made
+of that in the parameters each time (`put_node_winds`), and is nothing to be kept.
+
+Theory: docs/models/theory.md, "Wind at points".
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..arrays import state_size
+from ..compilation import kernel
+from .properties import put_node_wind, share_of
+
+KITE_END = 1.0  # its s
+
+
+@kernel
+def count_of(parameters):
+    """Number of wind points K, 0 for none."""
+    return int(parameters[at.WIND_POINTS])
+
+
+@kernel
+def wind_between(n, parameters, state, s, back):
+    """Wind [m/s] at a part s [-] of the unstretched length, a time `back` [s] before that of the winds in the state."""
+    points = count_of(parameters)
+    place = s * (points - 1)
+    k = min(int(place), points - 2)
+    part = place - k
+    first = state_size(n) + 3 * k
+    rates = first + 3 * points
+    x = state[first] + part * (state[first + 3] - state[first])
+    y = state[first + 1] + part * (state[first + 4] - state[first + 1])
+    z = state[first + 2] + part * (state[first + 5] - state[first + 2])
+    if back == 0.0:
+        return x, y, z
+    x -= back * (state[rates] + part * (state[rates + 3] - state[rates]))
+    y -= back * (state[rates + 1] + part * (state[rates + 4] - state[rates + 1]))
+    z -= back * (state[rates + 2] + part * (state[rates + 5] - state[rates + 2]))
+    return x, y, z
+
+
+@kernel
+def put_node_winds(n, parameters, state, back):
+    """Winds at the nodes (in the parameters, modified), a time `back` [s] before that of the winds in the state."""
+    s = 0.0
+    for i in range(n + 1):
+        put_node_wind(n, i, wind_between(n, parameters, state, s, back), parameters)
+        s = min(s + share_of(n, i, parameters), KITE_END) if i < n else s
+
+
+@kernel
+def blow(n, parameters, state):
+    """Winds at the nodes (in the parameters, modified) that belong to a state, if it has wind points."""
+    if count_of(parameters) > 0:
+        put_node_winds(n, parameters, state, 0.0)
+
+
+@kernel
+def start(n, parameters, inputs, state):
+    """Take the winds of the inputs into a new state (modified), and to the nodes in the parameters (modified)."""
+    for k in range(3 * count_of(parameters)):
+        state[state_size(n) + k] = inputs[at.INPUTS + k]
+    blow(n, parameters, state)
+
+
+@kernel
+def step_on(n, parameters, inputs, step, is_mean, state):
+    """Take the winds of the inputs for a step [s] into a state (modified), and to the nodes in the parameters (modified).
+
+    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes the
+    mean over the step if `is_mean`, else the same.
+    """
+    count = 3 * count_of(parameters)
+    if count == 0:
+        return
+    winds, rates, turning = state_size(n), state_size(n) + count, 0.0
+    for k in range(count):
+        rate = state[rates + k]
+        state[winds + k] = inputs[at.INPUTS + k] + step * rate
+        turning += abs(rate)
+    put_node_winds(n, parameters, state, 0.5 * step if is_mean and turning > 0.0 else 0.0)
+    for k in range(count):
+        state[rates + k] = 0.0

@@ -1,0 +1,1 @@
+"""Systems of tethers: lines between points, moved in one step."""

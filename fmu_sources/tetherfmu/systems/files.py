@@ -1,0 +1,141 @@
+"""Systems as files: points, lines and what surrounds them, in TOML with numbers and units as in scene files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+
+from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, in_si, record, require, tables_of, value_of
+from tetherfmu.materials import MATERIALS, tether_of
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import INPUT_TABLE
+from tetherfmu.runtime.outputs import OUTPUT_TABLE
+from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether
+from tetherfmu.runtime.quantities import quantities, quantity
+
+from .records import Line, Point, check_system, checked_name
+
+TABLES = ("points", "lines", "environment", "ground", "solver")
+# names of variables that the whole system has, which no point and no line can have
+TAKEN = {"time", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
+    name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
+}
+
+
+def vector_in(unit):
+    """Function that reads three numbers of this unit, or texts with units, from a value of a file."""
+
+    def read_vector(value):
+        if not isinstance(value, list) or len(value) != 3:
+            raise ValueError(f"it must be three numbers [x, y, z] in {unit}")
+        numbers = tuple(float(in_si(each, unit)) for each in value)
+        if not all(abs(each) <= at.LARGEST_INPUT for each in numbers):  # NaN is not
+            raise ValueError(f"each must be a finite number of at most {at.LARGEST_INPUT:g} {unit} in magnitude")
+        return numbers
+
+    return read_vector
+
+
+@dataclass(frozen=True)
+class TableOfPoint:
+    """What a file says of a point."""
+
+    position: tuple | None = field(default=None, metadata={"read": vector_in("m")})
+    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s")})
+    mass: float | None = field(default=None, metadata={"quantity": dict(quantities(FreeKite))["kite_mass"]})
+
+
+@dataclass(frozen=True)
+class TableOfLine(Tether):
+    """What a file says of a line, beside its points and its material."""
+
+    reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
+
+
+OF_A_LINE = ("from", "to", "material", *(each.name for each in fields(TableOfLine)))
+
+
+@dataclass(frozen=True)
+class SystemFile:
+    """What a file says of a system: its name, and the arguments of `TetherSystem`."""
+
+    name: str
+    points: tuple
+    lines: tuple
+    environment: Environment
+    solver: Solver
+    ground: Ground
+
+
+def load(path: str | Path) -> SystemFile:
+    """`SystemFile` of a file; ValueError says in one line what is wrong: file, key, value and what is allowed."""
+    path = Path(path)
+    try:
+        return read(tables_of(path), path.stem)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def read(table, name):
+    """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
+    require(table, "", ("name", *TABLES), ("points", "lines"))
+    name = table.get("name", name)
+    if not isinstance(name, str):
+        raise ValueError(f"name is {name!r}; it must be a text")
+    checked_name("system", name)
+    points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
+    lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))
+    check_system(points, lines)
+    environment = record(Environment, table.get("environment", {}), "environment")
+    ground = Ground()
+    if "ground" in table:
+        ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
+    solver = record(Solver, table.get("solver", {}), "solver")
+    if solver.fixed_step != 0.0:
+        raise ValueError(f"solver.fixed_step is {solver.fixed_step!r}; it must be 0 in a system, whose steps are adaptive")
+    return SystemFile(name, points, lines, environment, solver, ground)
+
+
+def named(tables, section):
+    """Pairs (name, table) of the points or the lines; ValueError for a name that a variable of the system has."""
+    if not isinstance(tables, dict):
+        raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
+    for name in tables:
+        if name in TAKEN:
+            raise ValueError(f"{section}.{name}: a variable of the whole system is called {name}; choose another name")
+    return tables.items()
+
+
+def point_of(name, table):
+    """`Point` of a table of a file; ValueError names the key."""
+    section = f"points.{name}"
+    given = vars(record(TableOfPoint, table, section))
+    if "position" not in table and "mass" not in table:
+        raise ValueError(f"the key {section}.position is missing; only a free point, which has a mass, goes without")
+    return Point(name, **given)
+
+
+def line_of(name, table):
+    """`Line` of a table of a file; ValueError names the key."""
+    section = f"lines.{name}"
+    require(table, section, OF_A_LINE, ("from", "to", "initial_length"))
+    for end in ("from", "to"):
+        if not isinstance(table[end], str):
+            raise ValueError(f"{section}.{end} is {table[end]!r}; it must be the name of a point")
+    others = {key: value for key, value in table.items() if key not in ("from", "to", "material")}
+    given = {key: value_of(TableOfLine, key, value, f"{section}.") for key, value in others.items()}
+    speed = given.pop("reel_out_speed", 0.0)
+    tether = tether_in(table, given, section)
+    return Line(name, table["from"], table["to"], tether, speed)
+
+
+def tether_in(table, given, section):
+    """`Tether` with the quantities that are given, of the material in a table of a file; ValueError names the key."""
+    if "material" in table and table["material"] not in tuple(MATERIALS):
+        raise ValueError(f"{section}.material is {table['material']!r}; it must be one of {', '.join(MATERIALS)}")
+    try:
+        if "material" in table:
+            return tether_of(table["material"], given.pop("diameter", Tether.diameter), **given)
+        return Tether(**given)
+    except ValueError as error:
+        raise ValueError(f"{section}.{error}") from None

@@ -1,0 +1,136 @@
+"""Systems as files: what a file says is what records say; one clear line for each mistake."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tetherfmu import Environment, Ground, Line, Point, Solver, TetherSystem, tether_of
+from tetherfmu.systems import files
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "systems").glob("*.toml"))
+SYSTEM = """
+name = "Crane"
+[points.hook]
+position = [0, "1 km", 30]
+[points.load]
+mass = "500 kg"
+[points.drone]
+position = [5, 1000, 30]
+velocity = ["36 km/h", 0, 0]
+[lines.rope]
+from = "hook"
+to = "load"
+material = "steel"
+diameter = "10 mm"
+initial_length = "20 m"
+segments = 4
+reel_out_speed = "0.5 m/s"
+[lines.tag]
+from = "drone"
+to = "load"
+initial_length = 22
+segments = 3
+[environment]
+gravity = 9.8
+[ground]
+contact = "flat"
+height = "-2 m"
+[solver]
+initial_shape = "straight"
+"""
+WRONG = {
+    "no TOML": ("name =.*", "name =", "is no TOML file"),
+    "nested": ("name =.*", "name = " + "[" * 5000, "nested too deeply"),
+    "unknown table": (r"\[solver\]", "[solvers]", "unknown key solvers; known are name, points, lines, environment, ground"),
+    "nearest key": ("segments = 4", "segment = 4", "unknown key lines.rope.segment; known are"),
+    "did you mean": ("segments = 4", "segment = 4", "did you mean segments?"),
+    "wrong unit": ("20 m", "20 kg", "lines.rope.initial_length is '20 kg'; it must be a number with one of the units m, mm"),
+    "not a number": ("initial_length = 22", "initial_length = nan", "lines.tag.initial_length is nan; it must be at least"),
+    "half a segment": ("segments = 4", "segments = 4.5", "lines.rope.segments is 4.5; it must be a whole number"),
+    "two numbers": (
+        r"\[5, 1000, 30\]",
+        "[5, 30]",
+        "points.drone.position is [5, 30]; it must be three numbers [x, y, z]",
+    ),
+    "NaN in a vector": (
+        r"\[5, 1000",
+        "[nan, 1000",
+        "points.drone.position is [nan, 1000, 30]; each must be a finite",
+    ),
+    "negative mass": ("500 kg", "-5 kg", "points.load.mass is '-5 kg'; it must be at least 0 kg"),
+    "no position": (r'mass = "500 kg"', "", "the key points.load.position is missing"),
+    "no length": ("initial_length = 22", "", "the key lines.tag.initial_length is missing"),
+    "unknown material": ('"steel"', '"string"', "lines.rope.material is 'string'; it must be one of dyneema_sk75"),
+    "no name of a point": ('to = "load"', "to = 3", "lines.rope.to is 3; it must be the name of a point"),
+    "unknown point": ('to = "load"', 'to = "lode"', "the line rope goes to the point lode, which does not exist"),
+    "to itself": ('to = "load"', 'to = "hook"', "the line rope goes from the point hook to itself"),
+    "idle point": (r"\[points.load\]", "[points.idle]\nmass = 1\n[points.load]", "no line goes to the point idle"),
+    "point and line": (r"\[lines.tag\]", "[lines.hook]", "the name hook is given twice"),
+    "point twice": (r"\[points.drone\]", "[points.load]", "is no TOML file"),
+    "taken name": (r"\[lines.tag\]", "[lines.gravity]", "lines.gravity: a variable of the whole system is called gravity"),
+    "no structured name": (r"\[lines.tag\]", '[lines."a.b"]', "the name of a line is 'a.b'; it must be letters"),
+    "name of the model": ('"Crane"', '"My Crane"', "the name of a system is 'My Crane'; it must be letters"),
+    "number as name": ('"Crane"', "3", "name is 3; it must be a text"),
+    "list of materials": ('"steel"', '["steel"]', "lines.rope.material is ['steel']; it must be one of dyneema_sk75"),
+    "number as point": (r"\[points.drone\]", "drone = 3\n[points.more]", "unknown key points.load.drone"),
+    "short segments": ("initial_length = 22", "initial_length = 0.02", "the line tag: initial_length is 0.02 m for 3"),
+    "fixed step": (
+        "initial_shape",
+        "fixed_step = 0.01\ninitial_shape",
+        "solver.fixed_step is 0.01; it must be 0",
+    ),
+    "unknown ground": ('contact = "flat"', "", "the key ground.contact is missing"),
+    "no table": (r"\[environment\]\ngravity = 9.8", "", "environment is 3; it must be a table [environment]"),
+}
+
+
+@pytest.fixture
+def path(tmp_path):
+    file = tmp_path / "system.toml"
+    file.write_text(SYSTEM, encoding="utf-8")
+    return file
+
+
+def test_a_file_says_what_records_say(path):
+    found = files.load(path)
+    assert found.name == "Crane"
+    assert found.points == (
+        Point("hook", (0.0, 1000.0, 30.0)),
+        Point("load", mass=500.0),
+        Point("drone", (5.0, 1000.0, 30.0), (10.0, 0.0, 0.0)),
+    )
+    rope, tag = found.lines
+    steel = tether_of("steel", 0.01, initial_length=20.0, segments=4)
+    assert rope == Line("rope", "hook", "load", steel, 0.5)
+    assert (tag.start, tag.end, tag.tether.initial_length, tag.tether.segments) == ("drone", "load", 22, 3)
+    assert found.environment == Environment(gravity=9.8)
+    assert found.ground == Ground(ground_contact="flat", ground_height=-2.0)
+    assert found.solver == Solver(initial_shape="straight")
+
+
+@pytest.mark.parametrize(("pattern", "replacement", "says"), WRONG.values(), ids=WRONG)
+def test_a_wrong_file_is_told_in_one_line(path, pattern, replacement, says):
+    text = re.sub(pattern, replacement, SYSTEM, count=1)
+    path.write_text(("environment = 3\n" if says.startswith("environment is") else "") + text, encoding="utf-8")
+    with pytest.raises(ValueError, match="^" + re.escape(f"{path}: ")) as refused:
+        TetherSystem.from_file(path)
+    assert says in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_missing_file_is_told(tmp_path):
+    with pytest.raises(ValueError, match=r"nowhere\.toml: cannot be read"):
+        TetherSystem.from_file(tmp_path / "nowhere.toml")
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_free_points_of_the_examples_balance(file):
+    """Lines hold the weight of a free point that was found at rest; the start and each line leave 1e-9 of the forces."""
+    system = TetherSystem.from_file(file)
+    outputs = system.initialize()
+    for point in system.points:
+        if point.position is None:
+            force = outputs.points[point.name].force
+            np.testing.assert_allclose(force, (0.0, 0.0, 9.81 * point.mass), atol=1e-6 * np.linalg.norm(force) + 1e-4)
