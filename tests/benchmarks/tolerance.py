@@ -34,7 +34,7 @@ def kite(random):
     names = ("kite_position", "kite_velocity", "ground_position", "ground_velocity", "wind_velocity")
     start = {name: first[name] for name in names} | {"reel_out_speed": first["reel_out_speed"].item()}
     model = lambda **solver: TetherDynamic(scene.tether, scene.environment, initial_shape="quasi_steady", **solver)  # noqa: E731
-    return model, start, lambda step: scene.inputs(step)[: round(DURATION / step)]
+    return model, start, lambda step, duration=DURATION: scene.inputs(step)[: round(duration / step)]
 
 
 def hanging(random, tip):
@@ -45,7 +45,7 @@ def hanging(random, tip):
     position = np.subtract(tip(0.0), (0.0, 0.0, wire.initial_length * (1.0 + stretch)))
     model = lambda **solver: TetherDynamicFree(wire, kite_mass=mass, **solver)  # noqa: E731
     start = {"kite_position": position, "ground_position": tip(0.0)}
-    return model, start, lambda step: inputs_along(round(DURATION / step), step, ground=MovingEnd(tip))
+    return model, start, lambda step, duration=DURATION: inputs_along(round(duration / step), step, ground=MovingEnd(tip))
 
 
 def crane(random):
@@ -79,7 +79,7 @@ def ship(random):
     start = {"kite_position": position, "ground_position": deck(0.0), "wind_velocity": wind}
     along = {"ground": MovingEnd(deck), "kite_load": load, "wind_velocity": wind}
     model = lambda **solver: TetherDynamicFree(tether, kite_mass=mass, **solver)  # noqa: E731
-    return model, start, lambda step: inputs_along(round(DURATION / step), step, **along)
+    return model, start, lambda step, duration=DURATION: inputs_along(round(duration / step), step, **along)
 
 
 def driven(random, tether, path, ground, wind):
@@ -88,7 +88,8 @@ def driven(random, tether, path, ground, wind):
     start = {"kite_position": position, "kite_velocity": velocity, "ground_position": place, "ground_velocity": speed}
     along = {"kite": MovingEnd(path), "ground": MovingEnd(ground), "wind_velocity": wind}
     model = lambda **solver: TetherDynamic(tether, initial_shape="quasi_steady", **solver)  # noqa: E731
-    return model, start | {"wind_velocity": wind}, lambda step: inputs_along(round(DURATION / step), step, **along)
+    start["wind_velocity"] = wind
+    return model, start, lambda step, duration=DURATION: inputs_along(round(duration / step), step, **along)
 
 
 def drone(random):
@@ -119,7 +120,8 @@ def bounce(random):
     position = np.array((0.02 * length, 0.0, 100.0 - length * random.uniform(0.97, 1.0)))
     start = {"kite_position": position, "ground_position": (0.0, 0.0, 100.0)}
     model = lambda **solver: TetherDynamicFree(tether, kite_mass=mass, **solver)  # noqa: E731
-    return model, start, lambda step: inputs_along(round(DURATION / step), step, ground=(0.0, 0.0, 100.0))
+    held = {"ground": (0.0, 0.0, 100.0)}
+    return model, start, lambda step, duration=DURATION: inputs_along(round(duration / step), step, **held)
 
 
 KINDS = {"kite": kite, "crane": crane, "drone": drone, "ship": ship, "snap": snap}

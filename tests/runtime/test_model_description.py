@@ -42,6 +42,7 @@ PARAMETERS = {  # name: (start, unit), as the page says
     "surface_roughness": ("0.0002", "m"),
     "relative_tolerance": ("0", None),
     "fixed_step": ("0", "s"),
+    "fixed_step_method": ("1", None),
     "initial_shape": ("1", None),
     "end_velocities": ("1", None),
     "input_continuation": ("1", None),
@@ -91,7 +92,14 @@ def test_offers_the_plug(fmu_folder, name):
         assert variables[each].variability == "fixed"
     assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ([None] * 3 if is_free else ["300", "0", "400"])
     assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
-    enumerations = ("damping_law", "wind_profile", "initial_shape", "end_velocities", "input_continuation")
+    enumerations = (
+        "damping_law",
+        "wind_profile",
+        "fixed_step_method",
+        "initial_shape",
+        "end_velocities",
+        "input_continuation",
+    )
     assert {variables[each].type for each in enumerations} == {"Enumeration"}
 
 

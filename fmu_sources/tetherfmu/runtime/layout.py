@@ -58,7 +58,8 @@ GROUND_FRICTION = 27
 GROUND_SINK = 28
 # parameters: one array of n numbers per property of a segment, in this order ...
 WIND_POINTS = 29  # at which the wind is an input, 0 for none
-PARAMETER_SCALARS = 30
+FIXED_STEP_METHOD = 30
+PARAMETER_SCALARS = 31
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -128,6 +129,7 @@ AT_NODES = 5  # no choice of `Environment`: the wind is given at each node, or a
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 LINEAR, HELD = 1, 2
+SECOND_ORDER, BACKWARD_EULER = 1, 2
 WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
 NO_GROUND, FLAT = 1, 2
 

@@ -15,9 +15,10 @@ NO_STOP = 1e300  # unstretched length [m] at a stop of the winch that is not the
 # a much shorter step a jump is extrapolated to no more than four times itself
 SHORTEST_LAST_STEP = 0.25
 
-# iterations of backward Euler, see `kernels/integrators/backward_euler.py`
+# iterations of backward Euler, see `kernels/integrators/backward_euler.py` and `second_order.py`
 MOST_ITERATIONS = 8  # of a step and of its coarser parts
 LAST_ITERATIONS = 32  # of the finest parts
 PARTS = 4  # into which a step is divided, and each of them again
 FINEST = PARTS**2  # parts of the finest kind in a step
-WORST_WORK = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations for one fixed step
+WORST_CAREFUL = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations of a step and of all its parts
+WORST_WORK = 2 * MOST_ITERATIONS + WORST_CAREFUL  # factorizations for one fixed step: of two stages that were left, too

@@ -129,6 +129,12 @@ class Solver:
     fixed_step: float = quantity(
         0.0, "s", "internal step of the solver; 0: adaptive; else fixed, so that its work is bounded (real time)", 0.0, 1e3
     )
+    fixed_step_method: int = quantity(
+        1,
+        "",
+        "with fixed_step: order 2; backward Euler, order 1, which damps like an additional axial_damping of E A fixed_step",
+        choices=("second_order", "backward_euler"),
+    )
     initial_shape: int = quantity(
         1,
         "",

@@ -28,7 +28,7 @@ class Variant:
 
 _IGNORED_WITHOUT_WAVES = {
     **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
-    **dict.fromkeys(("relative_tolerance", "fixed_step"), "there is no motion to integrate"),
+    **dict.fromkeys(("relative_tolerance", "fixed_step", "fixed_step_method"), "there is no motion to integrate"),
     "initial_shape": "this tether is in equilibrium from the start",
 }
 _IGNORED_WITHOUT_NODES = {

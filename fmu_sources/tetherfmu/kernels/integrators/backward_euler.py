@@ -27,7 +27,6 @@ from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STIFF
-from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, part, view
@@ -346,7 +345,7 @@ def step(conditions, time, h, in_any_case, x, v, w):
 def careful_step(conditions, time, h, x, v, w):
     """One step of h [s] of (x, v) (modified), in parts where it does not come to rest as a whole.
 
-    Returns the number of iterations, at most `limits.WORST_WORK`; negative where the matrix is singular.
+    Returns the number of iterations, at most `limits.WORST_CAREFUL`; negative where the matrix is singular.
     """
     iterations = 0
     done = 0  # in parts of the finest kind
@@ -371,28 +370,3 @@ def count_of_steps(conditions, duration, most):
     """Number of fixed steps in a communication step of `duration` [s]; 0 if it is above `most`."""
     wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
     return max(1, ceil(wanted)) if wanted <= most else 0
-
-
-@kernel
-def integrate(conditions, duration, state, x, v, w):
-    """Advance (x, v) (modified) over a communication step of `duration` [s] with steps of `fixed_step`.
-
-    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` are
-    modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
-    """
-    budget = at.ITERATION_BUDGET // conditions.n
-    count = count_of_steps(conditions, duration, budget)
-    if count == 0:
-        return FIXED_STEPS_TOO_MANY
-    h = duration / count
-    spent = 0
-    for i in range(count):
-        if spent > budget:
-            return FIXED_STEPS_TOO_MANY
-        iterations = careful_step(conditions, i * h, h, x, v, w)
-        if iterations < 0:
-            return STATE_NOT_FINITE
-        spent += iterations
-    state[at.STEPS] += count
-    state[at.ITERATIONS] += spent
-    return OK

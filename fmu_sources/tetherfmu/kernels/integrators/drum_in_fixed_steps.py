@@ -12,8 +12,8 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STATE_NOT_FINITE
 
-from ..arrays import behind, copy
-from ..compilation import kernel, part, view
+from ..arrays import copy
+from ..compilation import kernel
 from ..equations.boundary import BoundaryConditions, place_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
 from ..equations.properties import property_of
@@ -26,25 +26,8 @@ MOST_REELED = 0.1  # part of the length by which it changes between two of them
 CLOSE, ROUNDING = 1e-10, 1e-13  # of the forces; of EA and of the inertia of the length
 GOOD_ENOUGH = 1e-6  # of the forces, where the iterations of the chain allow no more
 
-Workspace = namedtuple("Workspace", "chain x v")
-Workspace.__doc__ = (
-    """Scratch arrays of a step. chain : `backward_euler.Workspace`.  x, v : at its start, 3 (n + 1) numbers."""
-)
 Trial = namedtuple("Trial", "drum time h length speed")
 Trial.__doc__ = """A step that is attempted: `Drum`, time [s] within the communication step, h [s], L0 [m] and u0 [m/s]."""
-
-
-@kernel
-def workspace_size(n):
-    """Length of the work array that `workspace` needs."""
-    return backward_euler.workspace_size(n) + 6 * (n + 1)
-
-
-@view
-def workspace(n, work):
-    """Cut the work array into the arrays of `Workspace`."""
-    room, flat = behind(backward_euler.workspace_size(n), work), 3 * (n + 1)
-    return Workspace(backward_euler.workspace(n, work), part(room, 0, flat), part(room, flat, flat))
 
 
 @kernel
@@ -143,8 +126,9 @@ def step(conditions, trial, x, v, b):
 
 @kernel
 def integrate(conditions, duration, state, x, v, b):
-    """Advance (x, v) (modified) over a communication step of `duration` [s] as `backward_euler.integrate` does, with a drum.
+    """Advance (x, v) (modified) over a communication step of `duration` [s] as `second_order.integrate` does, with a drum.
 
+    b : `second_order.Workspace`. All steps are of order 1.
     Its length and speed and the counters in `state` are modified. Returns a status: OK, FIXED_STEPS_TOO_MANY,
     STATE_NOT_FINITE or NO_LENGTH.
     """

@@ -14,7 +14,7 @@ from ..equations.ground import under
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, straighten
-from ..integrators import backward_euler, drum_in_fixed_steps, moving_drum, step_control
+from ..integrators import drum_in_fixed_steps, moving_drum, second_order, step_control
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
 from ..step.plausibility import note_stiff_and_slack
@@ -23,7 +23,7 @@ from ..step.plausibility import note_stiff_and_slack
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(newton.workspace_size(n), moving_drum.workspace_size(n), drum_in_fixed_steps.workspace_size(n))
+    return max(newton.workspace_size(n), moving_drum.workspace_size(n), second_order.workspace_size(n))
 
 
 @kernel
@@ -65,11 +65,11 @@ def advance(n, parameters, given, before, state, work):
     has_drum = winch.follows_force(parameters)
     if conditions.first <= conditions.last or has_drum:
         if parameters[at.FIXED_STEP] > 0.0:
-            b = drum_in_fixed_steps.workspace(n, work)
+            b = second_order.workspace(n, work)
             if has_drum:
                 status = drum_in_fixed_steps.integrate(conditions, given.step, state, x, v, b)
             else:
-                status = backward_euler.integrate(conditions, given.step, state, x, v, b.chain)
+                status = second_order.integrate(conditions, given.step, state, x, v, b)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, moving_drum.workspace(n, work))
         else:
