@@ -25,10 +25,14 @@ def test_points_that_used_to_blow_up(number):
 
 
 @pytest.mark.parametrize("fixed_step", [0.02, 0.05, 0.1, 0.5, 1.0])
-def test_a_straight_start_with_20_percent_slack_comes_to_rest(fixed_step):
-    """Falls from the chord, snaps, hangs: at most 2 EA v/c (reflected) for the speed v of a fall over its length."""
+@pytest.mark.parametrize("method", ["second_order", "backward_euler"])
+def test_a_straight_start_with_20_percent_slack(fixed_step, method):
+    """Falls from the chord, snaps, swings: at most 2 EA v/c (reflected) for the speed v of a fall over its length.
+
+    Backward Euler brings it to rest within a minute.
+    """
     tether = Tether(initial_length=600.0)
-    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=3))
+    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, fixed_step_method=method, initial_shape=3))
     model.initialize(kite_position=KITE)
     peak = 0.0
     for _ in range(round(60.0 / fixed_step)):
@@ -36,9 +40,9 @@ def test_a_straight_start_with_20_percent_slack_comes_to_rest(fixed_step):
         peak = max(peak, out.max_tension)
     line_density = tether.density * np.pi * tether.diameter**2 / 4.0
     assert peak < 2.0 * np.sqrt(tether.axial_stiffness * line_density) * np.sqrt(2.0 * 9.81 * 600.0)
-    hanging = TetherDynamic(tether)
-    at_rest = hanging.initialize(kite_position=KITE)
-    np.testing.assert_allclose(out.kite_force, at_rest.kite_force, atol=0.05 * np.linalg.norm(at_rest.kite_force))
+    at_rest = TetherDynamic(tether).initialize(kite_position=KITE)
+    if method == "backward_euler":
+        np.testing.assert_allclose(out.kite_force, at_rest.kite_force, atol=0.05 * np.linalg.norm(at_rest.kite_force))
 
 
 @pytest.mark.parametrize("fixed_step", [0.001, 0.02, 0.1])
@@ -61,15 +65,10 @@ def test_a_kite_that_jumps_300_m(fixed_step):
     np.testing.assert_allclose(out.max_tension, at_rest, rtol=0.01)
 
 
-@pytest.mark.parametrize("fixed_step", [0.002, 0.02, 0.2])
-@pytest.mark.parametrize("damping", [0.0, 473.0])
-def test_energy_never_grows(fixed_step, damping):
-    """Held ends, slack and taut: kinetic + elastic + gravitational energy falls, at any step, but for slack compression.
-
-    A slack segment pushes with its stiffness ratio of 0.01; the matrix leaves that push across out, the energy does not.
-    """
-    tether = Tether(segments=8, initial_length=50.0, axial_damping=damping, drag_coefficient=0.0)
-    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=1))
+def energies(fixed_step, method, damping, length):
+    """Energies [J] of a tether between held ends that is plucked, after each of 200 steps."""
+    tether = Tether(segments=8, initial_length=length, axial_damping=damping, drag_coefficient=0.0)
+    model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, fixed_step_method=method))
     kite = (40.0, 0.0, 10.0)
     model.initialize(kite_position=kite)
     state = model.get_state()
@@ -81,6 +80,29 @@ def test_energy_never_grows(fixed_step, damping):
     for _ in range(200):
         model.step(fixed_step, kite_position=kite)
         total.append(energy(model.positions, model.velocities, tether))
+    return np.array(total)
+
+
+@pytest.mark.parametrize("fixed_step", [0.002, 0.02, 0.2])
+@pytest.mark.parametrize("damping", [0.0, 473.0])
+def test_energy_never_grows(fixed_step, damping):
+    """Held ends, slack and taut: kinetic + elastic + gravitational energy falls, at any step, but for slack compression.
+
+    A slack segment pushes with its stiffness ratio of 0.01; the matrix leaves that push across out, the energy does not.
+    """
+    total = energies(fixed_step, "backward_euler", damping, 50.0)
     scale = total[0] - min(total)
     assert np.diff(total).max() < 1e-6 * scale
     assert scale > 0.1
+
+
+@pytest.mark.parametrize("length", [40.0, 42.0, 50.0])
+@pytest.mark.parametrize("fixed_step", [0.002, 0.02, 0.2])
+@pytest.mark.parametrize("damping", [0.0, 473.0])
+def test_energy_of_two_stages_never_exceeds_that_of_the_start(fixed_step, damping, length):
+    """Held ends, taut and slack: a single step may trade back what the last ones lost, never more than there was."""
+    total = energies(fixed_step, "second_order", damping, length)
+    scale = total[0] - min(total)
+    assert total.max() <= total[0] + 1e-6 * scale
+    assert np.diff(total).max() < 0.01 * scale  # observed 0.004
+    assert total[-1] < total[0]
