@@ -2,8 +2,8 @@
 
 Dyneema, 50 m, 5 segments, pi/10 off the vertical, 2 m/s are reeled out, no air. From here on TetherDynamic replaces the
 function `rates`, the shared masses and `solve_ivp` of lesson 05. It also knows what reeling changes: length, stiffness and
-mass of each segment. Its solver, Rodas4P, chooses its steps; with `fixed_step`, for real time, it takes backward Euler
-steps, which damp.
+mass of each segment. Its solver, Rodas4P, chooses its steps; with `fixed_step`, for real time, and
+`fixed_step_method` backward_euler it takes backward Euler steps, which damp.
 """
 
 import numpy as np
@@ -16,10 +16,11 @@ LENGTH, ANGLE, REEL_OUT, EXACT = 50.0, np.pi / 10.0, 2.0, 1e-9  # m, rad, m/s, t
 END = LENGTH * np.array([-np.sin(ANGLE), 0.0, -np.cos(ANGLE)])
 DYNEEMA = {"segments": 5, "initial_length": LENGTH, "initial_shape": "straight", "free_ends": (False, True)}
 DYNEEMA |= {"slack_stiffness_ratio": 0.01 / 1.01}  # as in Tethers.jl: s/(1 + s) of the taut stiffness, s = 0.01
+EULER = {"fixed_step_method": "backward_euler"}
 SOLVERS = {  # options, colour, shift of the name
-    "fixed 20 ms": ({"fixed_step": 0.02}, BLACK, 0),
-    "fixed 5 ms": ({"fixed_step": 0.005}, SKY_BLUE, 0),
-    "fixed 1 ms": ({"fixed_step": 0.001}, REFERENCE, 5),
+    "fixed 20 ms": ({"fixed_step": 0.02, **EULER}, BLACK, 0),
+    "fixed 5 ms": ({"fixed_step": 0.005, **EULER}, SKY_BLUE, 0),
+    "fixed 1 ms": ({"fixed_step": 0.001, **EULER}, REFERENCE, 5),
     "Rodas4P, 1e-4": ({"relative_tolerance": 1e-4}, COLOUR["dynamic"], -7),
 }
 
