@@ -247,10 +247,11 @@ def holds(chain, x, w):
 
 
 @kernel
-def start(attempt, time, x, w):
+def start(attempt, time, is_stage, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
-    No drag yet.
+    No drag yet. is_stage : whether driven ends go from x with their velocity after the step, as all other nodes do, instead
+    of to where their curves are: see `second_order.py`.
     """
     conditions, chain, h, v = attempt
     n = chain.n
@@ -262,7 +263,7 @@ def start(attempt, time, x, w):
             put(w.old, i, get(x, i))
             put(w.free, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, falling))
         else:
-            end = get(w.old, i)
+            end = add_scaled(get(x, i), h, get(w.free, i)) if is_stage else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
     if conditions.last == n:
@@ -312,14 +313,14 @@ def add_drag(attempt, x, w):
 
 
 @kernel
-def step(conditions, time, h, in_any_case, x, v, w):
+def step(conditions, time, h, is_stage, in_any_case, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    in_any_case : whether to iterate longer, and to take a result that has not come to rest. Returns whether it was taken,
-    and the number of iterations, negative where the matrix is singular.
+    is_stage : see `start`.  in_any_case : whether to iterate longer, and to take a result that has not come to rest.
+    Returns whether it was taken, and the number of iterations, negative where the matrix is singular.
     """
     attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
-    start(attempt, time, x, w)
+    start(attempt, time, is_stage, x, w)
     guess(attempt, x, w)
     add_drag(attempt, w.x, w)
     phi, _ = potential(attempt, w.x, w)
@@ -338,6 +339,8 @@ def step(conditions, time, h, in_any_case, x, v, w):
         v[k] = (w.x[k] - x[k]) / h
         x[k] = w.x[k]
     place_ends(conditions, time + h, x, v)
+    if is_stage:
+        copy(w.x, x)
     return True, iterations
 
 
@@ -352,7 +355,7 @@ def careful_step(conditions, time, h, x, v, w):
     size = FINEST
     while done < FINEST:
         start = time + h * done / FINEST
-        taken, more = step(conditions, start, h * size / FINEST, size == 1, x, v, w)
+        taken, more = step(conditions, start, h * size / FINEST, False, size == 1, x, v, w)
         if more < 0:
             return more
         iterations += more

@@ -6,7 +6,9 @@ The diagonally implicit Runge-Kutta method with g = 1 - 1/sqrt(2), whose second 
     x0' = x0 + (1 - g) h v1 = x0 + (x1 - x0) (1 - g)/g         and v0' from v0 and v1 alike
     x2 = x0' + g h v2,  v2 = v0' + g h a(x2, v2)               at t + h
 
-Both are `backward_euler.step` over g h, from (x0, v0) and from (x0', v0'). So all that bounds such a step bounds a stage.
+Both are `backward_euler.step` over g h, from (x0, v0) and from (x0', v0'). So all that bounds such a step bounds a stage. A
+driven end moves by the same formulas with its exact velocities v1 and v2, so that a chain that accelerates as a whole is not
+stretched in a stage, and is put on its curve after the step, from which x2 is O(h^3) away.
 
 A step is taken anew by `backward_euler.careful_step` over the whole of h, and then has order 1, where
 
@@ -28,7 +30,7 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 from ..arrays import behind, copy
 from ..compilation import kernel, part, view
 from ..equations import ground, node_loads, segment
-from ..equations.boundary import chain_during, load_during
+from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.properties import rest_length
 from ..linear_algebra.vectors import dot, get, norm, sub
 from . import backward_euler
@@ -122,7 +124,7 @@ def two_stages(conditions, time, h, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s]; whether it is to be taken, and the number of iterations."""
     copy(x, w.x)
     copy(v, w.v)
-    taken, iterations = backward_euler.step(conditions, time, GAMMA * h, False, x, v, w.chain)
+    taken, iterations = backward_euler.step(conditions, time, GAMMA * h, True, False, x, v, w.chain)
     if not taken:
         return False, max(iterations, 0)
     middle = time + GAMMA * h
@@ -130,10 +132,12 @@ def two_stages(conditions, time, h, x, v, w):
     for k in range(len(x)):
         x[k] = w.x[k] + ONWARD * (x[k] - w.x[k])
         v[k] = w.v[k] + ONWARD * (v[k] - w.v[k])
-    taken, more = backward_euler.step(conditions, time + (1.0 - GAMMA) * h, GAMMA * h, False, x, v, w.chain)
+    start = time + (1.0 - GAMMA) * h
+    taken, more = backward_euler.step(conditions, start, GAMMA * h, True, False, x, v, w.chain)
     iterations += max(more, 0)
     if not taken or is_on_ground(conditions, x):
         return False, iterations
+    place_ends(conditions, time + h, x, v)
     does_cross = does_cross or crosses(conditions, time, w.x, time + h, x)
     return not does_cross or is_explained(conditions, time, h, x, v, w), iterations
 
