@@ -14,6 +14,7 @@ A step is taken anew by `backward_euler.careful_step` over the whole of h, and t
 
 - a stage does not come to rest within `limits.MOST_ITERATIONS`,
 - a node is on the ground,
+- a segment is as stiff as `limits.STIFF`: its tension would show by how little a driven end is put right after the stages,
 - a segment goes slack or taut, and the energy grows by more than ends, winch, wind and load can have put in: the start of
   the second stage is an extrapolation, which does not know of the transition.
 
@@ -25,13 +26,14 @@ from collections import namedtuple
 from math import sqrt
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.limits import STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import behind, copy
 from ..compilation import kernel, part, view
 from ..equations import ground, node_loads, segment
 from ..equations.boundary import chain_during, load_during, place_ends
-from ..equations.properties import rest_length
+from ..equations.properties import rest_length, stiffest
 from ..linear_algebra.vectors import dot, get, norm, sub
 from . import backward_euler
 
@@ -149,7 +151,8 @@ def step(conditions, time, h, x, v, w):
     Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`, negative where the matrix is
     singular; and whether the two stages were left for backward Euler.
     """
-    if conditions.parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER or is_on_ground(conditions, x):
+    has_one_stage = conditions.parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
+    if has_one_stage or is_on_ground(conditions, x) or stiffest(chain_during(conditions, time)) >= STIFF:
         return backward_euler.careful_step(conditions, time, h, x, v, w.chain), False
     taken, iterations = two_stages(conditions, time, h, x, v, w)
     if taken:
