@@ -3,7 +3,7 @@
     python tests/benchmarks/wind_points.py
 
 Each tether flies the circle of the benchmark, 2000 communication steps of 20 ms in compiled code, without outputs. With
-points, all of them have that one wind, so that both flights take the same internal steps. They take turns, and the fastest
+points, all of them have that one wind, so that it takes the same internal steps. The flights take turns, and the fastest
 of each counts, in time of the processor; that includes the rows that `fly` makes of inputs and winds. Then the wind at 21
 points is read from a box by `wind.frozen_turbulence`: in a call for each step, as the FMU `TurbulentWind` does it, and in
 one for 2000 steps, as scenes do it.
@@ -17,7 +17,9 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu import models
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
 from tetherfmu.study.measuring.tables import circumstances, markdown
 from tetherfmu.study.scenes.standard import STEP, circle_scene
@@ -28,10 +30,10 @@ STEPS, SEGMENTS, POINTS, SAMPLED = 2000, (5, 10, 20, 40), 11, 21
 WIND = (8.0, 0.0, 0.0)
 
 
-def flight(variant, segments, points):
+def flight(variant, segments, points, profile=at.UNIFORM):
     """A flight that can be repeated: a function that gives its processor time [s], and one that gives its work."""
     scene = circle_scene(segments)
-    model = getattr(models, class_name(variant))(scene.tether, wind_points=points)
+    model = getattr(models, class_name(variant))(scene.tether, Environment(wind_profile=profile), wind_points=points)
     inputs = scene.inputs(STEP)[:STEPS]
     columns = by_name(inputs)
     wind = {"wind_at": np.tile(WIND, (points, 1))} if points else {"wind_velocity": WIND}
@@ -50,16 +52,17 @@ def flight(variant, segments, points):
 
 def row(variant, segments, rounds):
     """A row of the table of steps."""
-    (one, work_of_one), (many, work_of_many) = (flight(variant, segments, points) for points in (0, POINTS))
-    times = np.array([(one(), many()) for _ in range(rounds)]).min(axis=0)
+    winds = {"uniform": (0,), "power law": (0, at.POWER_LAW), "points": (POINTS,)}
+    flights = {name: flight(variant, segments, *given) for name, given in winds.items()}
+    taken = [[fly() for fly, _ in flights.values()] for _ in range(rounds)]
+    times = dict(zip(flights, np.min(taken, axis=0), strict=True))
     return {
         "tether": variant,
         "segments": segments if BY_NAME[variant].has_nodes else None,
-        "one wind [us]": 1e6 * times[0] / STEPS,
-        f"{POINTS} points [us]": 1e6 * times[1] / STEPS,
-        "ratio": times[1] / times[0],
-        "work": work_of_one() / STEPS,
-        "work with points": work_of_many() / STEPS,
+        **{f"{name} [us]": 1e6 * seconds / STEPS for name, seconds in times.items()},
+        "points/uniform": times["points"] / times["uniform"],
+        "points/power law": times["points"] / times["power law"],
+        **{f"work, {name}": work() / STEPS for name, (_, work) in flights.items()},
     }
 
 
