@@ -1,6 +1,6 @@
 """Random systems of tethers, and what their forces, momenta and energies must add up to.
 
-Equations and numbers of the balances are those of `networks.py`; only motions, and forces on driven points, are the system's.
+Equations and numbers of the balances are those of `networks.py`; motions, and forces on driven points, are the system's.
 """
 
 from typing import NamedTuple
@@ -11,6 +11,7 @@ from networks import Network
 from tetherfmu import Environment, Line, Point, Solver, Tether, TetherSystem
 
 MOST_POINTS, MOST_LINES = 12, 20
+DEFAULT = Solver()
 TIGHT = Solver(relative_tolerance=1e-9)
 WEIGHTS = np.array((7.0, 32.0, 12.0, 32.0, 7.0)) * 4.0 / 90.0  # Boole's rule, over 4 steps: error of order 7 in the step
 
@@ -23,7 +24,7 @@ class Errors(NamedTuple):
 
 
 def random_network(rng, *, taut=False):
-    """A `Network` of up to 12 points and 20 lines: a tree and, in most, loops; one to four driven points at constant velocity.
+    """A `Network` of up to 12 points and 20 lines: a tree and, in most, loops; one to four points driven straight on.
 
     taut : lines that pull, soft and damped, so that nothing in the balances has a kink.
     """
@@ -67,7 +68,7 @@ def _straight(point):
     return lambda time: (np.add(point.position, time * np.array(point.velocity)), np.array(point.velocity))
 
 
-def started(network, solver=Solver()):
+def started(network, solver=DEFAULT):
     """System of a network, initialized with its wind and loads."""
     system = TetherSystem(network.points, network.lines, network.environment, solver)
     system.initialize(network.wind, loads=network.loads)
