@@ -181,7 +181,7 @@ def test_the_first_outputs_depend_on_what_is_declared(folder):
 
 def test_the_check_finds_no_problem(folder, capsys):
     assert check([str(path) for path in sorted(folder.glob("*.fmu"))]) == 0
-    assert "valid by the XML schema" in capsys.readouterr().out
+    assert capsys.readouterr().out.count("evidence set: 100 steps") == 2  # of which none deviates too much
 
 
 def test_equal_files_give_equal_bytes(folder, tmp_path):

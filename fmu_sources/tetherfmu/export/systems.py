@@ -14,7 +14,7 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import osp
+from . import osp, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
 from .documents import ASSETS, OSP_FOLDER, filled, listed, of_every_fmu, style_and_tables
 
@@ -28,7 +28,8 @@ def build(path, folder, platforms, shape_points=None):
     variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
     each line, 0 for none; None for one at each node.
     """
-    structure, folder = read(path, shape_points), Path(folder)
+    found, positions = read(path)
+    structure, folder = structure_from(found, positions, shape_points), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     points, lines = len(structure.points), len(structure.lines)
     about = (
@@ -36,15 +37,17 @@ def build(path, folder, platforms, shape_points=None):
     )
     options = {"system": structure.as_dict(), "about": about, "step": DEFAULT_OPTIONS["step"]}
     made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
-    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms))
+    evidence = system_evidence.files(structure.name, found, positions)
+    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
     seal(made)
     return write(made, folder, structure.name, None)
 
 
-def read(path, shape_points=None):
-    """`Structure` of a file; a free point without a position gets the one where it is in equilibrium without wind.
+def read(path):
+    """`SystemFile` of a file, and the positions of all points at the start [m], dict by name.
 
-    ValueError says in one line what is wrong.
+    A free point without a position gets the one where it is in equilibrium without wind. ValueError says in one line what is
+    wrong.
     """
     found = files.load(path)
     if found.name in SLAVES:
@@ -57,7 +60,12 @@ def read(path, shape_points=None):
         except ValueError as problem:
             raise ValueError(f"{path}: {problem}") from None
         places = {name: place or tuple(start.points[name].position.tolist()) for name, place in places.items()}
-    points = tuple(Point(each.name, each.mass, places[each.name], each.velocity) for each in found.points)
+    return found, places
+
+
+def structure_from(found, positions, shape_points=None):
+    """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points : as in `build`."""
+    points = tuple(Point(each.name, each.mass, positions[each.name], each.velocity) for each in found.points)
     lines = tuple(_line(each, shape_points) for each in found.lines)
     free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
     records = (found.environment, found.solver, found.ground)
@@ -77,10 +85,13 @@ def _line(line, shape_points):
     return Line(line.name, line.start, line.end, starts, points)
 
 
-def documents(structure, description, platforms):
-    """All files beside the model: dict of their path in the archive to bytes; description : of the model."""
+def documents(structure, description, platforms, evidence):
+    """All files beside the model: dict of their path in the archive to bytes.
+
+    description : of the model.  evidence : texts of the evidence set, dict by path.
+    """
     table = table_of(structure)
-    texts = of_every_fmu(platforms)
+    texts = of_every_fmu(platforms) | evidence
     texts[f"{OSP_FOLDER}/{osp.file_name(structure.name)}"] = osp.model_description_of_system(structure, table)
     texts["documentation/index.html"] = filled(
         "system.html",
