@@ -61,12 +61,10 @@ def test_a_box_of_calm_is_the_law_of_the_mean_wind(tmp_path, variant):
     scene = load(written(tmp_path, text.replace("[wind]", profile)))
     plain = replace(scene, wind=replace(BREEZE, velocity=(0.0, 8.0, 0.0)))
     forces = [run(each, Config(variant, 40, 0.0, STEP)).flown.ground_force for each in (scene, plain)]
-    load_of_air = run(
-        replace(plain, environment=Environment(air_density=0.0)), Config(variant, 40, 0.0, STEP)
-    ).flown.ground_force
-    of_wind = np.linalg.norm(forces[1] - load_of_air, axis=1).max()
-    # 40 segments with the law at their middles, the lowest of which is steep in it: 0.3 %; with the wind turned around 200 %
-    assert np.linalg.norm(forces[0] - forces[1], axis=1).max() < 5e-3 * of_wind
+    calm = run(replace(plain, environment=Environment(air_density=0.0)), Config(variant, 40, 0.0, STEP)).flown.ground_force
+    of_wind = np.linalg.norm(forces[1] - calm, axis=1).max()
+    # the law at the middle of a segment, or the mean of its ends: observed 0.09 %; the wind turned around makes it 200 %
+    assert np.linalg.norm(forces[0] - forces[1], axis=1).max() < 2e-3 * of_wind
 
 
 def test_turbsim_has_its_own_mean_and_mann_needs_its_grid(tmp_path):
