@@ -13,7 +13,7 @@ from itertools import count
 from . import inputs, outputs
 from . import layout as at
 from .dependencies import depends_on
-from .inputs import DRIVEN_KITE, EVERY_TETHER, FREE_KITE, components
+from .inputs import DRIVEN_KITE, FREE_KITE, components
 from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from .quantities import Quantity, quantities
 from .system_layout import inputs_size
@@ -23,6 +23,7 @@ from .variants import DYNAMIC
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 FIXED = ("fixed_step",)  # quantities that a system does not have: its steps are adaptive
 OF_THE_SYSTEM = (Environment, Solver, Ground)
+RECORDS_OF_A_LINE = (Tether,)  # whose quantities it has as parameters
 OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "tether_length": "tether_length",
     "ground_tension": "tension_from",
@@ -32,7 +33,7 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "grounded_length": "grounded_length",
 }
 COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations")  # the last one of all lines together
-GIVEN = {"reel_out_speed": EVERY_TETHER}  # inputs of a tether that a line has
+GIVEN = ("reel_out_speed",)  # inputs of a tether that a line has
 HASH_DIGITS = 9  # hexadecimal: with them the name of a structure has the 16 letters that a saved state has room for
 
 
@@ -137,7 +138,14 @@ def _inputs(structure):
         for name in GIVEN:
             declared = inputs.BY_NAME[name]
             meaning = f"{declared.meaning.partition(' (')[0]} of {line.name}; positive pays out at {line.start}"
-            yield Variable(f"{line.name}.{name}", INPUT, "Real", Quantity(declared.unit, meaning), 0, line.starts[name])
+            yield Variable(
+                f"{line.name}.{name}",
+                INPUT,
+                "Real",
+                Quantity(declared.unit, meaning),
+                0,
+                line.starts.get(name, declared.start[0]),
+            )
     wind = inputs.BY_NAME["wind_velocity"]
     yield from _vector(wind.name, INPUT, Quantity(wind.unit, wind.meaning), wind.start)
 
@@ -158,7 +166,7 @@ def _parameters(structure):
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
                 yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, getattr(point, what))
     for line in structure.lines:
-        for each in parameters_of((Tether,), line.starts):
+        for each in parameters_of(RECORDS_OF_A_LINE, line.starts):
             yield replace(each, name=f"{line.name}.{each.name}")
 
 
@@ -172,7 +180,7 @@ def _dependency(name, structure, line):
     return f"{point}.initial_{what}" if is_free else renamed
 
 
-_QUANTITIES_OF_A_LINE = frozenset(name for name, _ in quantities(Tether))
+_QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name, _ in quantities(record))
 
 
 def _known(structure, line, output, element, known):
