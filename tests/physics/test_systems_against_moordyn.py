@@ -1,7 +1,7 @@
 """Systems of tethers against MoorDyn: a bridle whose kites move, four drones that carry a load; without drag.
 
 Scenes and settings: benchmarks/moordyn_systems.py, which wrote the files. The equations are the same, so that steps are all
-that differs. The ropes of the drones are slack and snap; there MoorDyn with steps twice as long differs from itself by 0.9 N.
+that differs. The ropes of the drones are slack and snap; there MoorDyn with steps twice as long differs from itself, too.
 """
 
 import numpy as np
