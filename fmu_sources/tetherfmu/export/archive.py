@@ -49,21 +49,28 @@ def build(name, folder, options=None):
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
-    library = library_of(variant)
-    compiled = ready.folders([library], options.platforms)[library]
-    kernels = [compiled / file_name(library, platform) for platform in options.platforms]
-    with tempfile.TemporaryDirectory() as temporary:
-        resources = Path(temporary) / "resources"
-        shipped = write_package(resources, name, SCRIPTS / script, kernels)
-        (resources / KERNELS_FOLDER).mkdir()
-        for each in kernels:
-            shutil.copy(each, resources / KERNELS_FOLDER)
-        (resources / OPTIONS_FILE).write_text(json.dumps(options.as_dict(), sort_keys=True))
-        files = pack(resources, shipped, Path(temporary))
+    files = packed_with_kernels(name, SCRIPTS / script, library_of(variant), options.platforms, options.as_dict())
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options))
     seal(files)
     return write(files, folder, name, options.purpose)
+
+
+def packed_with_kernels(name, script, library, platforms, options):
+    """Files of an FMU with PythonFMU's model description, dict of path to bytes; RuntimeError if compiling fails.
+
+    name : class of the slave.  script : its file.  library : of its kernels.  options : dict that it reads when it runs.
+    """
+    compiled = ready.folders([library], platforms)[library]
+    kernels = [compiled / file_name(library, platform) for platform in platforms]
+    with tempfile.TemporaryDirectory() as temporary:
+        resources = Path(temporary) / "resources"
+        shipped = write_package(resources, name, script, kernels)
+        (resources / KERNELS_FOLDER).mkdir()
+        for each in kernels:
+            shutil.copy(each, resources / KERNELS_FOLDER)
+        (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
+        return pack(resources, shipped, Path(temporary))
 
 
 def guid_of(description, files):
