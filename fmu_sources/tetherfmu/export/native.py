@@ -54,17 +54,17 @@ def build(name, folder, options=None, fmi=2, with_header=False):
     return made
 
 
-def complete(files, name, kernels, texts, fmi, system=False):
+def complete(files, name, kernels, texts, fmi, is_system=False):
     """Add model description and libraries to the files of an FMU (modified); returns its token.
 
     texts : functions of the token that give the model description and `tables.h`.  kernels : as of `kernels_of`.
-    system : whether it is that of a system of tethers.
+    is_system : whether it is that of a system of tethers.
     """
     describe, tabulate = texts
     shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
     token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
     files[DESCRIPTION] = describe(token).encode("utf-8")
-    files |= binaries(name, kernels, tabulate(token), fmi, system)
+    files |= binaries(name, kernels, tabulate(token), fmi, is_system)
     return token
 
 
@@ -97,17 +97,17 @@ def widths_of(table, places, fmi):
     return {array.reference: len(array.variables) for array in arrays_at(table, places)}
 
 
-def binaries(name, kernels, tables, fmi, system=False):
+def binaries(name, kernels, tables, fmi, is_system=False):
     """The libraries of an FMU: dict of path in the archive to bytes.
 
-    kernels : dict of platform to object file (bytes).  tables : text of `tables.h`.  system : as of `complete`.
+    kernels : dict of platform to object file (bytes).  tables : text of `tables.h`.  is_system : as of `complete`.
     """
     exported = functions_of(fmi)
     made = {}
     for platform, content in kernels.items():
         system = platform.partition("-")[2]
         file = f"{name}{SUFFIXES[system]}"
-        library = native_library(content, file, platform, tables, fmi, HEADERS, exported, system)
+        library = native_library(content, file, platform, tables, fmi, HEADERS, exported, is_system)
         path = f"binaries/{platform}/{file}"
         if fmi == 2 and (system == "darwin" or f"binaries/{SYSTEMS_OF_FMI2[system]}/{file}" not in made):
             path = f"binaries/{SYSTEMS_OF_FMI2[system]}/{file}"

@@ -60,7 +60,7 @@ def _native(structure, about, platforms, evidence, fmi):
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
     describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP, more=False)
     tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
-    complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, system=True)
+    complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
     return made
 
 
