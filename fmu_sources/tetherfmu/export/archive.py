@@ -28,6 +28,7 @@ from .documents import OSP_FOLDER, documents
 SCRIPTS = Path(__file__).with_name("slaves")
 SLAVES = {class_name(each): (f"tether_{each}.py", each) for each in EVERY_VARIANT}  # name: (slave script, variant)
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
+SHIPPED = ("runtime", "wind")  # packages whose modules a slave may import
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.workarounds import hold
 
@@ -117,12 +118,15 @@ def write_package(resources, name, script, kernels=(), modules=()):
     """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths.
 
     name : class of the slave.  script : its file.  kernels : compiled libraries, for the hash.  modules : files that the
-    script imports beside those of the folder `runtime`.
+    script imports beside those of the folder `runtime`. In the FMU all are in one folder.
     """
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
     for path in (*modules, script):
-        text = path.read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
-        sources[path.name] = text.replace("from tetherfmu.runtime import", "from . import")
+        text = path.read_text(encoding="utf-8")
+        for folder in SHIPPED:
+            text = text.replace(f"from tetherfmu.{folder}.", "from .")
+            text = text.replace(f"from tetherfmu.{folder} import", "from . import")
+        sources[path.name] = text
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
     content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
     content += b"".join(each.read_bytes() for each in kernels)
