@@ -27,6 +27,9 @@ diameter = "10 mm"
 initial_length = "20 m"
 segments = 4
 reel_out_speed = "0.5 m/s"
+winch_control = "force"
+winch_mass = "20 kg"
+longest_length = "40 m"
 [lines.tag]
 from = "drone"
 to = "load"
@@ -80,6 +83,13 @@ WRONG = {
         "initial_shape",
         "fixed_step = 0.01\ninitial_shape",
         "solver.fixed_step is 0.01; it must be 0",
+    ),
+    "unknown control": ('"force"', '"torque"', "lines.rope.winch_control is 'torque'; it must be"),
+    "light drum": ('"20 kg"', '"-20 kg"', "lines.rope.winch_mass is '-20 kg'; it must be at least 0 kg"),
+    "stops crossed": (
+        'longest_length = "40 m"',
+        "longest_length = 9\nshortest_length = 10",
+        "lines.rope.shortest_length is 10",
     ),
     "unknown ground": ('contact = "flat"', "", "the key ground.contact is missing"),
     "no table": (r"\[environment\]\ngravity = 9.8", "", "environment is 3; it must be a table [environment]"),
