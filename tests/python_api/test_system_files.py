@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Ground, Line, Point, Solver, TetherSystem, tether_of
+from tetherfmu import Environment, Ground, Line, Point, Solver, TetherSystem, Winch, tether_of
 from tetherfmu.systems import files
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "systems").glob("*.toml"))
@@ -113,7 +113,8 @@ def test_a_file_says_what_records_say(path):
     )
     rope, tag = found.lines
     steel = tether_of("steel", 0.01, initial_length=20.0, segments=4)
-    assert rope == Line("rope", "hook", "load", steel, 0.5)
+    winch = Winch(winch_control="force", winch_mass=20.0, longest_length=40.0)
+    assert rope == Line("rope", "hook", "load", steel, 0.5, winch)
     assert (tag.start, tag.end, tag.tether.initial_length, tag.tether.segments) == ("drone", "load", 22, 3)
     assert found.environment == Environment(gravity=9.8)
     assert found.ground == Ground(ground_contact="flat", ground_height=-2.0)
