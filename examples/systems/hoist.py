@@ -2,8 +2,8 @@
 
     python examples/systems/hoist.py
 
-`hoist.toml` is a gantry with two winches that hold a beam of 8 m with 200 kg at each end. Both follow lengths: the left rope
-is paid out by 3 m while the right one is hauled in by 1 m, in 30 s, without a jerk. The beam tilts, and moves sideways.
+`hoist.toml` is a gantry with two winches that hold a beam of 8 m with 200 kg at each end. The left rope is paid out by 3 m
+while the right one is hauled in by 1 m, in 30 s, without a jerk. The beam tilts, and moves sideways.
 
 Gantry, ropes and beam are four bars with one angle left, and the load hangs where its weight is lowest. The ropes of the
 flight stretch and weigh something, and the load swings a little.
@@ -28,10 +28,17 @@ SETTLED = 10.0  # the end of the flight, more than a swing [s]
 
 
 def lengths(time):
-    """Lengths [m] that the left and the right winch follow, at times [s]."""
+    """Unstretched lengths [m] of the left and the right rope at times [s]."""
     s = np.clip(np.asarray(time) / RAMP, 0.0, 1.0)
     part = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
     return LENGTH + PAID_OUT * part, LENGTH - HAULED_IN * part
+
+
+def speeds(time):
+    """Reel-out speeds [m/s] of the left and the right winch at times [s]: the rates of `lengths`."""
+    s = np.clip(np.asarray(time) / RAMP, 0.0, 1.0)
+    rate = 30.0 * (s * (1.0 - s)) ** 2 / RAMP
+    return PAID_OUT * rate, -HAULED_IN * rate
 
 
 def load_on_bars(angle, left, right):
@@ -67,9 +74,9 @@ def tilt_of(ends):
 def fly():
     """Times [s] after each step, ends of the beam then (steps, 2, 2) [m], and tensions at the winches (steps, 2) [N]."""
     system = TetherSystem.from_file(FILE)
-    left, right = lengths(STEP * np.arange(round(DURATION / STEP)))
+    left, right = speeds(STEP * np.arange(round(DURATION / STEP)))
     system.initialize()
-    flown = system.fly(len(left), STEP, winch_lengths={"rope_left": left, "rope_right": right})
+    flown = system.fly(len(left), STEP, reel_out_speeds={"rope_left": left, "rope_right": right})
     ends = np.stack([flown.points[name].position[:, ::2] for name in ("left", "right")], axis=1)
     tensions = np.stack([flown.outputs[name][:, GROUND_TENSION] for name in ("rope_left", "rope_right")], axis=1)
     return STEP * np.arange(1, len(left) + 1), ends, tensions

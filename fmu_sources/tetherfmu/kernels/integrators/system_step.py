@@ -37,7 +37,7 @@ from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.points import add_block, factorize_band, solve_band
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
 from . import rosenbrock, system_drums
-from .rodas4p import ALPHA, STAGES
+from .rodas4p import ALPHA, GAMMA_I, STAGES
 from .system_drums import conditions_in_step
 from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, is_free, moves, turns
 
@@ -64,7 +64,7 @@ def factorize(system, time, h):
     """Factor the matrix of the points, with the drums that turn, once the forces of stage 0 are known; False: singular."""
     points = points_of(system)
     if is_any_turning(system):
-        place_loads(system, False, points)
+        place_loads(system, 0, False, h, points)
         if not system_drums.place_drums(system, time, h):
             return False
     return factorize_band(3 * free_points(system), band_of(system), points.matrix, points.pivots)
@@ -203,18 +203,21 @@ def stage_masses(system, stage):
 
 
 @kernel
-def place_loads(system, reels, points):
-    """Loads on the free points [N] at a stage as right-hand side of the points (modified)."""
+def place_loads(system, stage, reels, h, points):
+    """Loads on the free points [N] at a stage as right-hand side of the points (modified), over masses as all forces."""
     for point in range(free_points(system)):
-        part_of_mass = points.mass[point] / points.stage_mass[point] if reels else 1.0
-        put(points.right, point, scale(part_of_mass, load_on(system, point)))
+        part_of_load = 1.0
+        if reels:
+            mass = points.mass[point]
+            part_of_load = mass / points.stage_mass[point] - GAMMA_I[stage] * h * points.mass_rate[point] / mass
+        put(points.right, point, scale(part_of_load, load_on(system, point)))
 
 
 @kernel
 def solve_stage(system, stage, reels, time, h):
     """Solve a stage of all lines whose forces are known; the velocities go to their places."""
     points = points_of(system)
-    place_loads(system, reels, points)
+    place_loads(system, stage, reels, h, points)
     for k in range(lines_of(system)):
         if turns(system, k):
             system_drums.reduce_line_with_drum(system, k, stage, time, h, points)
