@@ -21,6 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LARGEST = 650_000  # bytes of a library, with kernels for both kinds of x86-64
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"
 PLACES = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # which would come before the wheel
+TURBULENT = "turbulent_circle", "turbulent_parked_kite"  # systems with a box of wind
 WITHOUT_COMPILER = 'import sys\nsys.modules |= dict.fromkeys(("numba", "llvmlite", "ziglang"))\n'
 
 
@@ -93,7 +94,7 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     tethers, examples = built[: len(EVERY_VARIANT)], built[len(EVERY_VARIANT) :]
     assert [Path(line.split()[0]).name for line in tethers] == [f"{class_name(variant)}.fmu" for variant in EVERY_VARIANT]
     assert all(line.endswith(f"for {', '.join(TARGETS)}") for line in tethers)
-    systems = ["kite_power_system.ssp", "circular_flight.ssp"]
+    systems = [f"{name}.ssp" for name in ("kite_power_system", "circular_flight", *TURBULENT)]
     assert [Path(line.split()[0]).name for line in examples] == [*(f"{name}.fmu" for name in EXAMPLES), *systems]
     flown = done(clean / "tetherfmu", "fly", "--tether", "all", cwd=tmp_path).splitlines()
     assert sum("times real time" in line for line in flown) == len(VARIANTS)

@@ -1,0 +1,116 @@
+"""Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
+
+from html import escape
+from pathlib import Path
+from xml.etree import ElementTree
+
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.kernel_library import SYSTEM
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.quantities import quantities
+from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+from tetherfmu.runtime.system_variables import FIXED, OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
+from tetherfmu.systems import files
+from tetherfmu.systems.ordering import ordered
+from tetherfmu.systems.tether_system import TetherSystem
+
+from . import osp, system_evidence
+from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
+from .documents import ASSETS, OSP_FOLDER, filled, listed, of_every_fmu, style_and_tables
+
+SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
+
+
+def build(path, folder, platforms, shape_points=None):
+    """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
+
+    path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
+    variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
+    each line, 0 for none; None for one at each node.
+    """
+    found, positions = read(path)
+    structure, folder = structure_from(found, positions, shape_points), Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    points, lines = len(structure.points), len(structure.lines)
+    about = (
+        f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {len(structure.free)} free."
+    )
+    options = {"system": structure.as_dict(), "about": about, "step": DEFAULT_OPTIONS["step"]}
+    made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
+    evidence = system_evidence.files(structure.name, found, positions)
+    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
+    seal(made)
+    return write(made, folder, structure.name, None)
+
+
+def read(path):
+    """`SystemFile` of a file, and the positions of all points at the start [m], dict by name.
+
+    A free point without a position gets the one where it is in equilibrium without wind. ValueError says in one line what is
+    wrong.
+    """
+    found = files.load(path)
+    if found.name in SLAVES:
+        raise ValueError(f"{path}: name is {found.name!r}; it must not be that of the FMU of a single tether")
+    system = TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground)
+    places = {point.name: point.position for point in found.points}
+    if None in places.values():
+        try:
+            start = system.initialize()
+        except ValueError as problem:
+            raise ValueError(f"{path}: {problem}") from None
+        places = {name: place or tuple(start.points[name].position.tolist()) for name, place in places.items()}
+    return found, places
+
+
+def structure_from(found, positions, shape_points=None):
+    """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points : as in `build`."""
+    points = tuple(Point(each.name, each.mass, positions[each.name], each.velocity) for each in found.points)
+    lines = tuple(_line(each, shape_points) for each in found.lines)
+    free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
+    records = (found.environment, found.solver, found.ground)
+    starts = {
+        name: getattr(record, name)
+        for kind, record in zip(OF_THE_SYSTEM, records, strict=True)
+        for name, _ in quantities(kind)
+        if name not in FIXED
+    }
+    return structure_of(Structure(found.name, points, lines, tuple(free), band, starts).as_dict())
+
+
+def _line(line, shape_points):
+    """`system_variables.Line` of a line of a file."""
+    starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)} | {"reel_out_speed": line.reel_out_speed}
+    points = line.tether.segments + 1 if shape_points is None else shape_points
+    return Line(line.name, line.start, line.end, starts, points)
+
+
+def documents(structure, description, platforms, evidence):
+    """All files beside the model: dict of their path in the archive to bytes.
+
+    description : of the model.  evidence : texts of the evidence set, dict by path.
+    """
+    table = table_of(structure)
+    texts = of_every_fmu(platforms) | evidence
+    texts[f"{OSP_FOLDER}/{osp.file_name(structure.name)}"] = osp.model_description_of_system(structure, table)
+    texts["documentation/index.html"] = filled(
+        "system.html",
+        name=structure.name,
+        version=__version__,
+        description=escape(description),
+        points="\n".join(map(_point_row, structure.points)),
+        lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
+        files=listed(texts),
+        **style_and_tables(table),
+    )
+    pictures = {"model.png": (ASSETS / "model.png").read_bytes()}
+    return {**pictures, **{path: text.encode("utf-8") for path, text in texts.items()}}
+
+
+def _point_row(point):
+    return _row(point.name, "free" if point.is_free else "driven")
+
+
+def _row(*cells):
+    """A row of an HTML table."""
+    return f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
