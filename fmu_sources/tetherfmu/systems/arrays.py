@@ -16,7 +16,7 @@ from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.packing import pack_line
-from tetherfmu.runtime.parameters import Winch, numbers_of
+from tetherfmu.runtime.parameters import numbers_of
 from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.system_variables import ENDS, input_name
 from tetherfmu.runtime.variables import INPUT_NAMES
@@ -59,7 +59,7 @@ class Arrays:
         masses = [0.0 if end.is_driven or end.name in carried else end.mass for end in ends]
         carried.update(end.name for end in ends)
         free = [not end.is_driven for end in ends]
-        numbers = numbers_of(tethers, environment, solver, Winch(), ground)
+        numbers = numbers_of(tethers, environment, solver, line.winch, ground)
         try:
             packed = pack_line(self._kernels, numbers, len(tethers), free, masses)
         except ValueError as problem:

@@ -26,6 +26,15 @@ def place_in(b, i, j):
 
 
 @kernel
+def add_block(b, row, column, block, matrix):
+    """Add a 3x3 block that couples two points to a matrix of the band b (modified)."""
+    place = place_in(b, 3 * row, 3 * column)
+    for i in range(3):
+        for j in range(3):
+            matrix[place + (row_size(b) - 1) * i + j] += block[3 * i + j]
+
+
+@kernel
 def largest_below(b, k, last, matrix):
     """Row from k to `last` that has the largest number in column k."""
     best = k
