@@ -264,3 +264,24 @@ def test_what_a_winch_cannot_do_is_refused_by_its_line():
     with pytest.raises(ValueError, match="no winch_length of a line with the name 'rope'"):
         system.step(STEP, winch_lengths={"rope": 5.0})
     assert np.array_equal(system.get_state(), before)
+
+
+@pytest.mark.parametrize(
+    ("winch", "force", "words"),
+    [
+        (Winch(winch_control="force", longest_length=50.0), None, "the line line: .*longest_length"),
+        (Winch(winch_control="force"), -100.0, "the line line: .*winch_force"),
+    ],
+)
+def test_what_a_drum_cannot_do_is_refused_by_its_line(winch, force, words):
+    system = TetherSystem(POINTS, [Line("line", "ground", "kite", TETHER, 0.0, winch)])
+    if force is None:
+        with pytest.raises(StepRefused, match=words):
+            system.initialize(WIND)
+        return
+    system.initialize(WIND)
+    before = system.get_state()
+    with pytest.raises(StepRefused, match=words):
+        system.step(STEP, winch_forces={"line": force})
+    assert np.array_equal(system.get_state(), before)
+    system.step(STEP, winch_forces={"line": 300.0})
