@@ -1,7 +1,9 @@
 """The FMU of a system of tethers: the numbers of `TetherSystem`, states, refusals with names, dependencies, wrong files."""
 
 import math
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from fmpy.fmi1 import FMICallException
@@ -21,13 +23,24 @@ ROUNDING = 1e-10  # a change below this part of a value, or this many m or N, is
 OF_A_LINE = {own: name for name, own in system_variables.OF_A_LINE.items()}
 
 
+FLAVOURS = {"pythonfmu": None, "native": 2, "native_fmi3": 3}
+every_flavour = pytest.mark.parametrize("folder", FLAVOURS, indirect=True)
+
+
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Folder with the FMUs of two files."""
-    folder = tmp_path_factory.mktemp("systems")
-    for name in ("y_bridle", "two_kites"):
-        systems.build(FILES / f"{name}.toml", folder, (this_platform(),))
-    return folder
+def folders(tmp_path_factory):
+    """Folders with the FMUs of two files, by flavour."""
+    folders = {flavour: tmp_path_factory.mktemp(flavour) for flavour in FLAVOURS}
+    for flavour, native in FLAVOURS.items():
+        for name in ("y_bridle", "two_kites"):
+            systems.build(FILES / f"{name}.toml", folders[flavour], (this_platform(),), native=native)
+    return folders
+
+
+@pytest.fixture
+def folder(folders, request):
+    """Folder with the FMUs of a flavour."""
+    return folders[getattr(request, "param", "pythonfmu")]
 
 
 def given_at(k):
@@ -39,21 +52,18 @@ def given_at(k):
 
 def step_of_fmu(host, k):
     y, speed, wind, load, reeling = given_at(k)
-    at_start = host.description_starts
     host.step(
         STEP,
-        **{"left.position[2]": at_start["left.position[2]"] + y, "left.velocity[2]": speed, "wind_velocity": wind},
+        **{"left.position[2]": host.left_at_start + y, "left.velocity[2]": speed, "wind_velocity": wind},
         **{"knot.load": load, "main.reel_out_speed": reeling},
     )
     return host.outputs()
 
 
 def opened(path):
-    """An instance that is initialized, with its start values as `description_starts`."""
+    """An instance that is initialized; `left_at_start` : what the second component of `left.position` is there."""
     host = Host(path)
-    host.description_starts = {
-        variable.name: float(variable.start) for variable in host.description.modelVariables if variable.start is not None
-    }
+    host.left_at_start = host.get("left.position[2]")
     return host.start()
 
 
@@ -78,6 +88,7 @@ def as_fmu(system, outputs):
     return {**found, **{f"solver_{name}": count for name, count in system.counters.items()}}
 
 
+@every_flavour
 @pytest.mark.parametrize("name", ["y_bridle", "two_kites"])
 @in_own_process
 def test_the_numbers_are_those_of_python(folder, name):
@@ -87,9 +98,10 @@ def test_the_numbers_are_those_of_python(folder, name):
     assert host.outputs() == as_fmu(system, system.initialize())
     for k in range(STEPS):
         assert step_of_fmu(host, k) == as_fmu(system, step_of_python(system, k))
-    assert host.get("main.tether_length") > 0.05 + float(host.description_starts["main.initial_length"])
+    assert host.get("main.tether_length") > 0.05 + host.get("main.initial_length")
 
 
+@every_flavour
 @in_own_process
 def test_a_state_continues_bit_for_bit_after_a_refused_step_and_a_reset(folder):
     host = opened(folder / "YBridle.fmu")
@@ -106,6 +118,7 @@ def test_a_state_continues_bit_for_bit_after_a_refused_step_and_a_reset(folder):
     assert [step_of_fmu(host, k) for k in range(5, 10)] == rows
 
 
+@every_flavour
 @in_own_process
 def test_a_state_of_another_system_is_refused(folder):
     bridle, kites = opened(folder / "YBridle.fmu"), opened(folder / "TwoKites.fmu")
@@ -122,6 +135,7 @@ def refused(host, action):
     return " ".join(host.messages)
 
 
+@every_flavour
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [
@@ -140,6 +154,7 @@ def test_a_start_is_refused_with_the_name_of_point_or_line(folder, name, value, 
     assert says in refused(host, lambda: host.start(**{name: value}))
 
 
+@every_flavour
 @in_own_process
 def test_a_step_is_refused_with_the_name_of_point_or_line(folder):
     host = opened(folder / "YBridle.fmu")
@@ -179,13 +194,36 @@ def test_the_first_outputs_depend_on_what_is_declared(folder):
     assert ("main.diameter", "left.force[1]") not in seen
 
 
-def test_the_check_finds_no_problem(folder, capsys):
-    assert check([str(path) for path in sorted(folder.glob("*.fmu"))]) == 0
-    assert capsys.readouterr().out.count("evidence set: 100 steps") == 2  # of which none deviates too much
+@in_own_process
+def test_a_state_goes_from_one_flavour_to_the_other(folders):
+    hosts = [opened(folders[flavour] / "YBridle.fmu") for flavour in ("pythonfmu", "native")]
+    for k in range(5):
+        step_of_fmu(hosts[0], k)
+    for giver, taker in (hosts, hosts[::-1]):
+        restore(taker, blob_of(giver))
+        taker.time = giver.time
+        rows = [[step_of_fmu(host, k) for k in range(5, 8)] for host in hosts]
+        assert rows[0] == rows[1]
 
 
+def test_points_are_terminals(folders):
+    with zipfile.ZipFile(folders["native_fmi3"] / "YBridle.fmu") as opened_file:
+        root = ElementTree.fromstring(opened_file.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    found = {each.get("name"): [one.get("variableName") for one in each] for each in root.iter("Terminal")}
+    assert list(found) == ["ground", "knot", "left", "right"]
+    assert found["knot"] == ["knot.position", "knot.velocity", "knot.load"]
+    assert found["left"] == ["left.position", "left.velocity", "left.force"]
+
+
+def test_the_check_finds_no_problem(folders, capsys):
+    assert check([str(folder / "YBridle.fmu") for folder in folders.values()]) == 0
+    assert capsys.readouterr().out.count("evidence set: 100 steps") == 3  # of which none deviates too much
+
+
+@every_flavour
 def test_equal_files_give_equal_bytes(folder, tmp_path):
-    made = systems.build(FILES / "y_bridle.toml", tmp_path, (this_platform(),))
+    native = FLAVOURS[folder.name.rstrip("0")]
+    made = systems.build(FILES / "y_bridle.toml", tmp_path, (this_platform(),), native=native)
     assert made.read_bytes() == (folder / "YBridle.fmu").read_bytes()
 
 
@@ -210,7 +248,7 @@ def test_a_wrong_file_is_told_in_one_line(tmp_path, capsys, wrong):
     assert told.count("\n") == 1
 
 
-@pytest.mark.parametrize("other", [["TetherDynamic"], ["--segments", "5"], ["--native"], ["--wind-points", "3"]])
+@pytest.mark.parametrize("other", [["TetherDynamic"], ["--segments", "5"], ["--native", "--header"], ["--wind-points", "3"]])
 def test_options_that_do_not_go_with_a_system(other, capsys):
     with pytest.raises(SystemExit) as ended:
         main(["--system", str(FILES / "y_bridle.toml"), *other])

@@ -153,8 +153,8 @@ def _check_system(parser, options):
             "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
             "--material, --wind-points, --examples and --scene"
         )
-    if options.native or options.fmi == 3:
-        parser.error("the FMU of a system is made with PythonFMU, for FMI 2: --system goes without --native and --fmi 3")
+    if options.header:
+        parser.error("--header is for the FMUs of single tethers; it goes without --system")
 
 
 def build_for_system(wanted):
@@ -162,7 +162,8 @@ def build_for_system(wanted):
     from tetherfmu.export import systems
 
     try:
-        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points)
+        native = wanted.fmi if wanted.native else None
+        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native)
     except ValueError as error:
         raise WrongUse(one_line(error)) from None
     show(made, wanted.platforms)

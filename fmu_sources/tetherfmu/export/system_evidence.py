@@ -25,10 +25,11 @@ _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
-def files(name, found, positions):
+def files(name, found, positions, arrays=False):
     """Texts of the evidence set, dict of their path in the archive; empty if the reference cannot be flown.
 
     name : of the FMU.  found : `systems.files.SystemFile`.  positions : of all points at the start [m], dict.
+    arrays : whether a vector is one variable, as in FMI 3.
     """
     scene = [inputs_at(k * STEP, found, positions) for k in range(STEPS + 1)]
     try:
@@ -38,8 +39,8 @@ def files(name, found, positions):
     facts = {"step": STEP, "stop": STEP * STEPS, "tolerance": TOLERANCE, "allowed": DYNAMIC.evidence_deviation}
     flat = [_flat(each) for each in scene]
     texts = {
-        f"{name}_in.csv": table_text(list(flat[0]), [each.values() for each in flat], INPUT_DIGITS, step=STEP),
-        f"{name}_ref.csv": table_text(list(rows[0]), [row.values() for row in rows], OUTPUT_DIGITS, step=STEP),
+        f"{name}_in.csv": table_text(list(flat[0]), [each.values() for each in flat], INPUT_DIGITS, arrays, STEP),
+        f"{name}_ref.csv": table_text(list(rows[0]), [row.values() for row in rows], OUTPUT_DIGITS, arrays, STEP),
         f"{name}_ref.opt": filled("evidence.opt", **facts),
         "README.txt": filled("system_evidence.txt", name=name, reference_tolerance=REFERENCE_TOLERANCE, **facts),
     }

@@ -57,7 +57,8 @@ class SystemInstance:
                 raise ValueError(NOT_WHOLE.format(name=each.name, value=value))
         found, parameters = [], array("d")
         for line, points in zip(self.structure.lines, variables.carried(self.structure), strict=True):
-            numbers = variables.numbers_of_line(self.structure, line, values, self.places)
+            known = variables.quantities_of_line(line, self.places)
+            numbers = [default if reference is None else values[reference] for _, reference, default in known]
             free = [point in self.structure.free for point in (line.start, line.end)]
             masses = [values[self.places[f"{point}.mass"]] if point else 0.0 for point in points]
             try:
@@ -84,18 +85,13 @@ class SystemInstance:
         self._changing = tuple(map(address, (self.state, self.before, self.outputs, self.work)))
 
     def _make_plan(self):
-        lines, free = self.structure.lines, self.structure.free
-        self.plan = array("q", bytes(8 * places.plan_size(len(lines))))
-        given = {places.LINES: len(lines), places.FREE_POINTS: len(free), places.BAND: self.structure.band}
-        for k, (line, segments) in enumerate(zip(lines, self._counts, strict=True)):
-            ends = [free.index(name) if name in free else places.DRIVEN for name in (line.start, line.end)]
-            row = places.PLAN_HEADER + places.LINE_NUMBERS * k
-            given |= {row + places.SEGMENTS: segments, row + places.SHAPE_POINTS: line.shape_points}
-            given |= {row + places.START_POINT: ends[0], row + places.END_POINT: ends[1]}
-        for place, number in given.items():
+        self.plan = array("q", bytes(8 * places.plan_size(len(self._counts))))
+        for place, number in variables.plan_of(self.structure).items():
             self.plan[place] = number
-        self.kernels.complete(address(self.plan))
         rows = range(places.PLAN_HEADER, len(self.plan), places.LINE_NUMBERS)
+        for row, segments in zip(rows, self._counts, strict=True):
+            self.plan[row + places.SEGMENTS] = segments
+        self.kernels.complete(address(self.plan))
         self._states_at = [*(self.plan[row + places.STATE_AT] for row in rows), self.plan[places.STATE_SIZE]]
 
     def state_size(self, segments):

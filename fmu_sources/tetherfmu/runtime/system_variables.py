@@ -12,11 +12,11 @@ from itertools import count
 
 from . import inputs, outputs
 from . import layout as at
+from . import system_layout as plan
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, FREE_KITE, components
 from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from .quantities import Quantity, quantities
-from .system_layout import inputs_size
 from .variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of
 from .variants import DYNAMIC
 
@@ -34,7 +34,7 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
 }
 COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations")  # the last one of all lines together
 GIVEN = ("reel_out_speed",)  # inputs of a tether that a line has
-HASH_DIGITS = 9  # hexadecimal: with them the name of a structure has the 16 letters that a saved state has room for
+HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Structure:
 
     @property
     def hash(self):
-        """Text of at most 16 letters that tells systems apart which cannot have the same state."""
+        """Text of 15 letters that tells systems apart which cannot have the same state."""
         facts = [[(point.name, point.is_free) for point in self.points], list(self.free), self.band]
         facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
@@ -270,7 +270,7 @@ def inputs_of(structure, places):
         for name in GIVEN:
             named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
         named |= dict(zip(count(first + at.WIND_VELOCITY), components("wind_velocity", 3), strict=False))
-    first = inputs_size(len(structure.lines), 0)
+    first = plan.inputs_size(len(structure.lines), 0)
     for k, point in enumerate(structure.free):
         named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))
     return [(place, places[name]) for place, name in named.items()]
@@ -303,33 +303,64 @@ def outputs_of(structure, places):
     return [(places[name], tuple(those)) for name, those in found.items() if name in places]
 
 
+def free_ends(structure, places):
+    """Where free points move: (value reference, number of the line, 1 at its end and 0 at its start, component from 0 to 5).
+
+    Position and velocity have three components each. Of several lines at a point the last one counts.
+    """
+    found, free = {}, set(structure.free)
+    for k, line in enumerate(structure.lines):
+        for is_end, (_, point) in enumerate(line.ends):
+            if point in free:
+                names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
+                found |= {name: (places[name], k, is_end, component) for component, name in enumerate(names)}
+    return list(found.values())
+
+
 def motion_of(structure, places, segments, states_at):
     """Pairs (value reference, place in the `state` array) of the motion of free points.
 
     segments, states_at : of each line its number of segments, and the place of its state.
     """
-    found = {}
-    free = set(structure.free)
-    for line, n, first in zip(structure.lines, segments, states_at, strict=True):
-        for node, point in zip((0, n), (line.start, line.end), strict=True):
-            if point in free:
-                for what, base in (("position", 0), ("velocity", 3 * (n + 1))):
-                    place = first + at.STATE_HEADER + base + 3 * node
-                    found |= dict(zip(components(f"{point}.{what}", 3), count(place), strict=False))
-    return [(places[name], place) for name, place in found.items()]
+    found = []
+    for reference, k, is_end, component in free_ends(structure, places):
+        what, axis = divmod(component, 3)
+        node = (segments[k] + 1) * what + segments[k] * is_end
+        found.append((reference, states_at[k] + at.STATE_HEADER + 3 * node + axis))
+    return found
 
 
-def numbers_of_line(structure, line, values, places):
-    """Quantities of a line and what surrounds it in the order in which the kernel `pack` takes them, a list.
+def plan_of(structure):
+    """What is given of the `plan` array but for the segments: dict of place to number."""
+    given = {plan.LINES: len(structure.lines), plan.FREE_POINTS: len(structure.free), plan.BAND: structure.band}
+    for k, line in enumerate(structure.lines):
+        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
+        for place, name in ((plan.START_POINT, line.start), (plan.END_POINT, line.end)):
+            given[row + place] = structure.free.index(name) if name in structure.free else plan.DRIVEN
+        given[row + plan.SHAPE_POINTS] = line.shape_points
+    return given
 
-    values : array of all values.  What the system has no variable for has its default.
+
+def quantities_of_line(line, places):
+    """Quantities in the order in which the kernel `pack` takes them: (name, value reference or None, default) of each.
+
+    What the system has no variable for has its default.
     """
-    numbers = []
+    found = []
     for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
         for item in fields(record):
-            own = f"{line.name}.{item.name}" if record in (Tether, Winch) else item.name
-            numbers.append(values[places[own]] if own in places else item.default)
-    return numbers
+            own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
+            found.append((item.name, places.get(own), item.default))
+    return found
+
+
+def unpacked(structure):
+    """Names of the parameters that the kernel `pack` does not check: those of free points."""
+    for point in structure.points:
+        if point.is_free:
+            yield f"{point.name}.mass"
+            for what in ("position", "velocity"):
+                yield from components(f"{point.name}.initial_{what}", 3)
 
 
 def carried(structure):
