@@ -116,7 +116,14 @@ def _quantities(structure, references):
     """Of each line where the quantities stand that the kernel `pack` takes, and the defaults of those without a variable."""
     listed = [quantities_of_line(line, references) for line in structure.lines]
     rows = ",\n    ".join("{" + ", ".join(str(-1 if ref is None else ref) for _, ref, _ in row) + "}" for row in listed)
-    wanted = ("segments", "initial_length", "surface_roughness", "wind_reference_height")
+    wanted = (
+        "segments",
+        "initial_length",
+        "surface_roughness",
+        "wind_reference_height",
+        "shortest_length",
+        "longest_length",
+    )
     numbers = {f"QUANTITY_{name.upper()}": [each[0] for each in listed[0]].index(name) for name in wanted}
     return [
         c_enumeration({"QUANTITIES": len(listed[0]), **numbers}),

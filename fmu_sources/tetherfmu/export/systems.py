@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.system_variables import FIXED, OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
@@ -101,7 +101,9 @@ def structure_from(found, positions, shape_points=None):
 
 def _line(line, shape_points):
     """`system_variables.Line` of a line of a file."""
-    starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)} | {"reel_out_speed": line.reel_out_speed}
+    starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)}
+    starts |= {name: getattr(line.winch, name) for name, _ in quantities(Winch)}
+    starts |= {"reel_out_speed": line.reel_out_speed, "winch_length": line.tether.initial_length}
     points = line.tether.segments + 1 if shape_points is None else shape_points
     return Line(line.name, line.start, line.end, starts, points)
 

@@ -23,7 +23,7 @@ from .variants import DYNAMIC
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 FIXED = ("fixed_step",)  # quantities that a system does not have: its steps are adaptive
 OF_THE_SYSTEM = (Environment, Solver, Ground)
-RECORDS_OF_A_LINE = (Tether,)  # whose quantities it has as parameters
+RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
 OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "tether_length": "tether_length",
     "ground_tension": "tension_from",
@@ -33,7 +33,7 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "grounded_length": "grounded_length",
 }
 COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations")  # the last one of all lines together
-GIVEN = ("reel_out_speed",)  # inputs of a tether that a line has
+GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
 
@@ -124,7 +124,7 @@ def _vector(name, causality, declared, start=(None, None, None), known=(None, No
 
 
 def _inputs(structure):
-    """Inputs: motion of driven points, loads on free ones, reeling of lines, wind."""
+    """Inputs: motion of driven points, loads on free ones, what the winches of lines are told, wind."""
     motion = [each for each in inputs.INPUT_TABLE if each.of == DRIVEN_KITE]
     load = next(each for each in inputs.INPUT_TABLE if each.of == FREE_KITE)
     for point in structure.points:
@@ -137,7 +137,7 @@ def _inputs(structure):
     for line in structure.lines:
         for name in GIVEN:
             declared = inputs.BY_NAME[name]
-            meaning = f"{declared.meaning.partition(' (')[0]} of {line.name}; positive pays out at {line.start}"
+            meaning = f"{declared.meaning}; of {line.name}, whose winch is at {line.start}"
             yield Variable(
                 f"{line.name}.{name}",
                 INPUT,

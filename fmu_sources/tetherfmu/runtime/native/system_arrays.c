@@ -113,6 +113,8 @@ static void refuse_quantities(const double *quantities, int line, int32_t result
         fact_of("roughness", quantities, line, QUANTITY_SURFACE_ROUGHNESS),
         fact_of("height", quantities, line, QUANTITY_WIND_REFERENCE_HEIGHT),
         fact_of("length", quantities, line, QUANTITY_INITIAL_LENGTH),
+        fact_of("shortest_stop", quantities, line, QUANTITY_SHORTEST_LENGTH),
+        fact_of("longest_stop", quantities, line, QUANTITY_LONGEST_LENGTH),
         fact_of("segments", quantities, line, QUANTITY_SEGMENTS)));
     fill_in(problem, LONGEST_TEXT, is_alone ? "{text}" : "the line {line}: {text}", FACTS(
         word("line", LINE_NAME[line]), word("text", text)));
