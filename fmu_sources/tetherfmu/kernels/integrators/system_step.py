@@ -40,7 +40,7 @@ from ..equations.lines import (
 from ..equations.properties import point_mass
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.points import factorize_band, place_in, row_size, solve_band
+from ..linear_algebra.points import add_block, factorize_band, solve_band
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
 from . import rosenbrock
 from .rodas4p import ALPHA, STAGES
@@ -140,15 +140,6 @@ def condense_line(system, k, points):
                 block = condensed.condensed_block(n, row_end, column_end, matrix, columns)
                 add_block(band_of(system), row, column, block, points.matrix)
     return True
-
-
-@kernel
-def add_block(b, row, column, block, matrix):
-    """Add a 3x3 block that couples two points to a matrix of the band b (modified)."""
-    place = place_in(b, 3 * row, 3 * column)
-    for i in range(3):
-        for j in range(3):
-            matrix[place + (row_size(b) - 1) * i + j] += block[3 * i + j]
 
 
 # --- a stage

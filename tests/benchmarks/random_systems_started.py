@@ -1,0 +1,70 @@
+"""Random systems of tethers whose free points are found: how many are refused, and how well are the others balanced?
+
+    python tests/benchmarks/random_systems_started.py [--count N] [--seed S]
+
+Systems as in tests/random_systems.py: up to 12 points, 20 lines and 160 segments of the default 4 mm tether, 1 % taut to
+30 % slack, loads, wind; every fifth free point without a mass of its own. Every second one has no load, every third no wind,
+every fourth a ground. No free point has a position. Wrong: a number that is not finite, or forces, load and weight at a free
+point that add up to more than 1e-9 of the largest force of a line.
+"""
+
+import argparse
+import sys
+import warnings
+from collections import Counter
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from random_systems import random_network
+from tetherfmu import Ground, StepRefused, TetherSystem
+
+BALANCED = 1e-9  # residual over the largest force of a line at its ends
+
+
+def residual(network, number):
+    """Largest sum of forces at a free point over the largest force of a line; the free points are found."""
+    loads = network.loads if number % 2 else {}
+    wind = network.wind if number % 3 else (0.0, 0.0, 0.0)
+    ground = Ground() if number % 4 else Ground("flat")
+    system = TetherSystem(network.points, network.lines, network.environment, ground=ground)
+    still = {point.name: (0.0, 0.0, 0.0) for point in network.points}
+    free = {point.name: None for point in network.points if not point.is_driven}
+    outputs = system.initialize(wind, positions=free, velocities=still, loads=loads)
+    largest = max(max(np.linalg.norm(each.ground_force), np.linalg.norm(each.kite_force)) for each in outputs.lines.values())
+    left = [
+        outputs.points[point.name].force
+        + loads.get(point.name, 0.0)
+        - np.array((0.0, 0.0, network.environment.gravity * point.mass))
+        for point in network.points
+        if not point.is_driven
+    ]
+    return np.linalg.norm(left, axis=1).max() / largest
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=2000)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    refused, found, seconds = Counter(), {}, []
+    for k in range(options.count):
+        network = random_network(np.random.default_rng((options.seed, k)))
+        began = perf_counter()
+        try:
+            found[k] = residual(network, k)
+        except StepRefused as problem:
+            refused[str(problem)] += 1
+            print(f"{k} refused: {problem}", flush=True)
+        seconds.append(perf_counter() - began)
+    wrong = [k for k, each in found.items() if not each <= BALANCED]
+    print(f"{options.count} systems: {sum(refused.values())} refused, {len(wrong)} wrong {wrong}")
+    numbers = "".join(f"{each:11.2g}" for each in np.quantile(list(found.values()), (0.5, 0.9, 0.99, 1.0)))
+    print(f"residual: median, 90 %, 99 %, largest {numbers}; seconds {np.mean(seconds):.3g}, at most {max(seconds):.3g}")
+
+
+if __name__ == "__main__":
+    main()
