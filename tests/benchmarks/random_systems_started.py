@@ -28,7 +28,7 @@ def residual(network, number):
     """Largest sum of forces at a free point over the largest force of a line; the free points are found."""
     loads = network.loads if number % 2 else {}
     wind = network.wind if number % 3 else (0.0, 0.0, 0.0)
-    ground = Ground() if number % 4 else Ground("flat")
+    ground = Ground() if number % 4 else Ground(ground_contact="flat")
     system = TetherSystem(network.points, network.lines, network.environment, ground=ground)
     still = {point.name: (0.0, 0.0, 0.0) for point in network.points}
     free = {point.name: None for point in network.points if not point.is_driven}

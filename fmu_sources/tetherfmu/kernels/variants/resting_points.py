@@ -63,6 +63,7 @@ PULLS = (1.0, 0.3, 3.0)  # of the springs of the guesses: the weaker, the more s
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
 SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient continuation
 SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
+COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between the directions of two that follow each other
 
 Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
@@ -365,8 +366,10 @@ def guess(system, pull, search):
         return False
     solve_band(m, b, points.matrix, points.pivots, x)
     apart = SPREAD * shortest_line(system)
+    along_x, along_y = apart, 0.0
     for point in range(free_points(system)):
-        add_at(x, point, scale(apart, (cos(1.0 * point), sin(1.0 * point), 0.0)))
+        add_at(x, point, (along_x, along_y, 0.0))
+        along_x, along_y = COSINE * along_x - SINE * along_y, SINE * along_x + COSINE * along_y
     return True
 
 
@@ -375,7 +378,7 @@ def guess(system, pull, search):
 
 @kernel
 def find_move(system, damping, search):
-    """dX into search.move [m] (modified), along which the potential falls: the damping [N/m] it took, and whether it is there."""
+    """dX into search.move [m] (modified), along which the potential falls: its damping [N/m], and whether it is found."""
     points, m, b = points_of(system), 3 * free_points(system), band_of(system)
     for _ in range(LARGEST_DAMPING):
         if is_positive_definite(m, b, search.slopes, damping, search.factors):
