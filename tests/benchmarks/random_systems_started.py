@@ -4,8 +4,9 @@
 
 Systems as in tests/random_systems.py: up to 12 points, 20 lines and 160 segments of the default 4 mm tether, 1 % taut to
 30 % slack, loads, wind; every fifth free point without a mass of its own. Every second one has no load, every third no wind,
-every fourth a ground. No free point has a position. Wrong: a number that is not finite, or forces, load and weight at a free
-point that add up to more than 1e-9 of the largest force of a line.
+every fourth a ground. No free point has a position. Wrong: a number that is not finite, or forces, load, weight and what the
+ground does to a free point that add up to more than 1e-9 of the largest force of a line. The ground presses with
+m g (depth/ground_sink) on the point with its half segments, and holds it by friction.
 """
 
 import argparse
@@ -34,14 +35,23 @@ def residual(network, number):
     free = {point.name: None for point in network.points if not point.is_driven}
     outputs = system.initialize(wind, positions=free, velocities=still, loads=loads)
     largest = max(max(np.linalg.norm(each.ground_force), np.linalg.norm(each.kite_force)) for each in outputs.lines.values())
-    left = [
-        outputs.points[point.name].force
-        + loads.get(point.name, 0.0)
-        - np.array((0.0, 0.0, network.environment.gravity * point.mass))
-        for point in network.points
-        if not point.is_driven
-    ]
-    return np.linalg.norm(left, axis=1).max() / largest
+    left = [_left(network, ground, outputs, point, loads) for point in network.points if not point.is_driven]
+    return max(left) / largest
+
+
+def _left(network, ground, outputs, point, loads):
+    """Size of the sum of all forces on a free point [N]."""
+    gravity, found = network.environment.gravity, outputs.points[point.name]
+    total = found.force + loads.get(point.name, 0.0) - np.array((0.0, 0.0, gravity * point.mass))
+    depth = ground.ground_height - found.position[2] if ground.ground_contact == 2 else 0.0
+    if depth > 0.0:
+        tethers = [line.tether for line in network.lines if point.name in (line.start, line.end)]
+        mass = point.mass + sum(0.5 * each.mass_per_meter * each.initial_length / each.segments for each in tethers)
+        pressure = mass * gravity * depth / ground.ground_sink
+        sideways = np.linalg.norm(total[:2])
+        total[:2] *= max(0.0, 1.0 - ground.ground_friction * pressure / max(sideways, 1e-300))
+        total[2] += pressure
+    return np.linalg.norm(total)
 
 
 def main():

@@ -7,6 +7,9 @@ forces change with the positions of its ends comes from its matrix, condensed to
 added up in S = -dR/dX. But for drag, R is the fall of a potential. A step dX solves (a I + S) dX = R with a damping a that
 makes the matrix positive definite, so that the potential falls along dX; the step ends before it rises much.
 
+The ground carries a point with its half segments as it carries a node, and its friction holds a point: what pulls it
+sideways counts beyond mu times the pressure only. Guesses are not below it.
+
 Where that fails, pseudo-transient continuation follows the points as if they sank in honey: steps of the same equation, each
 shorter than a part of the shortest line, whatever the potential does.
 Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
@@ -22,7 +25,7 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN,
 from ..arrays import behind, copy
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
-from ..equations.ground import under
+from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
     add_at,
     band_of,
@@ -44,17 +47,18 @@ from ..equations.lines import (
 )
 from ..equations.properties import chain_of, point_mass, property_of, rest_length
 from ..equilibrium import end_tensions, newton
-from ..equilibrium.rigid_body import Body, spring
+from ..equilibrium.rigid_body import GIVE, Body, spring
 from ..linear_algebra import condensed
-from ..linear_algebra.matrices import IDENTITY, scale_matrix
+from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.points import add_block, factorize_band, is_positive_definite, place_in, row_size, solve_band
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, norm, put, put_at, scale, vector_at
 from ..step import transaction
 from . import dynamic
 
 ITERATIONS = 300
-BALANCED = 1e-9  # residual at a point over the size of the forces of its lines
-ROUNDED = 4.0  # the same over the rounding errors of the tensions there
+BALANCED = 1e-10  # residual at a point over the size of the forces of its lines
+ROUNDED = 4.0  # the same over the rounding errors of the tensions there, where it falls no more
+STALLED = 0.5  # residual over that of the iteration before, above which it falls no more
 HARDER, SOFTER = 2.0, 0.2  # factor of the damping after a part of a move; after a whole one
 LARGEST_DAMPING = 60  # doublings of the damping
 OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at the start
@@ -65,19 +69,20 @@ SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient co
 SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
 COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between the directions of two that follow each other
 
-Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding")
+Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding grip")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
 residual : R [N], m.  move : dX [m], m.  outer : load and weight of the points [N], m.
 size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
+grip : friction of the ground at the points [N], F.
 """
 
 
 @kernel
 def search_size(points, band):
     """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 17 * points
+    return 6 * points * row_size(band) + 18 * points
 
 
 @view
@@ -90,7 +95,8 @@ def search_of(system):
     slopes, factors, room = part(room, 0, size), part(room, size, size), behind(2 * size, room)
     x, trial, residual = part(room, 0, m), part(room, m, m), part(room, 2 * m, m)
     move, outer, room = part(room, 3 * m, m), part(room, 4 * m, m), behind(5 * m, room)
-    return Search(slopes, factors, x, trial, residual, move, outer, part(room, 0, count), part(room, count, count))
+    sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
+    return Search(slopes, factors, x, trial, residual, move, outer, *sizes)
 
 
 @kernel
@@ -214,6 +220,9 @@ def add_slopes(system, k, search):
         for column_end in range(2):
             if is_sought(system, k, row_end) and is_sought(system, k, column_end):
                 block = condensed.condensed_block(n, row_end, column_end, w.matrix, columns)
+                if row_end == column_end and carries(body.ground, get(nodes, n * row_end)):
+                    slope = support_slope(body.ground, get(nodes, n * row_end), ZERO_VECTOR, ZERO_MATRIX)
+                    block = subtract(block, scale_matrix(w.mass[n * row_end], slope))
                 row, column = point_at(system, k, row_end), point_at(system, k, column_end)
                 add_block(band_of(system), row, column, block, search.slopes)
     return True
@@ -227,6 +236,7 @@ def find_residual(system, x, search):
     """R and its sizes with the sought points at x [m] into `search` (modified); False if a line has no equilibrium."""
     copy(search.outer, search.residual)
     clear(search.rounding)
+    clear(search.grip)
     for point in range(free_points(system)):
         search.size[point] = norm(get(search.outer, point))
     for k in range(lines_of(system)):
@@ -240,7 +250,33 @@ def find_residual(system, x, search):
                     add_at(search.residual, point, force_at(system, k, end))
                     search.size[point] += both
                     search.rounding[point] += rounding_at(system, k, end)
+                    add_support(system, k, end, search)
+    for point in range(free_points(system)):
+        hold(point, search)
     return True
+
+
+@kernel
+def add_support(system, k, end, search):
+    """Add what the ground does to an end of line k, with its share of the mass of the point [N], after `rest_line`."""
+    n, parameters = segments_of(system, k), parameters_of(system, k)
+    nodes, _ = motion_of(system, k)
+    x, ground, point = get(nodes, n * end), under(parameters), point_at(system, k, end)
+    if carries(ground, x):
+        mass = newton.workspace(n, room_of(system, k)).mass[n * end]
+        force = scale(mass, support(ground, x, ZERO_VECTOR))
+        add_at(search.residual, point, force)
+        search.grip[point] += ground.friction * force[2]
+
+
+@kernel
+def hold(point, search):
+    """Take from R of a point what friction holds (modified)."""
+    x, y, z = get(search.residual, point)
+    sideways = norm((x, y, 0.0))
+    left = 1.0 - search.grip[point] / sideways if sideways > search.grip[point] else 0.0
+    if search.grip[point] > 0.0:
+        put(search.residual, point, (left * x, left * y, z))
 
 
 @kernel
@@ -251,6 +287,12 @@ def find_slopes(system, search):
         if is_any_sought(system, k) and not add_slopes(system, k, search):
             return False
     fill_others(system, search.slopes)
+    for point in range(free_points(system)):
+        x, y, _ = get(search.residual, point)
+        if search.grip[point] > 0.0 and x == 0.0 and y == 0.0:
+            for axis in range(2):
+                place = place_in(band_of(system), 3 * point + axis, 3 * point + axis)
+                search.slopes[place] += search.grip[point] / GIVE
     return True
 
 
@@ -283,11 +325,14 @@ def largest_residual(search):
 
 
 @kernel
-def least_balanced(search):
-    """Number of the point that is farthest from its balance, and its residual over what is as good as zero."""
+def least_balanced(rounded, search):
+    """Number of the point that is farthest from its balance, and its residual over what is as good as zero.
+
+    rounded : in rounding errors of the tensions of this size.
+    """
     worst, most = 0, 0.0
     for point in range(len(search.size)):
-        allowed = BALANCED * search.size[point] + ROUNDED * search.rounding[point]
+        allowed = BALANCED * search.size[point] + rounded * search.rounding[point]
         residual = norm(get(search.residual, point))
         over = residual / allowed if residual > 0.0 else 0.0
         if not over <= most:
@@ -335,6 +380,14 @@ def shortest_line(system):
 
 
 @kernel
+def rise(system, point, x):
+    """Put a sought point of x [m] (modified) onto the ground if it is below."""
+    ground = under(parameters_of(system, 0))
+    if carries(ground, get(x, point)):
+        put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
+
+
+@kernel
 def guess(system, pull, search):
     """Put the sought points, search.x [m] (modified), where all lines are springs without length; False if they cannot be.
 
@@ -369,6 +422,7 @@ def guess(system, pull, search):
     along_x, along_y = apart, 0.0
     for point in range(free_points(system)):
         add_at(x, point, (along_x, along_y, 0.0))
+        rise(system, point, x)
         along_x, along_y = COSINE * along_x - SINE * along_y, SINE * along_x + COSINE * along_y
     return True
 
@@ -451,18 +505,20 @@ def search_from(system, slowly, search):
     slowly : by pseudo-transient continuation.
     """
     limit = shortest_line(system)
-    damping = 0.0
+    damping, last = 0.0, inf
     found = find_residual(system, search.x, search)
     for _ in range(ITERATIONS):
         if not found:
             return 0, False
-        worst, over = least_balanced(search)
+        residual = largest_residual(search)
+        worst, over = least_balanced(ROUNDED if residual > STALLED * last else 0.0, search)
+        last = residual
         if over <= 1.0:
             return worst, True
         if not over < inf or not find_slopes(system, search):
             return worst, False
         if damping == 0.0:
-            damping = largest_residual(search) / (FIRST_PART * limit)
+            damping = residual / (FIRST_PART * limit)
         damping, found = find_move(system, damping, search)
         if not found:
             return worst, False
@@ -471,7 +527,7 @@ def search_from(system, slowly, search):
         else:
             taken, found = go_along(system, search)
         damping *= SOFTER if taken == 1.0 else HARDER
-    worst, over = least_balanced(search)
+    worst, over = least_balanced(ROUNDED, search)
     return worst, over <= 1.0
 
 
