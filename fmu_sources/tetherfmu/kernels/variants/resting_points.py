@@ -56,9 +56,9 @@ from ..step import transaction
 from . import dynamic
 
 ITERATIONS = 300
-BALANCED = 1e-10  # residual at a point over the size of the forces of its lines
-ROUNDED = 4.0  # the same over the rounding errors of the tensions there, where it falls no more
-STALLED = 0.5  # residual over that of the iteration before, above which it falls no more
+ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
+ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
+STALLED = 0.5  # residual over that of the iteration before, above which it stalls
 HARDER, SOFTER = 2.0, 0.2  # factor of the damping after a part of a move; after a whole one
 LARGEST_DAMPING = 60  # doublings of the damping
 OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at the start
@@ -325,14 +325,16 @@ def largest_residual(search):
 
 
 @kernel
-def least_balanced(rounded, search):
+def least_balanced(stalled, search):
     """Number of the point that is farthest from its balance, and its residual over what is as good as zero.
 
-    rounded : in rounding errors of the tensions of this size.
+    stalled : whether the residual falls no more.
     """
     worst, most = 0, 0.0
     for point in range(len(search.size)):
-        allowed = BALANCED * search.size[point] + rounded * search.rounding[point]
+        allowed = ACCURATE * search.size[point]
+        if stalled:
+            allowed = BALANCED * search.size[point] + ROUNDED * search.rounding[point]
         residual = norm(get(search.residual, point))
         over = residual / allowed if residual > 0.0 else 0.0
         if not over <= most:
@@ -511,7 +513,7 @@ def search_from(system, slowly, search):
         if not found:
             return 0, False
         residual = largest_residual(search)
-        worst, over = least_balanced(ROUNDED if residual > STALLED * last else 0.0, search)
+        worst, over = least_balanced(residual > STALLED * last, search)
         last = residual
         if over <= 1.0:
             return worst, True
@@ -527,7 +529,7 @@ def search_from(system, slowly, search):
         else:
             taken, found = go_along(system, search)
         damping *= SOFTER if taken == 1.0 else HARDER
-    worst, over = least_balanced(ROUNDED, search)
+    worst, over = least_balanced(True, search)
     return worst, over <= 1.0
 
 
