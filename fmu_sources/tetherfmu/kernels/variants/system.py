@@ -31,7 +31,7 @@ from ..integrators import system_control, system_step
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_stiff_and_slack
-from . import dynamic, resting_points
+from . import dynamic, resting_line, resting_points
 
 # --- the plan
 
@@ -39,7 +39,7 @@ from . import dynamic, resting_points
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_step.line_work_size`."""
-    return max(system_step.line_work_size(n), resting_points.line_work_size(n))
+    return max(system_step.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
