@@ -15,13 +15,12 @@ from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.packing import pack_line
-from tetherfmu.runtime.parameters import Winch, numbers_of
+from tetherfmu.runtime.parameters import numbers_of
 from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.system_variables import ENDS, input_name
 from tetherfmu.runtime.variables import INPUT_NAMES
 
 from .ordering import ordered
-
-ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 
 
 class Arrays:
@@ -59,7 +58,7 @@ class Arrays:
         masses = [0.0 if end.is_driven or end.name in carried else end.mass for end in ends]
         carried.update(end.name for end in ends)
         free = [not end.is_driven for end in ends]
-        numbers = numbers_of(tethers, environment, solver, Winch(), ground)
+        numbers = numbers_of(tethers, environment, solver, line.winch, ground)
         try:
             packed = pack_line(self._kernels, numbers, len(tethers), free, masses)
         except ValueError as problem:
@@ -182,14 +181,6 @@ class Arrays:
                 point = status.index(result)
                 return status.sentence(result, name=f"{self.free[point]}.load", value=self.loads[point].tolist())
             place = status.index(result)
-            return status.sentence(result, name=self._input_name(INPUT_NAMES[place], k), value=instance.values[place])
+            return status.sentence(result, name=input_name(INPUT_NAMES[place], self.lines[k]), value=instance.values[place])
         said = instance.sentence(result, step)
         return said if k == places.ALL_LINES else f"the line {self.lines[k].name}: {said}"
-
-    def _input_name(self, name, k):
-        """Name of an input of line k as an input of the system: "kite_position[1]" is "KITE.position[1]"."""
-        line = self.lines[k]
-        for end, point in zip(ENDS, (line.start, line.end), strict=True):
-            if name.startswith(f"{end}_"):
-                return f"{point}.{name.removeprefix(f'{end}_')}"
-        return f"{line.name}.{name}" if name.startswith(("reel", "winch")) else name

@@ -27,7 +27,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import system_control, system_step
+from ..integrators import system_control, system_room
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_stiff_and_slack
@@ -38,8 +38,8 @@ from . import dynamic, resting_line, resting_points
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, see `system_step.line_work_size`."""
-    return max(system_step.line_work_size(n), resting_line.line_work_size(n))
+    """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
+    return max(system_room.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
