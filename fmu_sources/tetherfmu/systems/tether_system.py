@@ -18,7 +18,7 @@ from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
-from . import files, start
+from . import files
 from .arrays import Arrays
 from .records import Line, Point, check_system
 from .results import PointOutputs, SystemFlown, SystemOutputs
@@ -173,9 +173,7 @@ class TetherSystem:
         try:
             given = {name: position for name, position in positions.items() if position is not None}
             self._set(given, velocities, loads, winches, wind_velocity, at_start=True)
-            if wanted and np.all(np.isfinite(self._arrays.inputs)):  # otherwise the start names what is not
-                self._set(start.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
-            self._arrays.start()
+            self._arrays.start(wanted)
         except ValueError:
             self._arrays.inputs[:] = before
             raise

@@ -8,7 +8,7 @@ near numbers (`systems/ordering.py`), in proportion to the number of lines.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., algorithm 4.3.1 with the pivots of section 4.3.3.
 """
 
-from math import inf
+from math import inf, sqrt
 
 from ..compilation import kernel
 
@@ -92,3 +92,23 @@ def solve_band(m, b, matrix, pivots, right):
         for j in range(i + 1, min(i + 2 * b + 1, m)):
             total -= matrix[place_in(b, i, j)] * right[j]
         right[i] = total / matrix[place_in(b, i, i)]
+
+
+@kernel
+def is_positive_definite(m, b, matrix, shift, factors):
+    """Whether the symmetric part of a matrix, plus a shift of its diagonal, has Cholesky factors: into `factors` (modified).
+
+    Source: Golub and Van Loan, algorithm 4.3.5.
+    """
+    for i in range(m):
+        for j in range(max(0, i - b), i + 1):
+            rest = 0.5 * (matrix[place_in(b, i, j)] + matrix[place_in(b, j, i)])
+            for k in range(max(0, i - b), j):
+                rest -= factors[place_in(b, i, k)] * factors[place_in(b, j, k)]
+            if j < i:
+                factors[place_in(b, i, j)] = rest / factors[place_in(b, j, j)]
+            elif rest + shift > 0.0:
+                factors[place_in(b, i, i)] = sqrt(rest + shift)
+            else:
+                return False
+    return True
