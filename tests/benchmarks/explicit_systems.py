@@ -63,7 +63,7 @@ def network(name):
         arm = Tether(segments=3, initial_length=40.3)
         lines = [Line("main", "winch", "knot", Tether(segments=5, initial_length=99.9))]
         lines += [Line("a", "knot", "left", arm), Line("b", "right", "knot", arm)]
-        knot = Point("knot", mass=2.0)
+        knot = Point("knot", (1.55066, 0.70459903, 99.047934), mass=2.0)
     else:
         motions = {"winch": still((0.0, 0.0, 0.0))}
         for each, (radius, ahead, height) in WING.items():
@@ -71,7 +71,7 @@ def network(name):
         short = Tether(segments=1, initial_length=4.0).with_diameter(0.002)
         lines = [Line("main", "winch", "knot", Tether(segments=8, initial_length=175.7))]
         lines += [Line(f"to_{each}", "knot", each, short) for each in WING]
-        knot = Point("knot", mass=0.3)
+        knot = Point("knot", (146.77776, -0.059029312, 97.847439), mass=0.3)
     points = [Point(each, *motion(0.0)) for each, motion in motions.items()]
     return Network([*points, knot], lines, Environment(), WIND, motions)
 
