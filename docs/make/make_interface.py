@@ -4,6 +4,7 @@ from pathlib import Path
 
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.documents import folded, meaning, start
+from tetherfmu.runtime.inputs import WIND_AT
 from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
@@ -102,6 +103,14 @@ limit: [Coupling](coupling.md).
 
 {inputs}
 
+`wind_at` is an input of an FMU that is built with `tetherfmu build --wind-points K` (at least 2), and of no other: the
+wind at K points at equal unstretched lengths, ground first, linear in between ([Wind at
+points](../models/theory.md#wind-at-points)). It is all the wind then: `wind_velocity` and the parameters of the profile
+are there and ignored. In an FMU for FMI 3 it is one array of K x 3 numbers. The FMU
+[`TurbulentWind`](example_fmus.md#turbulent-wind) gives it, from a box of turbulence; in Python it is the argument
+`wind_at` of `initialize`, `step` and `fly` (a row of points for each step) of a tether that is made with `wind_points=K`.
+[Scenes](how_much_tether.md#scene-files) have it from `wind.file`.
+
 ## Outputs
 
 {outputs}
@@ -153,6 +162,8 @@ def table(head, rows):
 def signals(causality):
     """Table of the inputs or of the outputs."""
     listed = [v for v in variables("dynamic", DEFAULT_OPTIONS["shape_points"]) if v.causality == causality]
+    if causality == INPUT:
+        listed += [v for v in variables("dynamic", 0, wind_points=2) if v.name.startswith(f"{WIND_AT.name}[")]
     head = ("name", "unit", "start", "meaning") if causality == INPUT else ("name", "unit", "meaning")
     rows = []
     for name, each in folded(listed):

@@ -22,15 +22,14 @@ import numpy as np
 
 from tetherfmu.runtime.quantities import DEGREES, Quantity, check, quantity
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, Variable
+from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
+from tetherfmu.wind.wind_boxes import WrongBox
 
 from .file_slave import FileSlave
-from .frozen_turbulence import FrozenTurbulence, MeanWind
 from .model_slave import Refused, names, scalar, vector
-from .wind_boxes import LARGEST_SPACING, MOST_POINTS, WrongBox, open_box
 
 POINTS = 21  # of the tether
 ON_LINE, OF_SHAPE = 1, 2  # `wind_points`
-PERIODIC, REFUSED = 1, 2  # `outside`
 FRONT, FARTHEST = "where the front of the box has its middle at the start, at its height 0", 1e6  # [m]
 WEIGHTS = np.array([0.5, *[1.0] * (POINTS - 2), 0.5]) / (POINTS - 1)
 KITE = (300.0, 0.0, 400.0)
@@ -38,7 +37,7 @@ KITE = (300.0, 0.0, 400.0)
 
 @dataclass(frozen=True)
 class Blowing:
-    """The mean wind, and how a box of turbulence is read."""
+    """The mean wind, and where it is wanted."""
 
     mean_speed: float = quantity(8.0, "m/s", "mean wind U at wind_reference_height (of a TurbSim file: its own)", 0.0, 100.0)
     wind_direction: float = quantity(
@@ -56,18 +55,6 @@ class Blowing:
         "where the points are: on the line from the origin to the kite; those of shape",
         choices=("line", "shape"),
     )
-    outside: int = quantity(
-        PERIODIC,
-        "",
-        "beyond the box: it is repeated in all directions; the step is refused",
-        choices=("periodic", "refused"),
-    )
-    points_along: int = quantity(0, "", "of a Mann box: number of points along the wind, 0 for other files", 0, MOST_POINTS)
-    points_across: int = quantity(0, "", "of a Mann box: number of points across the wind", 0, MOST_POINTS)
-    points_upwards: int = quantity(0, "", "of a Mann box: number of points upwards", 0, MOST_POINTS)
-    spacing_along: float = quantity(0.0, "m", "of a Mann box: distance of its points along the wind", 0.0, LARGEST_SPACING)
-    spacing_across: float = quantity(0.0, "m", "of a Mann box: distance of its points across the wind", 0.0, LARGEST_SPACING)
-    spacing_upwards: float = quantity(0.0, "m", "of a Mann box: distance of its points upwards", 0.0, LARGEST_SPACING)
 
     def __post_init__(self):
         check(self)
@@ -100,7 +87,8 @@ ORIGIN = [
     for i, axis in enumerate("xyz", start=1)
     for each in scalar(PARAMETER, f"box_origin[{i}]", "m", f"{FRONT}, {axis}", -FARTHEST, FARTHEST, start=0.0)
 ]
-FIELD = (*(name for name in Blowing.__dataclass_fields__ if name not in ("wind_points", "outside")), *names(ORIGIN))
+READ = (*Blowing.__dataclass_fields__, *Reading.__dataclass_fields__)
+FIELD = (*(name for name in READ if name not in ("wind_points", "outside")), *names(ORIGIN))
 TETHER = (*names(POSITION), "wind_points", *FIELD)  # what the wind at any point of the tether depends on
 
 
@@ -124,7 +112,7 @@ class TurbulentWind(FileSlave):
             depends_on=lambda k: (*TETHER, *names(SHAPE[3 * k - 3 : 3 * k])),
         ),
     )
-    records = (Blowing,)
+    records = (Blowing, Reading)
     vectors = (ORIGIN,)
     memory = 1  # time since the start
 
@@ -156,11 +144,8 @@ class TurbulentWind(FileSlave):
         known = self.parameters
         key = (self.file, *vars(known).values())
         if key != self._opened:
-            points = (known.points_along, known.points_across, known.points_upwards)
-            spacing = (known.spacing_along, known.spacing_across, known.spacing_upwards)
-            box = open_box(self.path(), points, spacing) if self.file else None
             mean = MeanWind(known.mean_speed, known.wind_direction, known.wind_reference_height, known.wind_exponent)
             origin = [getattr(known, name) for name in names(ORIGIN)]
-            self._wind = FrozenTurbulence(mean, box, origin, known.outside == PERIODIC)
+            self._wind = turbulence(self.path() if self.file else None, known, mean, origin)
             self._opened = key
         return self._wind

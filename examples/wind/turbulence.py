@@ -24,10 +24,10 @@ import numpy as np
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
+from tetherfmu.wind.wind_boxes import WrongBox, open_box
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from fmus.turbulent_wind import POINTS
-from fmus.wind_boxes import WrongBox, open_box
 from shared.fmu_tools import add_fmu, all_variables, find_fmu
 from shared.named_fmu import all_running
 from wind.box_of_turbulence import write

@@ -5,24 +5,29 @@ from pathlib import Path
 
 import numpy as np
 
-from tetherfmu.runtime.parameters import Solver
+from tetherfmu.runtime.parameters import Solver, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems.files import TableOfPoint
 
 PAGE = (Path(__file__).parents[2] / "docs" / "use" / "systems.md").read_text(encoding="utf-8")
 
 
-def test_the_example_of_the_page_runs(tmp_path, monkeypatch):
+def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (toml,), (python,) = (re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python"))
+    (toml,), (crane, winches) = (re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python"))
     Path("crane.toml").write_text(toml, encoding="utf-8")
     names = {}
-    exec(python, names)
+    exec(crane, names)
     assert np.isclose(names["outputs"].lines["rope"].tether_length, 21.0)  # 2 s at 0.5 m/s
+    exec(winches, names)
+    assert np.isclose(names["outputs"].lines["b"].tether_length, 19.0)  # 2 s at -0.5 m/s
+    assert names["outputs"].lines["a"].winch_speed != 0.0
 
 
 def test_the_table_has_the_keys():
     for name in TableOfPoint.__dataclass_fields__:
         assert f"`points.NAME.{name}`" in PAGE
+    for name, _ in quantities(Winch):
+        assert re.search(rf"`(lines\.NAME)?\.{name}`", PAGE)
     for name, _ in quantities(Solver):
         assert f"`{name}`" in PAGE or name in ("fixed_step", "fixed_step_method")

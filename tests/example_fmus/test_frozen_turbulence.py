@@ -5,9 +5,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tetherfmu.libraries.examples import example
+from tetherfmu.wind import frozen_turbulence as frozen
+from tetherfmu.wind import wind_boxes as boxes
 
-boxes, frozen = example("fmus.wind_boxes"), example("fmus.frozen_turbulence")
 SPACING, POINTS = (4.0, 8.0, 2.0), (16, 5, 7)  # powers of 2: places of points are exact
 STILL = frozen.MeanWind(0.0)
 

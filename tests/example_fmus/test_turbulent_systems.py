@@ -11,6 +11,8 @@ from lxml import etree
 from isolation import own_process
 from tetherfmu.export import ssp
 from tetherfmu.libraries.examples import example
+from tetherfmu.wind import frozen_turbulence as frozen
+from tetherfmu.wind import wind_boxes as boxes
 
 SYSTEMS = ("turbulent_circle", "turbulent_parked_kite")
 STEP, STEPS = 0.02, 100
@@ -81,8 +83,7 @@ def flown(path, folder, steps):
 def test_flight(systems, tmp_path, name):
     """The wind that the tether gets next is that of the box where its points are, to what they move in a step."""
     rows = own_process(flown, path=str(systems / f"{name}.ssp"), folder=str(tmp_path), steps=STEPS)
-    given, frozen = example("wind.turbulence_systems"), example("fmus.frozen_turbulence")
-    boxes = example("fmus.wind_boxes")
+    given = example("wind.turbulence_systems")
     (tmp_path / "box.npz").write_bytes(given.box())
     field = frozen.FrozenTurbulence(frozen.MeanWind(8.0, 0.0, 10.0, 0.14), boxes.open_box(tmp_path / "box.npz"))
     tension = np.array([row[2] for row in rows])

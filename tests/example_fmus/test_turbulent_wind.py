@@ -13,7 +13,8 @@ from example_fmus.example_slaves import Model
 from isolation import in_own_process
 from runtime.host import Host, blob_of, restore
 from tetherfmu.export import example_fmus
-from tetherfmu.libraries.examples import example
+from tetherfmu.wind import frozen_turbulence as frozen
+from tetherfmu.wind import wind_boxes as boxes
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 MANN, TURBSIM = str(REFERENCE / "mann_u.turb"), str(REFERENCE / "pyconturb.bts")
@@ -24,7 +25,6 @@ KITE = (40.0, -5.0, 60.0)
 
 
 def sampler(file, **more):
-    boxes, frozen = example("fmus.wind_boxes"), example("fmus.frozen_turbulence")
     box = boxes.open_box(file, (16, 4, 8), (5.0, 10.0, 8.0))
     return frozen.FrozenTurbulence(frozen.MeanWind(9.0, 0.2, 6.0, 0.15), box, **more)
 

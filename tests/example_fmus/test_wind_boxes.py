@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tetherfmu.libraries.examples import example
+from tetherfmu.wind import frozen_turbulence as frozen
+from tetherfmu.wind import wind_boxes as boxes
 
-boxes, frozen = example("fmus.wind_boxes"), example("fmus.frozen_turbulence")
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 MANN, POINTS, SPACING = REFERENCE / "mann_u.turb", (16, 4, 8), (5.0, 10.0, 8.0)
 MEGABYTE = 2**20
@@ -274,9 +274,9 @@ def test_numbers_that_are_no_wind_are_refused(tmp_path, value):
 
 HUGE = """
 import json, resource, sys
-from tetherfmu.libraries.examples import example
+from tetherfmu.wind import frozen_turbulence as frozen
+from tetherfmu.wind import wind_boxes as boxes
 import numpy as np
-boxes, frozen = example("fmus.wind_boxes"), example("fmus.frozen_turbulence")
 points = np.linspace((0.0, 0.0, 0.0), (300.0, 0.0, 400.0), 22)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 wind = frozen.FrozenTurbulence(frozen.MeanWind(10.0), boxes.open_box(sys.argv[1], *json.loads(sys.argv[2])))

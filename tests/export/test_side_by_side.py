@@ -60,10 +60,13 @@ def test_both_flavours_in_one_process(fmu_folder, native_folder):
     assert forces(hosts[0]) == forces(hosts[1]) == forces(hosts[2])
 
 
-@pytest.fixture(scope="module")
-def other_version(tmp_path_factory):
+@pytest.fixture(scope="session")
+def other_version(built_once):
     """TetherStraight of a version whose tether weighs twice as much, built from a changed copy of the sources."""
-    folder = tmp_path_factory.mktemp("other_version")
+    return built_once("other_version", build_other_version) / "TetherStraight.fmu"
+
+
+def build_other_version(folder):
     shutil.copytree(ROOT / "fmu_sources", folder / "fmu_sources", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", folder)
     weight = "scale({} * property_of(line, 0, at.LINE_DENSITY)"  # at each end of the straight line
@@ -74,7 +77,6 @@ def other_version(tmp_path_factory):
     command = [sys.executable, ROOT / "build_fmus.py", "TetherStraight", "--out", folder, "--platforms", this_platform()]
     environment = {**os.environ, "PYTHONPATH": str(folder / "fmu_sources")}
     subprocess.run(command, env=environment, cwd=folder, check=True, timeout=900)
-    return folder / "TetherStraight.fmu"
 
 
 @pytest.mark.parametrize("other_first", [True, False])

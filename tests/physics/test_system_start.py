@@ -3,12 +3,14 @@
 load m on a line of n segments:   stretch = sum over the segments (weight below it)/(EA/l0)
 load on two equal light lines:    height h below the ends 2 b apart with h^2 + b^2 = l^2, T = m g l/(2 h)
 at rest:                          nothing moves, and forces, weight and load add up to 0 at each free point
+knot without mass:                two lines joined there are one line
+on flat ground:                   a point with its half lines is carried in proportion to its depth, and friction holds it
 """
 
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherSystem
+from tetherfmu import Environment, Ground, Line, Point, Solver, StepRefused, Tether, TetherSystem
 
 G = 9.81
 LINE = Tether(segments=6, initial_length=30.0)
@@ -82,6 +84,31 @@ def test_what_starts_in_equilibrium_stays_there(kind):
     assert system.counters["rejections"] == 0
 
 
+def test_a_knot_without_mass_is_no_knot():
+    top, end = Point("top", (0.0, 0.0, 50.0)), Point("end", (30.0, 10.0, 20.0))
+    # soft: a line counts as at rest within the rounding errors of its springs, 1e-15 of EA, over some 1 N/m across
+    half, whole = (Tether(segments=each, initial_length=5.0 * each, axial_stiffness=1e4) for each in (6, 12))
+    halves = [Line("a", "top", "knot", half), Line("b", "knot", "end", half)]
+    knotted = TetherSystem([top, Point("knot", mass=0.0), end], halves)
+    single = TetherSystem([top, end], [Line("line", "top", "end", whole)])
+    knotted.initialize(WIND)
+    single.initialize(WIND)
+    found = np.concatenate([knotted.positions["a"], knotted.positions["b"][1:]])
+    np.testing.assert_allclose(found, single.positions["line"], rtol=0, atol=1e-9)
+
+
+def test_a_point_lies_on_the_ground():
+    points = [Point("post", (0.0, 0.0, 4.0)), Point("stone", (2.0, 0.0, 0.0), mass=3.0)]
+    ground = Ground(ground_contact="flat", ground_height=-1.0)
+    system = TetherSystem(points, [Line("line", "post", "stone", LINE)], ground=ground)
+    force = system.initialize(positions={"stone": None}).points["stone"].force
+    below = system.positions["line"][-1, 2] - ground.ground_height
+    half_segment = 0.5 * LINE.mass_per_meter * 5.0
+    carried = (3.0 + half_segment) * G * -below / ground.ground_sink
+    assert carried == pytest.approx(3.0 * G - force[2], rel=1e-9)
+    assert np.hypot(*force[:2]) <= ground.ground_friction * carried
+
+
 def test_other_starts_are_refused_in_words():
     pair = [Point("a", mass=1.0), Point("b", mass=1.0)]
     with pytest.raises(StepRefused, match="no point of the system is driven"):
@@ -93,7 +120,7 @@ def test_other_starts_are_refused_in_words():
         driven.initialize(positions={"a": (0.0, np.nan, 0.0)})
     elastic = Tether(segments=4, initial_length=30.0, axial_stiffness=1.0)
     torn = TetherSystem(driven.points, [Line("line", "a", "b", elastic)])
-    with pytest.raises(StepRefused, match="no equilibrium was found of the free points b; check"):
+    with pytest.raises(StepRefused, match="no equilibrium was found of the free point b; check"):
         torn.initialize((100.0, 0.0, 0.0))  # its drag grows as its length, which stretches it without end
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Ground, Line, Point, Solver, TetherSystem, tether_of
+from tetherfmu import Environment, Ground, Line, Point, Solver, TetherSystem, Winch, tether_of
 from tetherfmu.systems import files
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "systems").glob("*.toml"))
@@ -27,6 +27,9 @@ diameter = "10 mm"
 initial_length = "20 m"
 segments = 4
 reel_out_speed = "0.5 m/s"
+winch_control = "force"
+winch_mass = "20 kg"
+longest_length = "40 m"
 [lines.tag]
 from = "drone"
 to = "load"
@@ -81,6 +84,13 @@ WRONG = {
         "fixed_step = 0.01\ninitial_shape",
         "solver.fixed_step is 0.01; it must be 0",
     ),
+    "unknown control": ('"force"', '"torque"', "lines.rope.winch_control is 'torque'; it must be"),
+    "light drum": ('"20 kg"', '"-20 kg"', "lines.rope.winch_mass is '-20 kg'; it must be at least 0 kg"),
+    "stops crossed": (
+        'longest_length = "40 m"',
+        "longest_length = 9\nshortest_length = 10",
+        "lines.rope.shortest_length is 10",
+    ),
     "unknown ground": ('contact = "flat"', "", "the key ground.contact is missing"),
     "no table": (r"\[environment\]\ngravity = 9.8", "", "environment is 3; it must be a table [environment]"),
 }
@@ -103,7 +113,8 @@ def test_a_file_says_what_records_say(path):
     )
     rope, tag = found.lines
     steel = tether_of("steel", 0.01, initial_length=20.0, segments=4)
-    assert rope == Line("rope", "hook", "load", steel, 0.5)
+    winch = Winch(winch_control="force", winch_mass=20.0, longest_length=40.0)
+    assert rope == Line("rope", "hook", "load", steel, 0.5, winch)
     assert (tag.start, tag.end, tag.tether.initial_length, tag.tether.segments) == ("drone", "load", 22, 3)
     assert found.environment == Environment(gravity=9.8)
     assert found.ground == Ground(ground_contact="flat", ground_height=-2.0)

@@ -1,9 +1,9 @@
-"""Build FMUs: all or the named ones, for this platform or others, or the one that is advised for a scene."""
+"""Build FMUs: all or the named ones, for this platform or others, that of a system, or the one advised for a scene."""
 
 import argparse
 import sys
 
-from tetherfmu.console.ending import FAILED, command
+from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive, example_fmus, native, ssp
@@ -93,9 +93,8 @@ def parse(arguments, prog="tetherfmu build"):
     option(
         "--shape-points",
         type=shape_points,
-        default=BuildOptions.shape_points,
         metavar="K",
-        help=f"points of the output shape, 0 for none (default: {BuildOptions.shape_points})",
+        help=f"points of the output shape, 0 for none (default: {BuildOptions.shape_points}; of a system, one at each node)",
     )
     option(
         "--wind-points",
@@ -119,6 +118,11 @@ def parse(arguments, prog="tetherfmu build"):
         action="store_true",
         help="with --native: also write a C header for hosts, with value references and the guid or token",
     )
+    option(
+        "--system",
+        metavar="FILE",
+        help="build the one FMU of the system of tethers in this file; its lines and points have the names of the file",
+    )
     option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
     options = parser.parse_args(arguments)
     if options.scene is not None and any(
@@ -128,6 +132,10 @@ def parse(arguments, prog="tetherfmu build"):
             "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter, --material and "
             "--examples"
         )
+    if options.system is not None:
+        _check_system(parser, options)
+    elif options.shape_points is None:
+        options.shape_points = BuildOptions.shape_points
     if options.fmi == 3 and not options.native:
         parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
     if options.header and not options.native:
@@ -135,6 +143,31 @@ def parse(arguments, prog="tetherfmu build"):
     if options.examples and options.native:
         parser.error("the FMUs of the examples are written in Python; --examples goes without --native")
     return options
+
+
+def _check_system(parser, options):
+    """End the program with status 2 if an option does not go with --system."""
+    others = (options.names, options.segments, options.diameter, options.material, options.examples, options.scene)
+    if any(others) or options.wind_points:
+        parser.error(
+            "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
+            "--material, --wind-points, --examples and --scene"
+        )
+    if options.header:
+        parser.error("--header is for the FMUs of single tethers; it goes without --system")
+
+
+def build_for_system(wanted):
+    """Build the FMU of a system; WrongUse if its file cannot be used. wanted : as `parse` returns it."""
+    from tetherfmu.export import systems
+
+    try:
+        native = wanted.fmi if wanted.native else None
+        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native)
+    except ValueError as error:
+        raise WrongUse(one_line(error)) from None
+    show(made, wanted.platforms)
+    return 0
 
 
 def build_for_scene(wanted):
@@ -173,6 +206,8 @@ def build(wanted, name, options):
 def main(arguments=None, prog="tetherfmu build"):
     """Build what was asked for; returns the exit status, 0 only if all was built."""
     wanted = parse(arguments, prog)
+    if wanted.system is not None:
+        return build_for_system(wanted)
     if wanted.scene is not None:
         return build_for_scene(wanted)
     names, platforms = wanted.names or list(SLAVES), wanted.platforms

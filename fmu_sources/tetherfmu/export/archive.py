@@ -28,6 +28,7 @@ from .documents import OSP_FOLDER, documents
 SCRIPTS = Path(__file__).with_name("slaves")
 SLAVES = {class_name(each): (f"tether_{each}.py", each) for each in EVERY_VARIANT}  # name: (slave script, variant)
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
+SHIPPED = ("runtime", "wind")  # packages whose modules a slave may import
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.workarounds import hold
 
@@ -48,21 +49,28 @@ def build(name, folder, options=None):
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     script, variant = SLAVES[name]
-    library = library_of(variant)
-    compiled = ready.folders([library], options.platforms)[library]
-    kernels = [compiled / file_name(library, platform) for platform in options.platforms]
-    with tempfile.TemporaryDirectory() as temporary:
-        resources = Path(temporary) / "resources"
-        shipped = write_package(resources, name, SCRIPTS / script, kernels)
-        (resources / KERNELS_FOLDER).mkdir()
-        for each in kernels:
-            shutil.copy(each, resources / KERNELS_FOLDER)
-        (resources / OPTIONS_FILE).write_text(json.dumps(options.as_dict(), sort_keys=True))
-        files = pack(resources, shipped, Path(temporary))
+    files = packed_with_kernels(name, SCRIPTS / script, library_of(variant), options.platforms, options.as_dict())
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options))
     seal(files)
     return write(files, folder, name, options.purpose)
+
+
+def packed_with_kernels(name, script, library, platforms, options):
+    """Files of an FMU with PythonFMU's model description, dict of path to bytes; RuntimeError if compiling fails.
+
+    name : class of the slave.  script : its file.  library : of its kernels.  options : dict that it reads when it runs.
+    """
+    compiled = ready.folders([library], platforms)[library]
+    kernels = [compiled / file_name(library, platform) for platform in platforms]
+    with tempfile.TemporaryDirectory() as temporary:
+        resources = Path(temporary) / "resources"
+        shipped = write_package(resources, name, script, kernels)
+        (resources / KERNELS_FOLDER).mkdir()
+        for each in kernels:
+            shutil.copy(each, resources / KERNELS_FOLDER)
+        (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
+        return pack(resources, shipped, Path(temporary))
 
 
 def guid_of(description, files):
@@ -110,12 +118,15 @@ def write_package(resources, name, script, kernels=(), modules=()):
     """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths.
 
     name : class of the slave.  script : its file.  kernels : compiled libraries, for the hash.  modules : files that the
-    script imports beside those of the folder `runtime`.
+    script imports beside those of the folder `runtime`. In the FMU all are in one folder.
     """
     sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
     for path in (*modules, script):
-        text = path.read_text(encoding="utf-8").replace("from tetherfmu.runtime.", "from .")
-        sources[path.name] = text.replace("from tetherfmu.runtime import", "from . import")
+        text = path.read_text(encoding="utf-8")
+        for folder in SHIPPED:
+            text = text.replace(f"from tetherfmu.{folder}.", "from .")
+            text = text.replace(f"from tetherfmu.{folder} import", "from . import")
+        sources[path.name] = text
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
     content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
     content += b"".join(each.read_bytes() for each in kernels)

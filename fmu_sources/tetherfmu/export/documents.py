@@ -80,7 +80,7 @@ WORDS_ON_FILES = {  # in documentation/index.html, by the end of a path in the a
 }
 
 
-def _listed(paths):
+def listed(paths):
     """HTML list of the files that `WORDS_ON_FILES` has words on."""
     lines = []
     for end, words in WORDS_ON_FILES.items():
@@ -104,7 +104,7 @@ def page(name, variant, description, table, paths, native):
         version=__version__,
         description=escape(description),
         physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
-        files=_listed(paths),
+        files=listed(paths),
         **style_and_tables(table),
     )
 

@@ -33,7 +33,7 @@ _PULL, _PULL_RISES = 2.7, 6.0  # [-], [s]
 _SWAY, _SWAY_RATE = 0.5, 0.8  # [-], [rad/s]
 
 
-def _rise(time, duration):
+def rise(time, duration):
     """A smooth rise from 0 to 1: its value, its rate [1/s] and its integral [s] at a time [s]."""
     u = min(max(time / duration, 0.0), 1.0)
     integral = duration * (u**3 - u**4 / 2.0) + max(time - duration, 0.0)
@@ -42,9 +42,9 @@ def _rise(time, duration):
 
 def inputs_at(time):
     """Inputs of the scene at a time [s], as a dict of the Python API's arguments (SI units)."""
-    share, _, turn_time = _rise(time, _TURN_RISES)
+    share, _, turn_time = rise(time, _TURN_RISES)
     angle, rate = _TURN_RATE * turn_time, _TURN_RATE * share
-    growth, growth_rate, _ = (_GROWTH * each for each in _rise(time, _GROWS))
+    growth, growth_rate, _ = (_GROWTH * each for each in rise(time, _GROWS))
     x, _, z = KITE_AT_START
     east, north = (1.0 + growth) * x * cos(angle), (1.0 + growth) * x * sin(angle)
     stretching = growth_rate / (1.0 + growth)
@@ -59,7 +59,7 @@ def inputs_of_free_kite(time, kite_force):
     The load begins with what holds the kite and the tether at rest, so that it suits light and heavy tethers.
     """
     force, distance = hypot(*kite_force), hypot(*KITE_AT_START)
-    pull = _PULL * force * _rise(time, _PULL_RISES)[0]
+    pull = _PULL * force * rise(time, _PULL_RISES)[0]
     x, y, z = (pull * part / distance - held for part, held in zip(KITE_AT_START, kite_force, strict=True))
     weight = FreeKite().kite_mass * Environment().gravity
     return {"kite_load": (x, y + _SWAY * force * sin(_SWAY_RATE * time), z + weight), **_around(time)}
@@ -67,8 +67,8 @@ def inputs_of_free_kite(time, kite_force):
 
 def _around(time):
     """Wind and reel-out speed at a time [s]."""
-    wind = (_WIND * _rise(time, _WIND_RISES)[0], _GUST * sin(_GUST_RATE * time), 0.0)
-    reel_out = _REEL_OUT * _rise(time - _REEL_OUT_BEGINS, _REEL_OUT_RISES)[0]
+    wind = (_WIND * rise(time, _WIND_RISES)[0], _GUST * sin(_GUST_RATE * time), 0.0)
+    reel_out = _REEL_OUT * rise(time - _REEL_OUT_BEGINS, _REEL_OUT_RISES)[0]
     return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
@@ -92,8 +92,8 @@ def files(name, tether, arrays=False, wind_points=0):
     scene = [with_wind_at(each, wind_points) for each in scene_of(model, tether)]
     inputs = names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)
     return {
-        f"{name}_in.csv": _table(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
-        f"{name}_ref.csv": _table(
+        f"{name}_in.csv": table_text(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
+        f"{name}_ref.csv": table_text(
             recorded(model.variant), reference(model, tether, scene, wind_points), OUTPUT_DIGITS, arrays
         ),
     }
@@ -163,13 +163,13 @@ def text_of(value, digits):
     return f"{round(value, digits - 2) + 0.0:.{digits}g}"
 
 
-def _table(names, rows, digits, arrays):
-    """CSV as FMI's cross-check asks for it: quoted names, commas, the time first."""
+def table_text(names, rows, digits, arrays=False, step=STEP):
+    """CSV as FMI's cross-check asks for it: quoted names, commas, the time first, every `step` [s]."""
     columns = [name.partition("[")[0] if arrays else name for name in names]
     lines = [",".join(f'"{name}"' for name in ("time", *dict.fromkeys(columns)))]
     for k, row in enumerate(rows):
         cells = {}
         for name, value in zip(columns, row, strict=True):
             cells.setdefault(name, []).append(text_of(value, digits))
-        lines.append(",".join([f"{k * STEP:.10g}", *map(" ".join, cells.values())]))
+        lines.append(",".join([f"{k * step:.10g}", *map(" ".join, cells.values())]))
     return "\n".join(lines) + "\n"

@@ -7,13 +7,14 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from tetherfmu.libraries.examples import EXAMPLES, example
+from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.resources import OPTIONS_FILE
 
 from .archive import DESCRIPTION, pack, seal, write_archive, write_package
 from .documents import ASSETS, NO_PACKAGES, filled, of_every_fmu, style_and_tables
 
-FOLDER = EXAMPLES / "fmus"
+FOLDER, WIND = EXAMPLES / "fmus", PACKAGE / "wind"
 SLAVES = {  # name: script
     "PointMassKite": "point_mass_kite.py",
     "FlyingKite": "flying_kite.py",
@@ -45,7 +46,9 @@ def build(name, folder, starts=(), files_inside=()):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     script = FOLDER / SLAVES[name]
-    modules = sorted(each for each in FOLDER.glob("*.py") if each not in (script, FOLDER / "__init__.py"))
+    modules = sorted(
+        each for folder in (FOLDER, WIND) for each in folder.glob("*.py") if each not in (script, folder / "__init__.py")
+    )
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
         shipped = write_package(resources, name, script, modules=modules)

@@ -21,7 +21,7 @@ from . import host_header, native_description, native_description_fmi3
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
 from .build_options import BuildOptions
 from .documents import documents
-from .native_arrays import arrays
+from .native_arrays import arrays_at, places_of
 from .native_tables import header
 from .universal import universal
 
@@ -41,15 +41,11 @@ def build(name, folder, options=None, fmi=2, with_header=False):
     script, variant = SLAVES[name]
     given = DEFAULT_OPTIONS | options.as_dict()
     about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, given["about"]]))
-    kernels, files = kernels_of(variant, options.platforms), {}
+    kernels, files = kernels_of(library_of(variant), options.platforms), {}
     if fmi == 3:
         files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, given)).encode("utf-8")
     files |= documents(name, variant, about, options, native=fmi)
-    describe, tabulate = writers(name, variant, about, given, fmi)
-    shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
-    token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
-    files[DESCRIPTION] = describe(token).encode("utf-8")
-    files |= binaries(name, kernels, tabulate(token), fmi)
+    token = complete(files, name, kernels, writers(name, variant, about, given, fmi), fmi)
     made = write(files, folder, name, options.purpose)
     if with_header:
         table, shape_points = table_of(variant, given), given["shape_points"]
@@ -58,9 +54,22 @@ def build(name, folder, options=None, fmi=2, with_header=False):
     return made
 
 
-def kernels_of(variant, platforms):
-    """Object files (bytes) of the kernels of a variant: dict by platform."""
-    library = library_of(variant)
+def complete(files, name, kernels, texts, fmi, is_system=False):
+    """Add model description and libraries to the files of an FMU (modified); returns its token.
+
+    texts : functions of the token that give the model description and `tables.h`.  kernels : as of `kernels_of`.
+    is_system : whether it is that of a system of tethers.
+    """
+    describe, tabulate = texts
+    shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
+    token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
+    files[DESCRIPTION] = describe(token).encode("utf-8")
+    files |= binaries(name, kernels, tabulate(token), fmi, is_system)
+    return token
+
+
+def kernels_of(library, platforms):
+    """Object files (bytes) of the kernels of a library: dict by platform."""
     folder = ready.folders([library], platforms)[library]
     return {platform: (folder / object_name(platform)).read_bytes() for platform in platforms}
 
@@ -71,25 +80,34 @@ def writers(name, variant, about, given, fmi):
     given : `BuildOptions.as_dict` with its defaults.
     """
     table, shape_points = table_of(variant, given), given["shape_points"]
-    writer, widths = native_description, None
-    if fmi == 3:
-        writer = native_description_fmi3
-        widths = {array.reference: len(array.variables) for array in arrays(table, shape_points)}
-    describe = partial(writer.text, name, about, table, shape_points, given["step"])
-    return describe, partial(header, variant, table, shape_points, widths)
+    places = places_of(table, shape_points)
+    describe = partial(writer_of(fmi).text, name, about, table, places, given["step"])
+    return describe, partial(header, variant, table, shape_points, widths_of(table, places, fmi))
 
 
-def binaries(name, kernels, tables, fmi):
+def writer_of(fmi):
+    """Module that writes the model description of a version of FMI."""
+    return native_description_fmi3 if fmi == 3 else native_description
+
+
+def widths_of(table, places, fmi):
+    """Of FMI 3, which has arrays: dict of value reference to number of values; None for FMI 2."""
+    if fmi == 2:
+        return None
+    return {array.reference: len(array.variables) for array in arrays_at(table, places)}
+
+
+def binaries(name, kernels, tables, fmi, is_system=False):
     """The libraries of an FMU: dict of path in the archive to bytes.
 
-    kernels : dict of platform to object file (bytes).  tables : text of `tables.h`.
+    kernels : dict of platform to object file (bytes).  tables : text of `tables.h`.  is_system : as of `complete`.
     """
     exported = functions_of(fmi)
     made = {}
     for platform, content in kernels.items():
         system = platform.partition("-")[2]
         file = f"{name}{SUFFIXES[system]}"
-        library = native_library(content, file, platform, tables, fmi, HEADERS, exported)
+        library = native_library(content, file, platform, tables, fmi, HEADERS, exported, is_system)
         path = f"binaries/{platform}/{file}"
         if fmi == 2 and (system == "darwin" or f"binaries/{SYSTEMS_OF_FMI2[system]}/{file}" not in made):
             path = f"binaries/{SYSTEMS_OF_FMI2[system]}/{file}"

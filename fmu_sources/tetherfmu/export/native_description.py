@@ -5,7 +5,6 @@ from xml.etree.ElementTree import Element, SubElement
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import STOP_TIME, number_text, structure, types, units, variables
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
-from tetherfmu.runtime.variables import references
 
 from .archive import GENERATED
 from .xml_text import xml_text
@@ -22,6 +21,7 @@ CAPABILITIES = {
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "true",
 }
+LESS = dict.fromkeys(("canInterpolateInputs", "providesDirectionalDerivative"), "false")
 CATEGORIES = {
     "logStatusWarning": "what is implausible; it was done",
     "logStatusDiscard": "steps that were refused; the state does not change",
@@ -29,19 +29,20 @@ CATEGORIES = {
 }
 
 
-def text(name, about, table, shape_points, step, token):
+def text(name, about, table, places, step, token, more=True):
     """Text of modelDescription.xml.
 
-    name : of the FMU.  about : description of the model.  table : of `variables.Variable`.  step : communication step of
-    the default experiment [s].  token : the guid.
+    name : of the FMU.  about : description of the model.  table : of `variables.Variable`, with their `places`, which are
+    `native_arrays.Places`.  step : communication step of the default experiment [s].  token : the guid.  more : whether it
+    has derivatives of inputs and outputs.
     """
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
-    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
     root.append(units(table))
     root.append(types(table))
     root.append(categories())
     root.append(experiment(step))
-    root.append(variables(table, references(table, shape_points)))
+    root.append(variables(table, places.references))
     root.append(structure(table))
     return xml_text(root)
 

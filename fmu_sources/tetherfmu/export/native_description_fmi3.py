@@ -3,15 +3,14 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime.inputs import inputs_of
-from tetherfmu.runtime.model_description import attributes, items, units
+from tetherfmu.runtime.model_description import attributes, enumerations, items, units
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import Variable
 
 from .documents import meaning
-from .native_arrays import Array, arrays
+from .native_arrays import Array, arrays_at
 from .native_description import categories, experiment, facts
-from .native_tables import count_of_values
 from .xml_text import xml_text
 
 CAPABILITIES = {
@@ -25,22 +24,23 @@ CAPABILITIES = {
     "mightReturnEarlyFromDoStep": "false",
     "hasEventMode": "false",
 }
+LESS = {"providesDirectionalDerivatives": "false"}
 TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
 TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
 TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
 
 
-def text(name, about, table, shape_points, step, token):
+def text(name, about, table, places, step, token, more=True):
     """Text of modelDescription.xml; the arguments are those of `native_description.text`."""
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(name, about))
-    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
     root.append(units((*table, TIME)))
     root.append(_types(table))
     root.append(categories())
     root.append(experiment(step))
-    listed = arrays(table, shape_points)
+    listed = arrays_at(table, places)
     variables = SubElement(root, "ModelVariables")
-    for array in (*listed, Array(TIME.name, count_of_values(table, shape_points), (), (TIME,))):
+    for array in (*listed, Array(TIME.name, places.count, (), (TIME,))):
         variables.append(_variable(array))
     root.append(_structure(listed))
     return xml_text(root)
@@ -67,9 +67,8 @@ def terminals(table):
 
 def _types(table):
     element = Element("TypeDefinitions")
-    for variable in table:
-        if variable.kind == "Enumeration":
-            SubElement(element, "EnumerationType", name=variable.name).extend(items(variable))
+    for name, variable in enumerations(table).items():
+        SubElement(element, "EnumerationType", name=name).extend(items(variable))
     return element
 
 

@@ -42,51 +42,55 @@ def header(variant, table, shape_points, widths, token):
             "/* Made by export/native_tables.py. */",
             "#ifndef TABLES_H",
             "#define TABLES_H",
-            *_constants(variant, token),
+            *constants(variant, library_of(variant), token, BY_NAME[variant]),
             *_inputs(wind_points_in(table)),
             *_sizes(table, shape_points),
             *_parameters(table),
-            *_variables(table, shape_points, widths),
-            *_sentences(),
+            *of_lines([""], ["PARAMETERS_AT + DIAMETER"]),
+            *variable_texts(table, references(table, shape_points), widths, count_of_values(table, shape_points)),
+            *sentence_texts(),
             "#endif",
             "",
         ]
     )
 
 
-def _enumerated(numbers):
+def c_enumeration(numbers):
+    """A C enumeration of a dict of name to number."""
     return "enum { " + ", ".join(f"{name} = {value}" for name, value in numbers.items()) + " };"
 
 
-def _texts(name, texts):
+def c_texts(name, texts):
+    """An array of texts in C."""
     return f"static const char *const {name}[] = {{\n    " + ",\n    ".join(map(c_text, texts)) + "};"
 
 
-def _constants(variant, token):
-    """Names of the layout with AT_ in front, and what this variant is."""
+def constants(variant, library, token, record=None):
+    """Names of the layout with AT_ in front, and what this variant is; record : its `Variant`, None for a system."""
     places = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, int)}
     fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
     defined = {
         **fractions,
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "THICK": parameters.THICK,
-        "FREE_KITE": int(BY_NAME[variant].kite_is_free),
-        "HAS_KINK": int(BY_NAME[variant].has_kink),
+        "SYSTEM": int(record is None),
+        "FREE_KITE": int(record is not None and record.kite_is_free),
+        "HAS_KINK": int(record is None or record.has_kink),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
         "VARIANT": c_text(variant),
         "MAGIC": c_text(saved_state.MAGIC.decode()),
         "TOKEN": c_text(token),
-        "KERNEL(verb)": f"{library_of(variant)}_##verb",
+        "KERNEL(verb)": f"{library}_##verb",
     }
     phases = ("BEFORE", "INITIALIZING", "STEPPING", "TERMINATED")
     kinds = {name.upper() if name != "parameter" else "PARAMETER_KIND": bit for name, bit in KINDS.items()}
     ranges = ",\n    ".join(f"{{{place}, {low!r}, {high!r}}}" for place, (low, high) in saved_state.STATE_RANGES.items())
     return [
-        _enumerated(places),
+        c_enumeration(places),
         *(f"#define {name} {value}" for name, value in defined.items()),
-        f"typedef {_enumerated({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
-        _enumerated({**kinds, "INDEPENDENT": INDEPENDENT}),
+        f"typedef {c_enumeration({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
+        c_enumeration({**kinds, "INDEPENDENT": INDEPENDENT}),
         "static const struct { int place; double lowest, highest; } STATE_RANGE[] = {\n    " + ranges + "};",
     ]
 
@@ -96,9 +100,9 @@ def _inputs(wind_points):
     listed = (*inputs.INPUT_TABLE, *(wind_points * (inputs.WIND_AT,)))
     scales = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
     return [
-        _enumerated({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
-        _numbers("unsigned char INPUT_SCALE", scales),
-        _texts("INPUT_NAME", input_names(wind_points)),
+        c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
+        c_numbers("unsigned char INPUT_SCALE", scales),
+        c_texts("INPUT_NAME", input_names(wind_points)),
     ]
 
 
@@ -109,7 +113,7 @@ def _sizes(table, shape_points):
     sizes = {"INPUTS": layout.inputs_size(points), "OUTPUTS_AT": layout.inputs_size(points), "WIND_POINTS": points}
     sizes |= {"PARAMETERS_AT": parameters_at(shape_points, points)}
     sizes |= {"PARAMETERS": _count_of_parameters(table), "SHAPE_POINTS": shape_points, "VALUES": values, "TIME": values}
-    lines = [_enumerated(sizes)]
+    lines = [c_enumeration(sizes)]
     for name in _SIZES:
         size = partial(layout.state_size, wind_points=points) if name == "state_size" else getattr(layout, name)
         base = size(0)
@@ -123,18 +127,29 @@ def _parameters(table):
     listed = [variable for variable in table if variable.causality == PARAMETER]
     first = [each for each in listed if not each.name.endswith(("[2]", "[3]"))]
     numbers = {each.name.removesuffix("[1]").upper(): each.place for each in first}
+    return [c_enumeration(numbers), *declared_texts(listed)]
+
+
+def declared_texts(listed):
+    """Names of the parameters, and what is allowed."""
     rows = [f"    {{{c_text(each.name)}, {c_text(each.quantity.range())}, {KINDS[each.kind]}}}" for each in listed]
     return [
-        _enumerated(numbers),
         "typedef struct { const char *name, *range; int kind; } Parameter;",
         "static const Parameter PARAMETER[] = {\n" + ",\n".join(rows) + "};",
     ]
 
 
-def _variables(table, shape_points, widths):
-    """Kind, width and start value by value reference; last the time."""
-    at = references(table, shape_points)
-    count = count_of_values(table, shape_points)
+def of_lines(names, diameters):
+    """Names of the lines, of which a tether has one without a name, and value references of their diameters, as texts."""
+    return [
+        c_enumeration({"LINES": len(names)}),
+        c_texts("LINE_NAME", names),
+        f"static const unsigned DIAMETER_AT[] = {{{', '.join(diameters)}}};",
+    ]
+
+
+def variable_texts(table, at, widths, count):
+    """Kind, width and start value by value reference, of which there are so many; last the time. at : of the table."""
     kinds, starts = [0] * count, [0.0] * count
     for reference, variable in zip(at, table, strict=True):
         starts[reference] = float(variable.start or 0.0)
@@ -142,13 +157,14 @@ def _variables(table, shape_points, widths):
             kinds[reference] = KINDS[variable.kind] | KINDS[variable.causality]
     wide = [(widths or {}).get(reference, 1) for reference in range(count)]
     return [
-        _numbers("unsigned char KIND", [*kinds, 0 if widths is None else KINDS["Real"] | INDEPENDENT]),
-        _numbers("unsigned short WIDTH", [*wide, 1]),
-        _numbers("double START", starts),
+        c_numbers("unsigned char KIND", [*kinds, 0 if widths is None else KINDS["Real"] | INDEPENDENT]),
+        c_numbers("unsigned short WIDTH", [*wide, 1]),
+        c_numbers("double START", starts),
     ]
 
 
-def _numbers(name, numbers):
+def c_numbers(name, numbers):
+    """An array of numbers in C; name : with their type in front."""
     starts = range(0, len(numbers), NUMBERS_IN_A_LINE)
     lines = [", ".join(map(repr, numbers[i : i + NUMBERS_IN_A_LINE])) for i in starts]
     return f"static const {name}[] = {{\n    " + ",\n    ".join(lines) + "};"
@@ -163,7 +179,7 @@ def _with(sentence, known):
     return re.sub(r"\{(\w+)[^}]*\}", filled, sentence).replace("!r}", "}")
 
 
-def _sentences():
+def sentence_texts():
     """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
     limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
@@ -173,7 +189,7 @@ def _sentences():
     return [
         *(f"#define {name} {value!r}" for name, value in limits.items()),
         *(f"#define {name} {c_text(_with(sentence, {}))}" for name, sentence in own.items()),
-        _texts("KERNEL_SENTENCE", kernel),
-        _texts("WARNING_SENTENCE", warnings),
-        _texts("PHASE", refusals.PHASES),
+        c_texts("KERNEL_SENTENCE", kernel),
+        c_texts("WARNING_SENTENCE", warnings),
+        c_texts("PHASE", refusals.PHASES),
     ]

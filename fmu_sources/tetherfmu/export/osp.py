@@ -26,14 +26,9 @@ def model_description(table):
     table : of `variables.Variable`.
     """
     units = {variable.name: variable.quantity.unit for variable in table}
-    root = Element("OspModelDescription", xmlns=NAMESPACE, version="1.0")
-    groups = SubElement(root, "VariableGroups")
+    root, groups = _root()
     for end, force in (("kite", "load" if "kite_load[1]" in units else "force"), ("ground", "force")):
-        port = Element("Generic", name=end)
-        for kind, what in (("Force", force), ("LinearVelocity", "velocity"), ("LinearDisplacement", "position")):
-            _vector(port, kind, f"{end}_{what}", units, f"{end}_{what}")
-        if len(port):
-            groups.append(port)
+        _port(groups, end, units, f"{end}_", force)
     if "wind_at[1,1]" not in units:  # which replaces it, and has no group
         _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for kind, group, name in (
@@ -44,6 +39,42 @@ def model_description(table):
         if name in units:
             SubElement(SubElement(groups, kind, name=group), "Variable", ref=name, unit=units[name])
     return xml_text(root)
+
+
+def model_description_of_system(structure, table):
+    """Text of the file of a system: a Generic group for each point, as for the end of a tether, and a group for the wind.
+
+    The force of a free point is its load.  structure : `system_variables.Structure`.  table : of `variables.Variable`.
+    """
+    units = {variable.name: variable.quantity.unit for variable in table}
+    root, groups = _root()
+    for point in structure.points:
+        _port(groups, point.name, units, f"{point.name}.", "load" if point.is_free else "force")
+    _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
+    for line in structure.lines:
+        name = f"{line.name}.reel_out_speed"
+        SubElement(
+            SubElement(groups, "LinearVelocity", name=f"{line.name}_reel_out"), "Variable", ref=name, unit=units[name]
+        )
+    return xml_text(root)
+
+
+def _root():
+    """The root of a file, and its element of groups."""
+    root = Element("OspModelDescription", xmlns=NAMESPACE, version="1.0")
+    return root, SubElement(root, "VariableGroups")
+
+
+def _port(groups, name, units, prefix, force):
+    """Add the group of force, velocity and position of an end or a point (`groups` is modified), unless the FMU has none.
+
+    prefix : before these words in the names of the variables.  force : the word for the force.
+    """
+    port = Element("Generic", name=name)
+    for kind, what in (("Force", force), ("LinearVelocity", "velocity"), ("LinearDisplacement", "position")):
+        _vector(port, kind, f"{name}_{what}", units, f"{prefix}{what}")
+    if len(port):
+        groups.append(port)
 
 
 def _vector(parent, kind, group, units, vector):

@@ -2,7 +2,8 @@
 
 Seven: segments and pack, for each line; complete, which makes the plan (`runtime/system_layout.py`); initialize, advance,
 outputs, fly. They return statuses (`status.py`), segments and fly a number. What a status is about stands in the plan at
-STATUS_LINE; INPUT_NOT_FINITE about ALL_LINES carries the number of a free point, whose load it is about.
+STATUS_LINE; INPUT_NOT_FINITE about ALL_LINES carries the number of a free point, whose load it is about, and
+NO_EQUILIBRIUM_OF_POINT that of the point.
 """
 
 from numba import carray, types
@@ -96,7 +97,8 @@ def complete(plan):
 def initialize(plan, parameters, inputs, state, before, outputs, work):
     """First states and outputs of all lines (both modified), left as they were on any status but OK.
 
-    Free points start where the inputs of their lines say, as driven ones.  before (modified) : room for all states.
+    Free points start where the inputs of their lines say, as driven ones; where the plan says that a point is sought, its
+    position is found and written there (inputs modified).  before (modified) : room for all states.
     """
     p = plan_at(plan)
     system = system_at(p, parameters, carray(inputs, p[places.INPUTS_SIZE]), state, work)

@@ -73,12 +73,16 @@ class Instance:
             parameters[at.WIND_POINTS], parameters[at.WIND_PROFILE] = self.wind_points, at.AT_NODES
         if segments != self.segments:
             self.segments = segments
-            self.state = zeros(at.state_size(segments, self.wind_points))
+            self.state = zeros(self.state_size(segments))
             self.before = zeros(len(self.state))
             self.work = zeros(self.kernels.work_size(segments))
         self._parameters_address = address(self.parameters)
         self._state_address, self._before_address = address(self.state), address(self.before)
         self._work_address = address(self.work)
+
+    def state_size(self, segments):
+        """Length of the state array of so many segments."""
+        return at.state_size(segments, self.wind_points)
 
     def start(self):
         """Find the first shape between the ends that the inputs give. Returns what is wrong, or None."""
@@ -141,15 +145,23 @@ class Instance:
             name=f"{name} at the start" if free and place in _KITE_MOTION else name,
             value=self.values[place],
             step=step,
-            reel_out_speed=self.values[at.REEL_OUT_SPEED],
-            winch_force=self.values[at.WINCH_FORCE],
-            winch_length=self.values[at.WINCH_LENGTH],
-            friction=self.parameters[at.WINCH_FRICTION],
-            shortest_stop=self.parameters[at.SHORTEST_LENGTH],
-            longest_stop=inf if self.parameters[at.LONGEST_LENGTH] == at.NO_STOP else self.parameters[at.LONGEST_LENGTH],
-            length=self.state[at.LENGTH],
-            distance=dist(*(self.values[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
-            relative_tolerance=self.parameters[at.RELATIVE_TOLERANCE],
-            fixed_step=self.parameters[at.FIXED_STEP],
-            budget=at.ITERATION_BUDGET // self.segments,
+            **facts_of(self.values, self.parameters, self.state[at.LENGTH], self.segments),
         )
+
+
+def facts_of(inputs, parameters, length, segments):
+    """What the sentence of a status may ask for, a dict; inputs, parameters : arrays.  length : unstretched now [m]."""
+    longest = parameters[at.LONGEST_LENGTH]
+    return {
+        "reel_out_speed": inputs[at.REEL_OUT_SPEED],
+        "winch_force": inputs[at.WINCH_FORCE],
+        "winch_length": inputs[at.WINCH_LENGTH],
+        "friction": parameters[at.WINCH_FRICTION],
+        "shortest_stop": parameters[at.SHORTEST_LENGTH],
+        "longest_stop": inf if longest == at.NO_STOP else longest,
+        "length": length,
+        "distance": dist(*(inputs[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),
+        "relative_tolerance": parameters[at.RELATIVE_TOLERANCE],
+        "fixed_step": parameters[at.FIXED_STEP],
+        "budget": at.ITERATION_BUDGET // segments,
+    }

@@ -78,11 +78,20 @@ def units(table):
 def types(table):
     """TypeDefinitions: the enumerations of a table of variables."""
     element = Element("TypeDefinitions")
-    for variable in table:
-        if variable.kind == "Enumeration":
-            simple = SubElement(element, "SimpleType", name=variable.name)
-            SubElement(simple, "Enumeration").extend(items(variable))
+    for name, variable in enumerations(table).items():
+        simple = SubElement(element, "SimpleType", name=name)
+        SubElement(simple, "Enumeration").extend(items(variable))
     return element
+
+
+def type_name(variable):
+    """Name of the type of an enumeration: that of the variable, without that of its line."""
+    return variable.name.rpartition(".")[2]
+
+
+def enumerations(table):
+    """Names of the types of enumerations of a table of variables, and one variable of each: dict."""
+    return {type_name(variable): variable for variable in table if variable.kind == "Enumeration"}
 
 
 def items(variable):
@@ -104,7 +113,7 @@ def attributes(name, reference, meaning, elements):
     if first.causality in _INITIAL:
         found["initial"] = _INITIAL[first.causality]
     if first.kind == "Enumeration":
-        found["declaredType"] = first.name
+        found["declaredType"] = type_name(first)
     if first.kind == "Real" and declared.unit:
         quantity, _, nominal = UNITS[declared.unit]
         found |= {"quantity": quantity, "unit": declared.unit}

@@ -1,7 +1,6 @@
 """The slave of every tether: `base_slave.BaseSlave` around an `Instance` with its compiled kernels."""
 
 from array import array
-from functools import partial
 from pathlib import Path
 
 from . import layout, refusals, saved_state, status, variables
@@ -21,11 +20,18 @@ class TetherSlave(BaseSlave):
     """A tether as a PythonFMU slave. A variant is a subclass that sets `variant` and `description`."""
 
     variant = None
+    library = None  # with its kernels; None for that of the variant
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         options = options_in(self.resources)
         self._about = options["about"]
+        self._importer_tolerance = 0.0
+        self._doubts = ()
+        self.make(options)
+
+    def make(self, options):
+        """Make the table of variables and the instance from build options."""
         self._kite_is_free = BY_NAME[self.variant].kite_is_free
         table = variables.table_of(self.variant, options)
         self._parameter_names = variables.names_of(table, variables.PARAMETER)
@@ -33,14 +39,12 @@ class TetherSlave(BaseSlave):
         self._instance = Instance(self._kernels(), points[0], len(self._parameter_names), points[1])
         references = variables.references(table, options["shape_points"])
         self.declare(table, self._instance.values, references, options["step"])
-        self._importer_tolerance = 0.0
-        self._doubts = ()
 
     def _kernels(self):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""
         self._no_kernels = None
         try:
-            return load(Path(self.resources or ".") / KERNELS_FOLDER, library_of(self.variant))
+            return load(Path(self.resources or ".") / KERNELS_FOLDER, self.library or library_of(self.variant))
         except OSError as error:
             self._no_kernels = str(error)
             return None
@@ -116,8 +120,7 @@ class TetherSlave(BaseSlave):
 
     def _saved(self, blob):
         """The `SavedState` in bytes; ValueError says what is wrong with them."""
-        size = partial(layout.state_size, wind_points=self._instance.wind_points)
-        return saved_state.from_bytes(blob, self.variant, len(self.values), size)
+        return saved_state.from_bytes(blob, self.variant, len(self.values), self._instance.state_size)
 
     def _take(self, saved):
         """Be as in a `SavedState`; ValueError, half done, if its numbers cannot be used.
@@ -147,9 +150,9 @@ class TetherSlave(BaseSlave):
         if self._no_kernels:
             raise ValueError(f"cannot be used: {self._no_kernels}")
         try:
-            segments, parameters = self._packed(saved.values, saved.tolerance)
+            packed = self._packed(saved.values, saved.tolerance)
         except ValueError as error:
             raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=error)) from None
-        if segments != saved.segments:
+        if packed[0] != saved.segments:
             raise ValueError(refusals.STATE_DAMAGED)
-        return segments, parameters
+        return packed

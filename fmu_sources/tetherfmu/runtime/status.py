@@ -30,6 +30,9 @@ WINCH_PUSHES = 19
 NO_LENGTH = 20
 # of the ground
 GROUND_WITHOUT_GRAVITY = 21
+# of a system
+NO_EQUILIBRIUM_OF_POINT = 22
+NO_POINT_IS_GIVEN = 23
 
 SENTENCES = {
     OK: "done",
@@ -92,6 +95,11 @@ SENTENCES = {
         "{step} s (tether_length {length} m); give the winch a winch_mass, winch_damping or a longest_length, or set "
         "input_continuation to 2 (held) where winch_force jumps"
     ),
+    NO_EQUILIBRIUM_OF_POINT: (
+        "no equilibrium was found of the free point {name}; check the positions of the driven points, the loads, "
+        "initial_length and axial_stiffness of the lines, or give a position where it starts"
+    ),
+    NO_POINT_IS_GIVEN: "no point of the system is driven or has a position: give one where it starts",
 }
 
 LIMITS = {  # in the sentences

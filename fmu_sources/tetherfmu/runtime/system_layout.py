@@ -42,7 +42,9 @@ PARAMETERS_AT = 4  # its first place in `parameters`, `state`, `outputs` and `wo
 STATE_AT = 5
 OUTPUTS_AT = 6
 WORK_AT = 7
-LINE_NUMBERS = 8
+START_IS_SOUGHT = 8  # given: 1 if `initialize` is to find where the free point at its start is in equilibrium, else 0
+END_IS_SOUGHT = 9  # given; all lines at a point say the same
+LINE_NUMBERS = 10
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

@@ -1,8 +1,7 @@
 """The flat arrays of a system, and what moves them: the single tethers of its lines, and the kernels for all at once.
 
 The library for systems packs the parameters of each line, completes the plan (`runtime/system_layout.py`), starts, moves and
-observes all lines. The dynamic tethers beside it (`runtime.instance`), one for each line, say why something was refused, and
-find the equilibrium of free points (`start.py`).
+observes all lines. The dynamic tethers beside it (`runtime.instance`), one for each line, say why something was refused.
 """
 
 import numpy as np
@@ -13,16 +12,15 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.inputs import PLACES
-from tetherfmu.runtime.instance import OUTPUTS_AT, Instance
+from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.packing import pack_line
-from tetherfmu.runtime.parameters import Winch, numbers_of
+from tetherfmu.runtime.parameters import numbers_of
 from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.system_variables import ENDS, input_name
 from tetherfmu.runtime.variables import INPUT_NAMES
 
 from .ordering import ordered
-
-ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 
 
 class Arrays:
@@ -60,7 +58,7 @@ class Arrays:
         masses = [0.0 if end.is_driven or end.name in carried else end.mass for end in ends]
         carried.update(end.name for end in ends)
         free = [not end.is_driven for end in ends]
-        numbers = numbers_of(tethers, environment, solver, Winch(), ground)
+        numbers = numbers_of(tethers, environment, solver, line.winch, ground)
         try:
             packed = pack_line(self._kernels, numbers, len(tethers), free, masses)
         except ValueError as problem:
@@ -73,7 +71,7 @@ class Arrays:
         """The plan; band : of the matrix of the free points."""
         self.plan = np.zeros(places.plan_size(len(self.lines)), dtype=np.int64)
         self.plan[[places.LINES, places.FREE_POINTS, places.BAND]] = len(self.lines), len(self.free), band
-        rows = self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
+        rows = self._line_rows()
         for row, line, instance in zip(rows, self.lines, self.instances, strict=True):
             ends = [self.free.index(name) if name in self.free else places.DRIVEN for name in (line.start, line.end)]
             given = [places.SEGMENTS, places.START_POINT, places.END_POINT, places.SHAPE_POINTS]
@@ -83,9 +81,11 @@ class Arrays:
         self.outputs_at = [*rows[:, places.OUTPUTS_AT].tolist(), int(self.plan[places.OUTPUTS_SIZE])]
 
     def topology(self):
-        """Copy of the plan without what the kernels write there."""
+        """Copy of the plan without what the kernels write there, and which points the start has found."""
         found = self.plan.copy()
         found[places.STATUS_LINE] = 0
+        rows = found[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
+        rows[:, [places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = 0
         return found
 
     def point(self, name):
@@ -113,29 +113,21 @@ class Arrays:
         own = state[..., self.states_at[k] + at.STATE_HEADER : self.states_at[k + 1]]
         return own.reshape(*own.shape[:-1], 2, self.instances[k].segments + 1, 3)
 
-    def forces_at_rest(self, k, ends):
-        """Forces [N] of line k at rest on its start and its end, (2, 3), with these there [m], (2, 3); None if it has none.
+    def start(self, sought):
+        """Find the first shapes of all lines; StepRefused, and no array but the inputs is changed, if there are none.
 
-        Wind and unstretched length are those of the inputs; the state of its instance is modified.
+        sought : names of free points whose positions are found, and set among the inputs.
         """
-        instance = self.instances[k]
-        values = np.frombuffer(instance.values)
-        values[: at.INPUTS] = self.rows[k]
-        values[at.GROUND_POSITION : at.GROUND_POSITION + 3], values[at.KITE_POSITION : at.KITE_POSITION + 3] = ends
-        shape = instance.parameters[at.INITIAL_SHAPE]
-        instance.parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
-        problem = instance.start()
-        instance.parameters[at.INITIAL_SHAPE] = shape
-        found = values[OUTPUTS_AT:]
-        places_of_forces = (at.GROUND_FORCE, at.KITE_FORCE)
-        return None if problem else np.array([found[place : place + 3] for place in places_of_forces])
-
-    def start(self):
-        """Find the first shapes of all lines; StepRefused, and no array but the inputs is changed, if there are none."""
+        for row, line in zip(self._line_rows(), self.lines, strict=True):
+            row[[places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = line.start in sought, line.end in sought
         found = self._kernels.initialize(*self._addresses(self.plan, self.parameters, self.inputs), *self._results())
         if found != OK:
             k = int(self.plan[places.STATUS_LINE])
             raise StepRefused(self.sentence(found, 0.0, k, at_start=True), found)
+
+    def _line_rows(self):
+        """View of what the plan says about each line, a row for each."""
+        return self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
 
     def _addresses(self, *arrays):
         """Addresses of arrays."""
@@ -182,19 +174,13 @@ class Arrays:
         np.frombuffer(instance.values)[: at.INPUTS] = self.rows[max(k, 0)]
         length = self.of_line(max(k, 0))[at.LENGTH]
         instance.state[at.LENGTH] = instance.parameters[at.INITIAL_LENGTH] if at_start else length
+        if status.code(result) == status.NO_EQUILIBRIUM_OF_POINT:
+            return status.sentence(result, name=self.free[status.index(result)])
         if status.code(result) == status.INPUT_NOT_FINITE:
             if k == places.ALL_LINES:
                 point = status.index(result)
                 return status.sentence(result, name=f"{self.free[point]}.load", value=self.loads[point].tolist())
             place = status.index(result)
-            return status.sentence(result, name=self._input_name(INPUT_NAMES[place], k), value=instance.values[place])
+            return status.sentence(result, name=input_name(INPUT_NAMES[place], self.lines[k]), value=instance.values[place])
         said = instance.sentence(result, step)
         return said if k == places.ALL_LINES else f"the line {self.lines[k].name}: {said}"
-
-    def _input_name(self, name, k):
-        """Name of an input of line k as an input of the system: "kite_position[1]" is "KITE.position[1]"."""
-        line = self.lines[k]
-        for end, point in zip(ENDS, (line.start, line.end), strict=True):
-            if name.startswith(f"{end}_"):
-                return f"{point}.{name.removeprefix(f'{end}_')}"
-        return f"{line.name}.{name}" if name.startswith(("reel", "winch")) else name

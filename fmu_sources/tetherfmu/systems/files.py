@@ -10,7 +10,7 @@ from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
-from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether
+from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.quantities import quantities, quantity
 
 from .records import Line, Point, check_system, checked_name
@@ -46,7 +46,7 @@ class TableOfPoint:
 
 
 @dataclass(frozen=True)
-class TableOfLine(Tether):
+class TableOfLine(Winch, Tether):
     """What a file says of a line, beside its points and its material."""
 
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
@@ -125,8 +125,13 @@ def line_of(name, table):
     others = {key: value for key, value in table.items() if key not in ("from", "to", "material")}
     given = {key: value_of(TableOfLine, key, value, f"{section}.") for key, value in others.items()}
     speed = given.pop("reel_out_speed", 0.0)
+    of_winch = {key: given.pop(key) for key, _ in quantities(Winch) if key in given}
+    try:
+        winch = Winch(**of_winch)
+    except ValueError as error:
+        raise ValueError(f"{section}.{error}") from None
     tether = tether_in(table, given, section)
-    return Line(name, table["from"], table["to"], tether, speed)
+    return Line(name, table["from"], table["to"], tether, speed, winch)
 
 
 def tether_in(table, given, section):

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tetherfmu import arguments
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import FreeKite, Tether
+from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
 
 Vector = tuple[float, float, float]
 
@@ -95,6 +96,8 @@ class Line:
         A sequence of them is joined in series, from the start to the end.
     reel_out_speed : float
         Rate of the unstretched length [m/s] at the start; positive pays out.
+    winch : Winch
+        What the winch at the start of the line is told, and its drum.
 
     Examples
     --------
@@ -107,9 +110,11 @@ class Line:
     end: str
     tether: Tether | Sequence[Tether] = Tether()  # noqa: RUF009 (a constant record)
     reel_out_speed: float = 0.0
+    winch: Winch = Winch()  # noqa: RUF009
 
     def __post_init__(self):
         checked_name("line", self.name)
+        arguments.record_of("Line", self.winch, Winch)
         if self.start == self.end:
             raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
         if not abs(self.reel_out_speed) <= at.LARGEST_INPUT:

@@ -14,10 +14,11 @@ from tetherfmu import arguments
 from tetherfmu.results import PlausibilityWarning, StepRefused, outputs_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
+from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
-from . import files, start
+from . import files
 from .arrays import Arrays
 from .records import Line, Point, check_system
 from .results import PointOutputs, SystemFlown, SystemOutputs
@@ -120,6 +121,8 @@ class TetherSystem:
         velocities: Vectors | None = None,
         loads: Vectors | None = None,
         reel_out_speeds: Mapping[str, float] | None = None,
+        winch_forces: Mapping[str, float] | None = None,
+        winch_lengths: Mapping[str, float] | None = None,
     ) -> SystemOutputs:
         """Start with the points where their records say, each line with the `initial_shape` between its two points.
 
@@ -135,7 +138,11 @@ class TetherSystem:
         loads : dict of str to (3,) array
             External force [N] on free points; 0 where none is given.
         reel_out_speeds : dict of str to float
-            Other reel-out speeds [m/s] of lines than those of their records.
+            Other reel-out speeds [m/s] of lines than those of their records; winches that are told a force or a length start
+            with them.
+        winch_forces, winch_lengths : dict of str to float
+            Forces [N] with which winches pull, from the first step on, and unstretched lengths [m] that they have paid out,
+            of lines that are told these (`Winch.winch_control`); 0 where none is given: a length of 0 is `initial_length`.
 
         Returns
         -------
@@ -155,15 +162,18 @@ class TetherSystem:
         if not set(wanted) <= set(self._arrays.free):
             raise ValueError(f"{next(iter(set(wanted) - set(self._arrays.free)))} is no free point: give its position")
         velocities = {**{each.name: each.velocity for each in self.points}, **(velocities or {})}
-        speeds = {**{line.name: line.reel_out_speed for line in self.lines}, **(reel_out_speeds or {})}
+        none = {line.name: 0.0 for line in self.lines}
+        winches = {
+            "reel_out_speed": {**{line.name: line.reel_out_speed for line in self.lines}, **(reel_out_speeds or {})},
+            "winch_force": {**none, **(winch_forces or {})},
+            "winch_length": {**none, **(winch_lengths or {})},
+        }
         loads = {**dict.fromkeys(self._arrays.free, (0.0, 0.0, 0.0)), **(loads or {})}
         before = self._arrays.inputs.copy()
         try:
             given = {name: position for name, position in positions.items() if position is not None}
-            self._set(given, velocities, loads, speeds, wind_velocity, at_start=True)
-            if wanted and np.all(np.isfinite(self._arrays.inputs)):  # otherwise the start names what is not
-                self._set(start.find(self._arrays, wanted), {}, {}, {}, None, at_start=True)
-            self._arrays.start()
+            self._set(given, velocities, loads, winches, wind_velocity, at_start=True)
+            self._arrays.start(wanted)
         except ValueError:
             self._arrays.inputs[:] = before
             raise
@@ -180,6 +190,8 @@ class TetherSystem:
         loads: Vectors | None = None,
         reel_out_speeds: Mapping[str, float] | None = None,
         wind_velocity: ArrayLike | None = None,
+        winch_forces: Mapping[str, float] | None = None,
+        winch_lengths: Mapping[str, float] | None = None,
     ) -> SystemOutputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
@@ -195,6 +207,9 @@ class TetherSystem:
             Of lines, by name [m/s].
         wind_velocity : (3,) array
             Wind [m/s] at `wind_reference_height`.
+        winch_forces, winch_lengths : dict of str to float
+            Of lines whose winches are told these, by name: forces with which they pull [N], unstretched lengths that they
+            should have paid out [m].
 
         Returns
         -------
@@ -211,7 +226,8 @@ class TetherSystem:
         self._check_started()
         before = self._arrays.inputs.copy()
         try:
-            self._set(positions or {}, velocities or {}, loads or {}, reel_out_speeds or {}, wind_velocity)
+            winches = _winches(reel_out_speeds, winch_forces, winch_lengths)
+            self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity)
             step = arguments.number("step", step, "s")
             result = self._arrays.advance(step)
             if result != status.OK:
@@ -232,6 +248,8 @@ class TetherSystem:
         reel_out_speeds: Vectors | None = None,
         wind_velocity: ArrayLike | None = None,
         every: int = 1,
+        winch_forces: Vectors | None = None,
+        winch_lengths: Vectors | None = None,
     ) -> SystemFlown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
@@ -241,8 +259,8 @@ class TetherSystem:
             How many.
         step : float
             Communication step [s].
-        positions, velocities, loads, reel_out_speeds, wind_velocity
-            As for `step`, each constant or with one row for each step: (steps, 3) arrays, (steps,) of a reel-out speed.
+        positions, velocities, loads, reel_out_speeds, wind_velocity, winch_forces, winch_lengths
+            As for `step`, each constant or with one row for each step: (steps, 3) arrays, (steps,) of a winch.
         every : int
             A row is kept after every so many steps; 0 for none.
 
@@ -262,8 +280,8 @@ class TetherSystem:
         steps, every = arguments.whole("steps", steps), arguments.whole("every", every)
         step = arguments.number("step", step, "s")
         inputs = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
-        given = positions or {}, velocities or {}, loads or {}, reel_out_speeds or {}, wind_velocity
-        self._set(*given, inputs=inputs)
+        winches = _winches(reel_out_speeds, winch_forces, winch_lengths)
+        self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, inputs=inputs)
         began = perf_counter()
         done, kept = self._arrays.fly(inputs, step, every)
         seconds = perf_counter() - began
@@ -375,9 +393,10 @@ class TetherSystem:
             positions[line.name] = arrays.nodes(k, states)[:, 0].copy()
         return SystemFlown(self._points(states, values), values, positions, seconds)
 
-    def _set(self, positions, velocities, loads, speeds, wind_velocity, *, inputs=None, at_start=False):
+    def _set(self, positions, velocities, loads, winches, wind_velocity, *, inputs=None, at_start=False):
         """Set those inputs that are given, by name; ValueError if a name does not exist or a value has another shape.
 
+        winches : names of inputs of winches, with values by the names of lines.
         inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : of free points, too.
         """
         whole = self._arrays.inputs if inputs is None else inputs
@@ -400,9 +419,10 @@ class TetherSystem:
                 )
             whole[..., first : first + 3] = load
         names = [line.name for line in self.lines]
-        for name, value in speeds.items():
-            _check_known("reel_out_speed of a line", name, names)
-            rows[names.index(name)][..., at.REEL_OUT_SPEED] = _numbers(f"{name}.reel_out_speed", value, (), steps)
+        for what, given in winches.items():
+            for name, value in given.items():
+                _check_known(f"{what} of a line", name, names)
+                rows[names.index(name)][..., PLACES[what]] = _numbers(f"{name}.{what}", value, (), steps)
         if wind_velocity is not None:
             wind = _numbers("wind_velocity", wind_velocity, (3,), steps)
             for row in rows:
@@ -424,6 +444,11 @@ class TetherSystem:
             for sentence in plausibility.sentences(state, self._warned[k]):
                 warn(f"the line {line.name}: {sentence}", PlausibilityWarning, stacklevel=3)
             self._warned[k] |= plausibility.kinds(state)
+
+
+def _winches(speeds, forces, lengths):
+    """Inputs of winches that are given, by name, each by the names of lines."""
+    return {"reel_out_speed": speeds or {}, "winch_force": forces or {}, "winch_length": lengths or {}}
 
 
 def _check_known(what, name, names):

@@ -103,3 +103,9 @@ def varying_air(height, parameters):
     factor, wind_slope = wind_factor(height, parameters)
     density, density_slope = air_density(height, parameters)
     return factor, density, wind_slope, density_slope
+
+
+@lanewise
+def varying_density(height, parameters):
+    """Density [kg/m3] at a height [m] and its slope [kg/m4]; pairs for a pair of heights."""
+    return air_density(height, parameters)

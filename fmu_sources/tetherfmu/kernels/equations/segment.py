@@ -29,7 +29,7 @@ from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
 from ..linear_algebra.pairs import broadcast, larger, select
 from ..linear_algebra.vectors import add, add_scaled, cross, dot, scale, sub
-from .air import varying_air
+from .air import varying_air, varying_density
 from .properties import has_node_winds, node_wind, property_of, rest_length
 
 # places in the record of derivatives, see `assembly.record_of`
@@ -92,11 +92,12 @@ def air_of(chain, s, height):
     if chain.air_is_uniform:
         density, zero = broadcast((chain.parameters[at.AIR_DENSITY], 0.0), height)
         return broadcast(chain.wind, height), density, (zero, zero, zero), zero
-    factor, density, wind_slope, density_slope = varying_air(height, chain.parameters)
-    wind = scale(factor, chain.wind)
     if has_node_winds(chain):
-        wind = scale(0.5, add(node_wind(chain, s, 0), node_wind(chain, s, 1)))
-    return wind, density, scale(wind_slope, chain.wind), density_slope
+        density, density_slope = varying_density(height, chain.parameters)
+        zero = 0.0 * density
+        return scale(0.5, add(node_wind(chain, s, 0), node_wind(chain, s, 1))), density, (zero, zero, zero), density_slope
+    factor, density, wind_slope, density_slope = varying_air(height, chain.parameters)
+    return scale(factor, chain.wind), density, scale(wind_slope, chain.wind), density_slope
 
 
 @kernel

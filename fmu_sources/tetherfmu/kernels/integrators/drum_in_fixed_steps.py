@@ -19,7 +19,8 @@ from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at
 from ..equations.properties import property_of
 from ..equations.winch import NEUTRAL
 from . import backward_euler, secant
-from .moving_drum import chain_with, first_tension, project
+from .drum_step import chain_with, first_tension
+from .moving_drum import project
 
 MOST_EVALUATIONS = 40  # of the tension for one step
 MOST_REELED = 0.1  # part of the length by which it changes between two of them

@@ -8,15 +8,20 @@ of one line takes the steps of a single tether.
 from math import ceil, inf, nan
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
 from . import system_step
+from .drum_step import chain_with
+from .moving_drum import SMALLEST_PIECE
+from .rodas4p import GAMMA
 from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, next_step
-from .system_step import apply_changes, collect_changes, end_velocities, integrator_of, moves, whole_masses
+from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
+from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves
+from .system_step import apply_changes, collect_changes, end_velocities, whole_masses
 
 
 @kernel
@@ -25,6 +30,20 @@ def larger(a, b):
     if a >= b:
         return a
     return b if b > a else nan
+
+
+@kernel
+def error_of_line(system, k, time, h):
+    """Error of the step of h [s] to a time [s] of the communication step in line k, over what is allowed [-]."""
+    conditions, room = conditions_of(system, k), integrator_of(system, k)
+    _, v = motion_of(system, k)
+    if not has_drum(system, k):
+        return error_of_step(conditions, chain_during(conditions, time), h, v, room.w)
+    error = error_of_drum(system, k)
+    if error < inf and has_free_nodes(system, k):
+        chain = chain_with(conditions, room.numbers[NEW_LENGTH], room.numbers[NEW_SPEED])
+        error = larger(error, error_of_step(conditions, chain, h, v, room.w))
+    return error
 
 
 @kernel
@@ -40,11 +59,7 @@ def error_of_lines(system, time, h):
         if moves(system, k):
             whole_masses(system, k)
             before = end_velocities(system, k)
-            conditions = conditions_of(system, k)
-            _, v = motion_of(system, k)
-            error = larger(
-                error, error_of_step(conditions, chain_during(conditions, time), h, v, integrator_of(system, k).w)
-            )
+            error = larger(error, error_of_line(system, k, time, h))
             collect_changes(system, k, before)
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -74,9 +89,10 @@ def work_of(system):
 
 @kernel
 def integrate(system, duration):
-    """Advance all lines (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
+    """Advance the lines (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
 
-    Returns a status: OK, STEP_BUDGET_SPENT or STEP_TOO_SMALL.
+    Solver memory and counters stand in the state of the first line; drums have their lengths and speeds in the states of
+    their lines. Returns a status: OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL or, about a line, NO_LENGTH.
     """
     memory = state_of(system, 0)
     time = 0.0
@@ -84,29 +100,53 @@ def integrate(system, duration):
     budget = at.WORK_BUDGET // work_of(system)
     tried = 0
     rejected_before = False
+    drums = begin_drums(system)
+    is_new = True  # whether a piece begins
+    piece, weight = inf, 1.0
+    beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
     while time < duration:
         if tried >= budget:
             return STEP_BUDGET_SPENT
         if h < SMALLEST_STEP * duration:
             return STEP_TOO_SMALL
         tried += 1
+        if drums and is_new:
+            if not turn_drums(system, time, duration):
+                return NO_LENGTH
+            is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
         rest = duration - time
         left = ceil(rest / h - 1e-6)
         h_now = rest / left if left > 1.0 else rest
+        whole = not (left > 1.0 or piece < h_now)
+        h_now = min(h_now, piece)
         error = inf
         if system_step.step(system, time, h_now):
             error = error_of_lines(system, time + h_now, h_now)
-        if error <= 1.0:
-            time = time + h_now if left > 1.0 else duration
-            accept(system)
-            h = next_step(h, h_now, error, last_error, rejected_before)
-            last_error = error
-            rejected_before = False
-            memory[at.STEPS] += 1.0
-        else:
+        if error <= 1.0 and drums and not project_drums(system, time + h_now, GAMMA * h_now):
+            error = inf
+        if not error <= 1.0:
             rejected_before = True
             h = cut(h_now, error)
             memory[at.REJECTIONS] += 1.0
+            continue
+        if drums:
+            before_event = part_to_event(system, time, h_now, weight)
+            if before_event < inf and h_now > SMALLEST_PIECE * duration:
+                piece = h_now * before_event
+                weight *= 0.5  # if the next piece is too long again, the one after it will not be
+                beyond = time + h_now
+                memory[at.REJECTIONS] += 1.0
+                continue
+            if before_event < inf:
+                beyond = 0.0
+            accept_drums(system)
+            is_new = True
+        time = duration if whole else time + h_now
+        accept(system)
+        h = next_step(h, h_now, error, last_error, rejected_before)
+        last_error = error
+        rejected_before = False
+        memory[at.STEPS] += 1.0
     memory[at.SOLVER_STEP] = h
     memory[at.SOLVER_ERROR] = last_error
     return OK

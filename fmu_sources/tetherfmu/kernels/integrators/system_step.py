@@ -14,16 +14,11 @@ F at a stage counts times the mass of the start over that of the stage, as in a 
 whole point: `share_forces` gives each line its part.
 """
 
-from collections import namedtuple
-
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind
-from ..compilation import kernel, part, view
-from ..equations import winch
+from ..compilation import kernel
 from ..equations.boundary import chain_during
 from ..equations.lines import (
-    CONDITIONS,
     add_at,
     band_of,
     clear,
@@ -34,65 +29,24 @@ from ..equations.lines import (
     motion_of,
     point_at,
     points_of,
-    room_of,
     segments_of,
 )
 from ..equations.properties import point_mass
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.points import factorize_band, place_in, row_size, solve_band
+from ..linear_algebra.points import add_block, factorize_band, solve_band
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
-from . import rosenbrock
-from .rodas4p import ALPHA, STAGES
-
-Room = namedtuple("Room", "w columns")
-Room.__doc__ = (
-    """Scratch arrays of a line: `rosenbrock.Workspace`, and the columns of its ends (`linear_algebra.condensed`)."""
-)
-
-
-@kernel
-def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, so that pairs lie within a line of the cache."""
-    size = CONDITIONS + rosenbrock.workspace_size(n) + condensed.columns_size(n)
-    return size + size % 2
-
-
-@view
-def integrator_of(system, k):
-    """`Room` of line k."""
-    n, room = segments_of(system, k), behind(CONDITIONS, room_of(system, k))
-    own = rosenbrock.workspace_size(n)
-    return Room(rosenbrock.workspace(n, part(room, 0, own)), part(room, own, condensed.columns_size(n)))
-
-
-@kernel
-def is_free(system, k, end):
-    """Whether the start (end 0) or the end (1) of line k is a free point."""
-    return point_at(system, k, end) != places.DRIVEN
-
-
-@kernel
-def moves(system, k):
-    """Whether any node of line k moves freely."""
-    return segments_of(system, k) > 1 or is_free(system, k, 0) or is_free(system, k, 1)
-
-
-@kernel
-def is_any_reeling(system):
-    """Whether the unstretched length of any line changes in the step."""
-    reeling = 0
-    for k in range(lines_of(system)):
-        reeling += winch.is_reeling(conditions_of(system, k).reeling)
-    return reeling > 0
-
+from . import rosenbrock, system_drums
+from .rodas4p import ALPHA, GAMMA_I, STAGES
+from .system_drums import conditions_in_step
+from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, is_free, moves, turns
 
 # --- the matrix of a step
 
 
 @kernel
 def prepare(system, time, h):
-    """Matrices of a step of all lines, condensed, and that of the points, factorized; False if one is singular."""
+    """Matrices of a step of all lines, condensed, and that of the points; False if one is singular."""
     points = points_of(system)
     clear(points.matrix)
     clear(points.mass)
@@ -102,6 +56,17 @@ def prepare(system, time, h):
             form_line(system, k, time, h)
             if not condense_line(system, k, points):
                 return False
+    return True
+
+
+@kernel
+def factorize(system, time, h):
+    """Factor the matrix of the points, with the drums that turn, once the forces of stage 0 are known; False: singular."""
+    points = points_of(system)
+    if is_any_turning(system):
+        place_loads(system, 0, False, h, points)
+        if not system_drums.place_drums(system, time, h):
+            return False
     return factorize_band(3 * free_points(system), band_of(system), points.matrix, points.pivots)
 
 
@@ -109,7 +74,10 @@ def prepare(system, time, h):
 def form_line(system, k, time, h):
     """Matrix of a step of line k into its scratch space, see `rosenbrock.form`."""
     x, v = motion_of(system, k)
-    rosenbrock.form(conditions_of(system, k), time, h, x, v, integrator_of(system, k).w)
+    if turns(system, k):
+        system_drums.form_with_drum(system, k, time, h)
+    else:
+        rosenbrock.form(conditions_in_step(system, k), time, h, x, v, integrator_of(system, k).w)
     add_masses(system, k, time)
 
 
@@ -142,22 +110,13 @@ def condense_line(system, k, points):
     return True
 
 
-@kernel
-def add_block(b, row, column, block, matrix):
-    """Add a 3x3 block that couples two points to a matrix of the band b (modified)."""
-    place = place_in(b, 3 * row, 3 * column)
-    for i in range(3):
-        for j in range(3):
-            matrix[place + (row_size(b) - 1) * i + j] += block[3 * i + j]
-
-
 # --- a stage
 
 
 @kernel
 def start_stage(system, k, stage, time, h):
     """Argument and forces of a stage of line k into its scratch space, up to what `rosenbrock.right_hand_side` needs."""
-    conditions, w = conditions_of(system, k), integrator_of(system, k).w
+    conditions, w = conditions_in_step(system, k), integrator_of(system, k).w
     now = time + ALPHA[stage] * h
     rosenbrock.combine(stage, h, w)
     ends, driven = rosenbrock.curves_of(conditions)
@@ -166,6 +125,18 @@ def start_stage(system, k, stage, time, h):
     rosenbrock.stage_force(conditions, chain_during(conditions, now), now, w)
     if stage == 0:
         rosenbrock.take_force_rate(conditions, time, w)
+
+
+@kernel
+def start_stages(system, stage, time, h):
+    """`start_stage` of all lines; False if a drum has no length."""
+    for k in range(lines_of(system)):
+        if turns(system, k):
+            if not system_drums.start_stage_with_drum(system, k, stage, time, h):
+                return False
+        elif moves(system, k):
+            start_stage(system, k, stage, time, h)
+    return True
 
 
 @kernel
@@ -210,14 +181,13 @@ def reduce_line(system, k, stage, h, points):
 
 
 @kernel
-def expand_line(system, k, stage, points):
+def expand_line(system, k, points):
     """Solution of a stage of line k from that of the points, into its scratch space."""
     n, room = segments_of(system, k), integrator_of(system, k)
     for end in range(2):
         point = point_at(system, k, end)
         put(room.w.q, n * end, ZERO_VECTOR if point == places.DRIVEN else get(points.right, point))
     condensed.expand(n, is_free(system, k, 0), is_free(system, k, 1), room.columns, room.w.q)
-    rosenbrock.take_velocities(n, stage, room.w)
 
 
 @kernel
@@ -233,25 +203,33 @@ def stage_masses(system, stage):
 
 
 @kernel
-def place_loads(system, reels, points):
-    """Loads on the free points [N] at a stage as right-hand side of the points (modified)."""
+def place_loads(system, stage, reels, h, points):
+    """Loads on the free points [N] at a stage as right-hand side of the points (modified), over masses as all forces."""
     for point in range(free_points(system)):
-        part_of_mass = points.mass[point] / points.stage_mass[point] if reels else 1.0
-        put(points.right, point, scale(part_of_mass, load_on(system, point)))
+        part_of_load = 1.0
+        if reels:
+            mass = points.mass[point]
+            part_of_load = mass / points.stage_mass[point] - GAMMA_I[stage] * h * points.mass_rate[point] / mass
+        put(points.right, point, scale(part_of_load, load_on(system, point)))
 
 
 @kernel
-def solve_stage(system, stage, reels, h):
+def solve_stage(system, stage, reels, time, h):
     """Solve a stage of all lines whose forces are known; the velocities go to their places."""
     points = points_of(system)
-    place_loads(system, reels, points)
+    place_loads(system, stage, reels, h, points)
     for k in range(lines_of(system)):
-        if moves(system, k):
+        if turns(system, k):
+            system_drums.reduce_line_with_drum(system, k, stage, time, h, points)
+        elif moves(system, k):
             reduce_line(system, k, stage, h, points)
     solve_band(3 * free_points(system), band_of(system), points.matrix, points.pivots, points.right)
     for k in range(lines_of(system)):
         if moves(system, k):
-            expand_line(system, k, stage, points)
+            expand_line(system, k, points)
+            if turns(system, k):
+                system_drums.turn_drum(system, k, stage, time, h)
+            rosenbrock.take_velocities(segments_of(system, k), stage, integrator_of(system, k).w)
             if stage >= STAGES - 2:
                 rosenbrock.add_stage(segments_of(system, k), stage, h, integrator_of(system, k).w)
 
@@ -266,15 +244,18 @@ def step(system, time, h):
         return False
     reels = is_any_reeling(system)
     for stage in range(STAGES):
-        for k in range(lines_of(system)):
-            if moves(system, k):
-                start_stage(system, k, stage, time, h)
+        if not start_stages(system, stage, time, h):
+            return False
         if reels:
             stage_masses(system, stage)
-        solve_stage(system, stage, reels, h)
+        if stage == 0 and not factorize(system, time, h):
+            return False
+        solve_stage(system, stage, reels, time, h)
     for k in range(lines_of(system)):
         if moves(system, k):
             rosenbrock.take_result(conditions_of(system, k), time + h, integrator_of(system, k).w)
+            if has_drum(system, k):
+                system_drums.take_drum(system, k, h)
     return True
 
 

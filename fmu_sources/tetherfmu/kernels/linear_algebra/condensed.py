@@ -42,11 +42,17 @@ def condense(n, start_is_free, end_is_free, matrix, columns):
         return True
     if not factorize(1, n - 1, matrix):
         return False
+    find_all_columns(n, start_is_free, end_is_free, matrix, columns)
+    return True
+
+
+@kernel
+def find_all_columns(n, start_is_free, end_is_free, matrix, columns):
+    """Columns of the free ends (modified) of a `Matrix` of two or more rows whose inner rows are factorized."""
     if start_is_free:
         find_columns(n, 0, get_matrix(matrix.lower, 9), matrix, columns_of(n, 0, columns))
     if end_is_free:
         find_columns(n, 1, get_matrix(matrix.upper, 9 * (n - 1)), matrix, columns_of(n, 1, columns))
-    return True
 
 
 @kernel

@@ -8,7 +8,7 @@ near numbers (`systems/ordering.py`), in proportion to the number of lines.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., algorithm 4.3.1 with the pivots of section 4.3.3.
 """
 
-from math import inf
+from math import inf, sqrt
 
 from ..compilation import kernel
 
@@ -23,6 +23,15 @@ def row_size(b):
 def place_in(b, i, j):
     """Place of the number in row i and column j of a matrix with the band b."""
     return row_size(b) * i + (j - i + b)
+
+
+@kernel
+def add_block(b, row, column, block, matrix):
+    """Add a 3x3 block that couples two points to a matrix of the band b (modified)."""
+    place = place_in(b, 3 * row, 3 * column)
+    for i in range(3):
+        for j in range(3):
+            matrix[place + (row_size(b) - 1) * i + j] += block[3 * i + j]
 
 
 @kernel
@@ -83,3 +92,23 @@ def solve_band(m, b, matrix, pivots, right):
         for j in range(i + 1, min(i + 2 * b + 1, m)):
             total -= matrix[place_in(b, i, j)] * right[j]
         right[i] = total / matrix[place_in(b, i, i)]
+
+
+@kernel
+def is_positive_definite(m, b, matrix, shift, factors):
+    """Whether the symmetric part of a matrix, plus a shift of its diagonal, has Cholesky factors: into `factors` (modified).
+
+    Source: Golub and Van Loan, algorithm 4.3.5.
+    """
+    for i in range(m):
+        for j in range(max(0, i - b), i + 1):
+            rest = 0.5 * (matrix[place_in(b, i, j)] + matrix[place_in(b, j, i)])
+            for k in range(max(0, i - b), j):
+                rest -= factors[place_in(b, i, k)] * factors[place_in(b, j, k)]
+            if j < i:
+                factors[place_in(b, i, j)] = rest / factors[place_in(b, j, j)]
+            elif rest + shift > 0.0:
+                factors[place_in(b, i, i)] = sqrt(rest + shift)
+            else:
+                return False
+    return True

@@ -14,7 +14,7 @@ from ..equations.ground import under
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, straighten
-from ..integrators import drum_in_fixed_steps, moving_drum, second_order, step_control
+from ..integrators import drum_in_fixed_steps, drum_step, moving_drum, second_order, step_control
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
 from ..step.plausibility import note_stiff_and_slack
@@ -23,7 +23,7 @@ from ..step.plausibility import note_stiff_and_slack
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(newton.workspace_size(n), moving_drum.workspace_size(n), second_order.workspace_size(n))
+    return max(newton.workspace_size(n), drum_step.workspace_size(n), second_order.workspace_size(n))
 
 
 @kernel
@@ -71,9 +71,9 @@ def advance(n, parameters, given, before, state, work):
             else:
                 status = second_order.integrate(conditions, given.step, state, x, v, b)
         elif has_drum:
-            status = moving_drum.integrate(conditions, given.step, state, x, v, moving_drum.workspace(n, work))
+            status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:
-            w = moving_drum.workspace(n, work).chain
+            w = drum_step.workspace(n, work).chain
             status = step_control.integrate(conditions, given.step, state, x, v, w)
         if parameters[at.FIXED_STEP] == 0.0:
             note_stiff_and_slack(chain_of(n, parameters, state), x, state)

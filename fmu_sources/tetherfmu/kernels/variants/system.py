@@ -26,21 +26,20 @@ from ..equations.lines import (
     store_conditions,
 )
 from ..equations.properties import chain_of
-from ..equilibrium import compressed_chain, end_tensions, newton
-from ..integrators import system_control, system_step
+from ..equilibrium import compressed_chain, end_tensions
+from ..integrators import system_control, system_room
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_stiff_and_slack
-from . import dynamic
+from . import dynamic, resting_line, resting_points
 
 # --- the plan
 
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, see `system_step.line_work_size`."""
-    size = newton.workspace_size(n)
-    return max(system_step.line_work_size(n), size + size % 2)
+    """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
+    return max(system_room.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
@@ -60,7 +59,8 @@ def complete_plan(plan):
         work += line_work_size(n)
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.POINTS_WORK] = work
-    work += points_size(plan[places.FREE_POINTS], plan[places.BAND])
+    points, band = plan[places.FREE_POINTS], plan[places.BAND]
+    work += points_size(points, band) + resting_points.search_size(points, band)
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
     plan[places.INPUTS_SIZE] = at.INPUTS * plan[places.LINES] + 3 * plan[places.FREE_POINTS]
@@ -108,10 +108,13 @@ def start_line(system, k):
 def initialize(system, before, outputs):
     """First states of all lines and their outputs (both modified), as they were on any status but OK.
 
-    before (modified) : room for all states.  The plan (modified) says which line a status is about.
+    Points that are sought get their positions first, see `resting_points.py`.  before (modified) : room for all states.
+    The plan (modified) says which line a status is about.
     """
     copy(system.state, before)
     status = check_loads(system)
+    if status == OK:
+        status = resting_points.find(system)
     for k in range(lines_of(system)):
         if status == OK:
             system.plan[places.STATUS_LINE] = k

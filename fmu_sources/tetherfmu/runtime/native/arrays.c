@@ -1,7 +1,6 @@
 /* The arrays of the kernels, and the calls of the kernels. */
 #include "arrays.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +31,7 @@ Arrays *make_arrays(const double *values)
 static Fact fact_of(const char *key, const double *given, int number)
 {
     double value = given[number];
-    return PARAMETER[number].kind != REAL && value == floor(value) ? whole(key, value) : real(key, value);
+    return PARAMETER[number].kind != REAL && is_integer(value) ? whole(key, value) : real(key, value);
 }
 
 /* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
@@ -66,7 +65,7 @@ void free_arrays(Arrays *arrays)
 }
 
 /* First shape for the inputs in `values`, which get its outputs; returns the kernel's status. */
-int32_t first_shape(const Arrays *arrays, double *values)
+int32_t first_shape(Arrays *arrays, double *values)
 {
 #if FREE_KITE
     memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, KITE_MOTION * sizeof(double));
@@ -77,7 +76,7 @@ int32_t first_shape(const Arrays *arrays, double *values)
 
 /* One communication step [s] of the state with the inputs in `values`, which get its outputs; `before` gets the state of
 before. Returns the kernel's status: where that is not 0, state and outputs are as they were. */
-int32_t do_step(const Arrays *arrays, double step, double *before, double *values)
+int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 {
     return KERNEL(advance)(
         arrays->segments, arrays->parameters, values, step, arrays->state, before, SHAPE_POINTS, values + OUTPUTS_AT,
@@ -85,8 +84,32 @@ int32_t do_step(const Arrays *arrays, double step, double *before, double *value
 }
 
 /* Outputs in `values` that belong to the state; returns the kernel's status. */
-int32_t take_outputs(const Arrays *arrays, double *values)
+int32_t take_outputs(Arrays *arrays, double *values)
 {
     return KERNEL(outputs)(
         arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
+}
+
+double *state_of(const Arrays *arrays, int line)
+{
+    return arrays->state;
+}
+
+size_t state_size_of(const Arrays *arrays, int line)
+{
+    return STATE_SIZE(arrays->segments);
+}
+
+/* What the status of a kernel means for a step [s], with the inputs and the unstretched length of now, into `text`. */
+void sentence_of(
+    char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step, bool at_start)
+{
+    int place = index_of(result);
+    fill_sentence(text, result, step, (About){
+        .name = INPUT_NAME[place],
+        .value = values[place],
+        .inputs = values,
+        .parameters = arrays->parameters,
+        .length = arrays->state[AT_LENGTH],
+        .segments = arrays->segments});
 }

@@ -1,16 +1,22 @@
-/* The arrays of layout.py for one tether, and all that is done with the kernels. */
+/* The arrays of layout.py for one tether, or those of all lines of a system, and all that is done with the kernels. */
 #ifndef ARRAYS_H
 #define ARRAYS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
+#include "messages.h"
 #include "tables.h"
 
 enum { KITE_MOTION = 6 }; /* components of the position and the velocity of the kite end, which follow each other */
 
 typedef struct {
-    int64_t segments;
+    int64_t segments; /* in all lines */
+#if SYSTEM
+    int64_t plan[PLAN_SIZE];  /* of system_layout.py */
+    double *given, *found;    /* inputs and outputs of the kernels */
+#endif
     double *parameters, *state, *work;
     double *before; /* the state before the last step that was done */
     double *spare;  /* room for the state before the next one */
@@ -22,8 +28,25 @@ typedef struct {
 Arrays *make_arrays(const double *values);
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem);
 void free_arrays(Arrays *arrays);
-int32_t first_shape(const Arrays *arrays, double *values);
-int32_t do_step(const Arrays *arrays, double step, double *before, double *values);
-int32_t take_outputs(const Arrays *arrays, double *values);
+int32_t first_shape(Arrays *arrays, double *values);
+int32_t do_step(Arrays *arrays, double step, double *before, double *values);
+int32_t take_outputs(Arrays *arrays, double *values);
+double *state_of(const Arrays *arrays, int line);
+size_t state_size_of(const Arrays *arrays, int line);
+void sentence_of(
+    char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step, bool at_start);
+
+/* --- sentences.c */
+
+typedef struct {
+    const char *name; /* of the input or parameter that a status is about */
+    double value;
+    const double *inputs, *parameters;
+    double length; /* unstretched [m] */
+    int64_t segments;
+} About;
+
+bool is_integer(double value);
+void fill_sentence(char text[LONGEST_TEXT], int32_t result, double step, About about);
 
 #endif

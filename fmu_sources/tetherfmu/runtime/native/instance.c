@@ -7,7 +7,6 @@
 
 #include "derivatives.h"
 #include "finite.h"
-#include "kernels.h"
 
 const char AN_INSTANCE = 0, A_SAVED_STATE = 0;
 const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
@@ -74,7 +73,7 @@ void to_start_values(Instance *instance)
     instance->values[TIME] = 0.0;
     instance->phase = BEFORE;
     instance->stop_is_defined = instance->warned_of_time = false;
-    instance->warned = 0;
+    memset(instance->warned, 0, sizeof instance->warned);
     instance->tolerance = instance->start_time = 0.0;
     instance->time = NAN;
 }
@@ -140,50 +139,40 @@ Status terminate(Instance *instance)
 /* Say that a diameter was probably given in millimetres. */
 static Status warn_of_diameter(const Instance *instance)
 {
-    double diameter = instance->values[PARAMETERS_AT + DIAMETER];
-    if (!(diameter > THICK)) return OK;
-    return say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
+    for (int k = 0; k < LINES; k++) {
+        double diameter = instance->values[DIAMETER_AT[k]];
+        if (diameter > THICK)
+            return say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
+    }
+    return OK;
 }
 
-/* Say what has been implausible since the start, each once. */
-static Status warn(Instance *instance)
+/* Say what has been implausible since the start in a line, each once. */
+static Status warn_of_line(Instance *instance, int line)
 {
-    uint32_t noted = (uint32_t)instance->arrays->state[AT_WARNINGS], new = noted & ~instance->warned;
-    instance->warned |= noted;
+    const double *state = state_of(instance->arrays, line);
+    uint32_t noted = (uint32_t)state[AT_WARNINGS], new = noted & ~instance->warned[line];
+    char text[LONGEST_TEXT];
+    instance->warned[line] |= noted;
     for (int kind = 0; kind < AT_WARNING_KINDS; kind++) {
-        double value = instance->arrays->state[AT_WARNED_VALUES + kind];
-        if (new >> kind & 1)
-            say(instance, WARNING, WARNING_SENTENCE[kind],
-                FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0))));
+        double value = state[AT_WARNED_VALUES + kind];
+        if (!(new >> kind & 1)) continue;
+        fill_in(text, sizeof text, WARNING_SENTENCE[kind],
+            FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0))));
+        say(instance, WARNING, SYSTEM ? "the line {line}: {text}" : "{text}",
+            FACTS(word("line", LINE_NAME[line]), word("text", text)));
     }
     return new ? WARNING : OK;
 }
 
-/* What the status of a kernel means for a step [s], with the inputs and the unstretched length of now, into `text`. */
-static void sentence_of(
-    char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step)
+static Status warn(Instance *instance)
 {
-    int place = index_of(result);
-    double square = 0.0, longest = arrays->parameters[AT_LONGEST_LENGTH];
-    for (int i = 0; i < 3; i++) {
-        double way = values[AT_KITE_POSITION + i] - values[AT_GROUND_POSITION + i];
-        square += way * way;
+    Status status = OK;
+    for (int k = 0; k < LINES; k++) {
+        Status warned = warn_of_line(instance, k);
+        if (warned > status) status = warned;
     }
-    fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[code_of(result)], FACTS(
-        word("name", INPUT_NAME[place]),
-        real("value", values[place]),
-        real("step", step),
-        real("reel_out_speed", values[AT_REEL_OUT_SPEED]),
-        real("winch_force", values[AT_WINCH_FORCE]),
-        real("winch_length", values[AT_WINCH_LENGTH]),
-        real("friction", arrays->parameters[AT_WINCH_FRICTION]),
-        real("shortest_stop", arrays->parameters[AT_SHORTEST_LENGTH]),
-        real("longest_stop", longest == AT_NO_STOP ? INFINITY : longest),
-        real("length", arrays->state[AT_LENGTH]),
-        real("distance", sqrt(square)),
-        real("relative_tolerance", arrays->parameters[AT_RELATIVE_TOLERANCE]),
-        real("fixed_step", arrays->parameters[AT_FIXED_STEP]),
-        whole("budget", (double)(AT_ITERATION_BUDGET / arrays->segments))));
+    return status;
 }
 
 /* Go on with other arrays and their values. */
@@ -206,12 +195,12 @@ Status start(Instance *instance, Status refusal)
     }
     int32_t result = first_shape(arrays, arrays->values);
     if (result) {
-        sentence_of(problem, arrays, arrays->values, result, 0.0);
+        sentence_of(problem, arrays, arrays->values, result, 0.0, true);
         free_arrays(arrays);
         return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
     }
     take_arrays(instance, arrays);
-    instance->warned = 0;
+    memset(instance->warned, 0, sizeof instance->warned);
     return OK;
 }
 
@@ -265,7 +254,7 @@ Status advance(Instance *instance, double time, double step)
     int32_t result = do_step(arrays, step, arrays->spare, instance->values);
     if (result) {
         char problem[LONGEST_TEXT];
-        sentence_of(problem, arrays, instance->values, result, step);
+        sentence_of(problem, arrays, instance->values, result, step, false);
         return say(instance, DISCARD, STEP_REFUSED, FACTS(real("time", time), word("problem", problem)));
     }
     remember(arrays, instance->values);

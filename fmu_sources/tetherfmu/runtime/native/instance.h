@@ -22,7 +22,7 @@ struct Instance {
     const char *call; /* the FMI function that runs, for messages */
     Phase phase;
     bool stop_is_defined, warned_of_time;
-    uint32_t warned;              /* what was implausible and has been said, as bits */
+    uint32_t warned[LINES];       /* what was implausible and has been said of each line, as bits */
     double tolerance;             /* the importer's, 0 for none */
     double time;                  /* end of the last step [s], NaN before the first */
     double start_time, stop_time; /* [s] */

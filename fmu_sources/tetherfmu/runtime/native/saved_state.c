@@ -186,7 +186,8 @@ static const char *problem_of_state(Arrays *arrays, const Head *head, const doub
     if (arrays->segments != (int64_t)head->segments) return STATE_DAMAGED;
     size_t size = STATE_SIZE(arrays->segments);
     memcpy(arrays->state, state, size * sizeof(double));
-    if (!is_possible(arrays->state, size)) return STATE_IMPOSSIBLE;
+    for (int k = 0; k < LINES; k++)
+        if (!is_possible(state_of(arrays, k), state_size_of(arrays, k))) return STATE_IMPOSSIBLE;
     if (take_outputs(arrays, arrays->values)) return STATE_IMPOSSIBLE;
     return NULL;
 }
@@ -215,7 +216,7 @@ static Status restore_arrays(Instance *instance, const Head *head, const double 
         return refuse_state(instance, wrong);
     }
     take_arrays(instance, arrays);
-    instance->warned |= (uint32_t)arrays->state[AT_WARNINGS];
+    for (int k = 0; k < LINES; k++) instance->warned[k] |= (uint32_t)state_of(arrays, k)[AT_WARNINGS];
     return OK;
 }
 

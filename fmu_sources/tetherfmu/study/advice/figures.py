@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from tetherfmu.console.colours import COLOUR
+from tetherfmu.console.colours import BLUE, COLOUR, VERMILLION
 from tetherfmu.runtime.variants import VARIANTS, class_name
 
 from .reasons import LEVELS as THRESHOLD_LEVELS
@@ -51,6 +51,20 @@ def draw(points, own_error, scene, path):
     names = ", ".join(scene.wanted.outputs)
     axis.set(xlabel=f"error of {names} [%]", ylabel="kernel time per simulated second [µs]", title=scene.name)
     axis.legend(frameon=False, fontsize=8)
+    figure.savefig(path, dpi=100, metadata={"Software": None})
+
+
+def draw_wind(scene, path):
+    """Wind of a box over time: speed at the kite, mean along the tether, and between its slowest and fastest point."""
+    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    axis, wind = figure.subplots(), scene.wind_at(scene.every)
+    speed, mean = np.linalg.norm(wind, axis=2), np.linalg.norm(np.trapezoid(wind, axis=1), axis=1) / (scene.wind_points - 1)
+    time = scene.every * np.arange(len(wind))
+    axis.fill_between(time, speed.min(axis=1), speed.max(axis=1), color="0.85", linewidth=0.0, label="all points")
+    axis.plot(time, mean, color=BLUE, label="mean along the tether")
+    axis.plot(time, speed[:, -1], color=VERMILLION, label="at the kite")
+    axis.set(xlabel="time [s]", ylabel="wind speed [m/s]", title=scene.name, ylim=(0.0, 1.25 * speed.max()))
+    axis.legend(frameon=False, fontsize=8, ncols=3, loc="upper left")
     figure.savefig(path, dpi=100, metadata={"Software": None})
 
 

@@ -15,6 +15,7 @@ from tetherfmu.study.measuring.tables import factor, page, percent
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load
 from tetherfmu.study.scenes.flights import KINDS
 from tetherfmu.study.scenes.standard import SEED, random_scenes
+from tetherfmu.study.scenes.winds import Box
 
 from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
@@ -102,7 +103,10 @@ def declared():
     tethers = (table.variant + " " + table.segments.astype(str)).str.removesuffix(" 0")
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
     rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
-    facts = {"thresholds": rows, "records": {"": Scene} | RECORDS, "flights": KINDS, "outputs": OUTPUTS}
+    names = list(RECORDS)
+    names.insert(names.index("wind") + 1, "wind.box")
+    records = {name: (RECORDS | {"wind.box": Box})[name] for name in names}
+    facts = {"thresholds": rows, "records": {"": Scene} | records, "flights": KINDS, "outputs": OUTPUTS}
     facts |= {"names": NAMES, "seed": SEED, "budget": BUDGET, "fast_budget": FAST_BUDGET}
     return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
 

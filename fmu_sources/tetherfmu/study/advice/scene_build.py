@@ -5,7 +5,7 @@ from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import OUTPUT, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
-from tetherfmu.study.measuring.through_fmpy import by_name
+from tetherfmu.study.measuring.through_fmpy import inputs_of
 from tetherfmu.study.scenes.files import SceneError, load
 
 from .advise import advise, explain
@@ -28,7 +28,7 @@ def vector_of(name):
 def left_out(scene, inputs, shape_points):
     """Names of the inputs that are 0 all through a scene, and of the outputs that it does not ask for: two tuples.
 
-    inputs : as `through_fmpy.by_name` gives them.
+    inputs : as `through_fmpy.inputs_of` gives them.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
@@ -55,7 +55,7 @@ def advised(path, shape_points, platforms):
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
     config, text = advice.point.config, explain(scene, advice)
     points = shape_points if "shape" in scene.wanted.outputs else 0
-    inputs = by_name(scene.inputs(config.step), scene.kite_is_free)
+    inputs = inputs_of(scene, config.step)
     no_inputs, no_outputs = left_out(scene, inputs, points)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
@@ -65,5 +65,5 @@ def advised(path, shape_points, platforms):
     page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     starts = tuple((inputs.iloc[0].to_dict() | parameters_of(scene, config)).items())
     purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, page)
-    options = BuildOptions(config.segments or 1, points, platforms, starts, purpose)
+    options = BuildOptions(config.segments or 1, points, platforms, starts, purpose, scene.wind_points)
     return text, advice.met, fmu_of(scene, config), options

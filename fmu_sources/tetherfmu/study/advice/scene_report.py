@@ -16,7 +16,7 @@ from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import OUTPUTS, load
 
-from .figures import draw
+from .figures import draw, draw_wind
 from .tradeoff import LEVELS, cheapest, study
 
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
@@ -37,13 +37,15 @@ def html(title, text):
 
 
 def write(scene, reference, points, best, through_fmpy, folder):
-    """Write points.csv, pareto.png, report.md and report.html to a folder (Path); returns the page as Markdown.
+    """Write points.csv, figures, report.md and report.html to a folder (Path); returns the page as Markdown.
 
     best : maps levels of error to the cheapest points.  through_fmpy : maps configurations to measured time per simulated
     second.
     """
     write_csv(points, reference, folder / "points.csv")
     draw(points, reference.own_error(scene.wanted.outputs), scene, folder / "pareto.png")
+    if scene.wind_points:
+        draw_wind(scene, folder / "wind.png")
     most_exact = {variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)}
     facts = {"scene": scene, "reference": reference, "worst": worst, "through_fmpy": through_fmpy, "most_exact": most_exact}
     text = page("advice/scene.md.j2", cheapest=best, **facts)
@@ -56,7 +58,7 @@ def fmpy_times(scene, points, folder):
     """Measured time per simulated second through FMPy of the configurations of points; missing FMUs are built."""
     now("measuring through FMPy")
     with tempfile.TemporaryDirectory() as temporary:
-        fmus_in(folder or temporary, (DYNAMIC_FREE.name,) if scene.kite_is_free else VARIANTS)
+        fmus_in(folder or temporary, (DYNAMIC_FREE.name,) if scene.kite_is_free else VARIANTS, scene.wind_points)
         return {each.config: flown(folder or temporary, scene, each.config)[0] for each in points if each is not None}
 
 

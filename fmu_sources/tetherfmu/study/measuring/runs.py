@@ -105,16 +105,17 @@ def run(scene, config, exact=False):
 
     exact : whether with the exact reel-out and wind of each step, see `Scene.inputs`.
     """
-    inputs = scene.inputs(config.step, exact)
+    inputs, wind = scene.inputs(config.step, exact), scene.wind_at(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
     options["winch_control"] = winch_control(scene)
     if exact and scene.flight.has_length:
         options["winch_control"] = at.WINCH_BY_SPEED
     with catch_warnings(**UNWARNED):
-        model = tether_at_start(scene, config.tolerance, config.variant, inputs[0], **options, shape_points=SHAPE_POINTS)
+        first = inputs[0], None if wind is None else wind[0]
+        model = tether_at_start(scene, config.tolerance, config.variant, *first, **options, shape_points=SHAPE_POINTS)
         try:
-            flown = model.fly(inputs, config.step, every=round(scene.every / config.step))
+            flown = model.fly(inputs, config.step, every=round(scene.every / config.step), wind_at=wind)
         except StepRefused as refusal:
             raise StepRefused(f"{config.words()}: {refusal}") from None
     return Run(flown._replace(positions=None), sum(model.counters.values()), len(inputs), tuple(model.implausible))

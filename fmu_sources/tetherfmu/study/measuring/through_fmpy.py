@@ -10,7 +10,8 @@ import pandas as pd
 
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.export.archive import build
-from tetherfmu.runtime.variables import INPUT, variables
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.runtime.variables import INPUT, variables, wind_at_names
 from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
 from tetherfmu.study.scenes.standard import STEP, circle_scene
 
@@ -18,12 +19,16 @@ from .executors import executor_of
 from .runs import Config, fmu_of, parameters_of
 
 
-def fmus_in(folder, variants=VARIANTS):
-    """Paths of the FMUs of variants by name; those that are missing are built for this platform."""
-    paths = {name: Path(folder) / f"{name}.fmu" for name in map(class_name, variants)}
+def fmus_in(folder, variants=VARIANTS, wind_points=0):
+    """Paths of the FMUs of variants by name; those that are missing are built for this platform.
+
+    wind_points : of the FMUs, which are in a folder of their own if they have any.
+    """
+    folder = Path(folder, f"wind_points_{wind_points}") if wind_points else Path(folder)
+    paths = {name: folder / f"{name}.fmu" for name in map(class_name, variants)}
     for name, path in paths.items():
         if not path.exists():
-            build(name, folder)
+            build(name, folder, BuildOptions(wind_points=wind_points))
         if not is_zipfile(path):
             raise WrongUse(f"{path} is no FMU: it is no zip archive")
     return paths
@@ -34,6 +39,15 @@ def by_name(inputs, kite_is_free=False):
     table = variables(DYNAMIC_FREE.name if kite_is_free else VARIANTS[0], 0)
     places = {variable.name: variable.place for variable in table if variable.causality == INPUT}
     return pd.DataFrame(inputs[:, list(places.values())], columns=list(places))
+
+
+def inputs_of(scene, step):
+    """Inputs of all communication steps [s] of a scene, likewise, with the wind at its wind points if it has them."""
+    found, wind = by_name(scene.inputs(step), scene.kite_is_free), scene.wind_at(step)
+    if wind is None:
+        return found
+    names = list(wind_at_names(scene.wind_points))
+    return pd.concat([found, pd.DataFrame(wind.reshape(len(wind), -1), columns=names)], axis=1)
 
 
 def fly(path, parameters, inputs, step):
@@ -80,7 +94,7 @@ def hosted(path, scene, config, steps=None, repeats=1):
     flight = (
         str(path),
         parameters_of(scene, config),
-        by_name(scene.inputs(config.step)[:steps], scene.kite_is_free),
+        inputs_of(scene, config.step)[:steps],
         config.step,
     )
     with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
@@ -96,6 +110,7 @@ def measured(path, steps, repeats):
 
 def flown(folder, scene, config):
     """Time per simulated second [-] and last force on the kite [N] of a configuration, through FMPy; FMUs in a folder."""
-    path = Path(folder) / f"{fmu_of(scene, config)}.fmu"
+    variant = DYNAMIC_FREE.name if scene.kite_is_free else config.variant
+    path = fmus_in(folder, (variant,), scene.wind_points)[fmu_of(scene, config)]
     ((_, costs, kite_force),) = hosted(path, scene, config)
     return float(costs.sum()) / (scene.count * scene.every), kite_force

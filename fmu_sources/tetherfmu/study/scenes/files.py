@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse
-from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, in_si, record, require, value_of
+from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, record, require, value_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, diameter_in_doubt
@@ -18,6 +18,7 @@ from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, quantity
 
 from .flights import KINDS
+from .winds import BoxedWind, Wind, read_wind
 
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
@@ -35,36 +36,11 @@ class SceneError(WrongUse):
     """A scene file that cannot be used; the message is one line with file, key, value and what is allowed."""
 
 
-def velocity(value):
-    """Three finite numbers [m/s]."""
-    if not isinstance(value, list) or len(value) != 3:
-        raise ValueError("it must be three numbers [x, y, z] in m/s")
-    numbers = tuple(float(in_si(each, "m/s")) for each in value)
-    if not np.all(np.abs(numbers) <= 200.0):  # NaN is not
-        raise ValueError("each must be a finite number from -200 to 200 m/s")
-    return numbers
-
-
 def output_names(value):
     """Names of `OUTPUTS`."""
     if not isinstance(value, list) or not value or any(each not in OUTPUTS for each in value):
         raise ValueError(f"it must be a list of some of {', '.join(OUTPUTS)}")
     return tuple(value)
-
-
-@dataclass(frozen=True)
-class Wind:
-    """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
-
-    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": velocity})
-    gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
-    gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
-    __post_init__ = check
-
-    def __call__(self, time):
-        """Wind [m/s] at times [s], array (times, 3)."""
-        factor = 1.0 + self.gust * np.sin(np.pi / self.gust_period * time) ** 2
-        return np.multiply.outer(factor, self.velocity)
 
 
 @dataclass(frozen=True)
@@ -97,7 +73,7 @@ class Scene:
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
     ground: Ground = field(default_factory=Ground)
-    wind: Any = Wind()  # a function of times [s], at the reference height
+    wind: Any = field(default_factory=Wind)  # a function of times [s], at the reference height; or a `BoxedWind`
     wanted: Wanted = Wanted()
     digest: str = ""
     every: float = EVERY  # time between two compared outputs [s]: a whole number of communication steps
@@ -114,6 +90,11 @@ class Scene:
     def times(self):
         """Times [s] of the compared outputs, the start included."""
         return self.every * np.arange(self.count + 1)
+
+    @property
+    def wind_points(self):
+        """Number of points at which the tether has the wind of a box, 0 if it has one wind."""
+        return self.wind.box.wind_points if isinstance(self.wind, BoxedWind) else 0
 
     def doubts(self):
         """Sentences on what was hardly meant: a diameter in millimetres, a tether far too short for its ends."""
@@ -170,6 +151,17 @@ class Scene:
             columns[name][:] = numbers
         return rows
 
+    def wind_at(self, step, exact=False):
+        """Wind at the wind points in all communication steps [m/s], array (steps, wind_points, 3); None if it has none.
+
+        step, exact : as of `inputs`.
+        """
+        if not self.wind_points:
+            return None
+        time = step * (np.arange(self.count * round(self.every / step)) + 0.5 * exact)
+        motion = self.flight.motion(time)
+        return self.wind.at(time, motion.ground, motion.kite)
+
 
 def load(path):
     """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr."""
@@ -196,11 +188,16 @@ def read(table, folder, name):
     records = {
         key: record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
         for key, kind in RECORDS.items()
+        if key != "wind"
     }
     records["ground"] = ground_of(records["ground"], records["environment"])
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
-    records["wind"] = flight.wind or records["wind"]
+    records["wind"] = flight.wind or read_wind(table.get("wind", {}), folder, records["environment"])
+    if isinstance(records["wind"], BoxedWind) and flight.kite_is_free:
+        raise ValueError(
+            "wind.file is given to a free end, of which it is not known where it will be; give wind.velocity alone"
+        )
     length, first = records["tether"].initial_length, flight.initial_length
     if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")
@@ -208,10 +205,14 @@ def read(table, folder, name):
     if duration > flight.duration + 1e-9:
         raise ValueError(f"duration is {duration!r}; it must be at most {flight.duration:g} s, the length of the series")
     step, digest = records["wanted"].communication_step, hashlib.sha256(repr((name, table, flight.contents)).encode())
+    if isinstance(records["wind"], BoxedWind):
+        digest.update(repr(records["wind"].state_of_file).encode())
     every = step * max(1, round(EVERY / step)) if step else EVERY
-    return Scene(
+    scene = Scene(
         name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every, kite_is_free=flight.kite_is_free
     )
+    scene.wind_at(every)  # refused here rather than in a flight
+    return scene
 
 
 def read_flight(table, folder):

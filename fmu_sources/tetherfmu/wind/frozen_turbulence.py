@@ -13,12 +13,17 @@ Outside. Periodic: the box is repeated along, across and upwards, n points on n 
 first one the wind is interpolated, too. Refused: a sentence on the point that is outside.
 """
 
+from dataclasses import dataclass
 from math import cos, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from .wind_boxes import LARGEST_SPEED, WrongBox
+from tetherfmu.runtime.quantities import check, quantity
+
+from .wind_boxes import LARGEST_SPACING, LARGEST_SPEED, MOST_POINTS, WrongBox, open_box
+
+PERIODIC, REFUSED = 1, 2  # `outside`
 
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
 BOTH = np.array((0, 1))[:, None, None]  # from the point before a place to those before and behind it
@@ -32,6 +37,36 @@ class MeanWind(NamedTuple):
     direction: float = 0.0
     reference_height: float = 10.0
     exponent: float = 0.0
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a box is read: what is beyond it, and the grid of a Mann box, whose files do not say it."""
+
+    outside: int = quantity(
+        PERIODIC,
+        "",
+        "beyond the box: it is repeated in all directions; the step is refused",
+        choices=("periodic", "refused"),
+    )
+    points_along: int = quantity(0, "", "of a Mann box: number of points along the wind, 0 for other files", 0, MOST_POINTS)
+    points_across: int = quantity(0, "", "of a Mann box: number of points across the wind", 0, MOST_POINTS)
+    points_upwards: int = quantity(0, "", "of a Mann box: number of points upwards", 0, MOST_POINTS)
+    spacing_along: float = quantity(0.0, "m", "of a Mann box: distance of its points along the wind", 0.0, LARGEST_SPACING)
+    spacing_across: float = quantity(0.0, "m", "of a Mann box: distance of its points across the wind", 0.0, LARGEST_SPACING)
+    spacing_upwards: float = quantity(0.0, "m", "of a Mann box: distance of its points upwards", 0.0, LARGEST_SPACING)
+
+    __post_init__ = check
+
+
+def turbulence(file, reading, mean, origin):
+    """`FrozenTurbulence` of a file (None: the mean wind alone), read as a `Reading` says; WrongBox if it is none.
+
+    mean : `MeanWind`.  origin : of the box [m], (3,).
+    """
+    points = (reading.points_along, reading.points_across, reading.points_upwards)
+    spacing = (reading.spacing_along, reading.spacing_across, reading.spacing_upwards)
+    return FrozenTurbulence(mean, open_box(file, points, spacing) if file else None, origin, reading.outside == PERIODIC)
 
 
 def profile(mean, height):
@@ -64,7 +99,7 @@ class FrozenTurbulence:
                 self._rows += profile(mean, self._first[2] + box.spacing[2] * np.arange(box.points[2]))
 
     def at(self, time, points):
-        """Wind [m/s], array (K, 3), at a time [s] and at points [m], array (K, 3).
+        """Wind [m/s], array (K, 3), at a time [s], or one for each point (K,), and at points [m], array (K, 3).
 
         WrongBox if a point is outside of a box that is not periodic, or if the box has a number there that is no wind.
         """
@@ -122,12 +157,13 @@ class FrozenTurbulence:
         outside = (place < -EDGE) | (place > last + EDGE)
         if outside.any():
             axis, point = np.argwhere(outside)[0]
-            travelled = self.mean.speed * time if axis == 0 else 0.0
+            when = np.broadcast_to(time, len(points))[point]
+            travelled = self.mean.speed * when if axis == 0 else 0.0
             ends = self._first[axis, 0] + travelled + np.array((0, last[axis, 0])) * self._spacing[axis, 0]
             where = self._first[axis, 0] + travelled + place[axis, point] * self._spacing[axis, 0]
             named = ", ".join(f"{x:g}" for x in points[point])
             raise WrongBox(
-                f"{self.box.file} does not reach the point ({named}) m at {time:g} s: {AXES[axis]} it is at {where:g} m; "
+                f"{self.box.file} does not reach the point ({named}) m at {when:g} s: {AXES[axis]} it is at {where:g} m; "
                 f"the box is from {ends.min():g} to {ends.max():g} m; move its origin, take a larger box or a periodic one"
             )
         np.clip(place, 0.0, last, out=place)

@@ -1,0 +1,146 @@
+"""The native FMU of a system: its tables as a C header, its terminals, where its variables stand."""
+
+from xml.etree.ElementTree import Element, SubElement
+
+from tetherfmu.runtime import layout, status, system_layout
+from tetherfmu.runtime import system_variables as variables
+from tetherfmu.runtime.kernel_library import SYSTEM
+from tetherfmu.runtime.system_variables import quantities_of_line
+from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
+
+from .native_arrays import Places
+from .native_tables import (
+    c_enumeration,
+    c_numbers,
+    c_texts,
+    constants,
+    declared_texts,
+    of_lines,
+    sentence_texts,
+    variable_texts,
+)
+from .xml_text import xml_text
+
+
+def places_of(structure, table):
+    """`Places` of the variables of a system: the value reference of a variable is its place in the table."""
+    sizes = {f"{line.name}.shape": (line.shape_points, 3) for line in structure.lines}
+    return Places([each.place for each in table], sizes, len(table))
+
+
+def header(structure, table, widths, token):
+    """Text of `tables.h`; the arguments are those of `native_tables.header`, with the `Structure` of the system."""
+    names = [line.name for line in structure.lines]
+    references = {each.name: each.place for each in table}
+    return "\n".join(
+        [
+            "/* Made by export/native_system.py. */",
+            "#ifndef TABLES_H",
+            "#define TABLES_H",
+            *constants(structure.hash, SYSTEM, token),
+            *_sizes(structure, table),
+            c_texts("INPUT_NAME", [each.name for each in table if each.causality == INPUT]),
+            *declared_texts([each for each in table if each.causality == PARAMETER]),
+            *of_lines(names, [str(references[f"{name}.diameter"]) for name in names]),
+            *variable_texts(table, [each.place for each in table], widths, len(table)),
+            *_maps(structure, table, references),
+            *_quantities(structure, references),
+            *sentence_texts(),
+            "#endif",
+            "",
+        ]
+    )
+
+
+def _sizes(structure, table):
+    """Sizes of the arrays, places in the plan, statuses that the shell looks at."""
+    counts = {kind: sum(each.causality == kind for each in table) for kind in (INPUT, OUTPUT, PARAMETER)}
+    lines = len(structure.lines)
+    sizes = {"INPUTS": counts[INPUT], "OUTPUTS_AT": counts[INPUT], "PARAMETERS_AT": counts[INPUT] + counts[OUTPUT]}
+    sizes |= {"PARAMETERS": counts[PARAMETER], "VALUES": len(table), "TIME": len(table)}
+    plan = {
+        f"PLAN_{name.removeprefix('PLAN_')}": value
+        for name, value in vars(system_layout).items()
+        if name.isupper() and name != "INPUTS"
+    }
+    codes = {name: getattr(status, name) for name in ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE")}
+    slope = layout.state_size(1) - layout.state_size(0)
+    return [
+        c_enumeration(sizes | {"PLAN_SIZE": system_layout.plan_size(lines)} | plan),
+        c_enumeration(codes),
+        f"#define STATE_SIZE(segments) ({lines * layout.state_size(0)} + {slope} * (size_t)(segments))",
+    ]
+
+
+def _table(name, members, rows):
+    """An array of structures of integers; without rows it has one of zeros, which nobody reads."""
+    cells = ",\n    ".join("{" + ", ".join(map(str, row)) + "}" for row in rows) or "{0}"
+    return f"static const struct {{ int {', '.join(members)}; }} {name}[] = {{\n    {cells}}};"
+
+
+def _maps(structure, table, references):
+    """What `system_variables` says of inputs, outputs, motion and masses, and the plan as it is given."""
+    found = [(reference, place) for reference, those in variables.outputs_of(structure, references) for place in those]
+    motion = variables.free_ends(structure, references)
+    checks = [table[references[name]] for name in variables.unpacked(structure)]
+    rows = ",\n    ".join(
+        f"{{{each.place}, {c_limit(each.quantity.minimum)}, {c_limit(each.quantity.maximum)}}}" for each in checks
+    )
+    names = [[variables.input_name(name, line) for name in INPUT_NAMES] for line in structure.lines]
+    given = variables.plan_of(structure)
+    plan = [given.get(place, 0) for place in range(system_layout.plan_size(len(structure.lines)))]
+    masses = [[references[f"{point}.mass"] if point else -1 for point in points] for points in variables.carried(structure)]
+    return [
+        _table("INPUT_FROM", ("place", "reference"), variables.inputs_of(structure, references)),
+        _table("OUTPUT_FROM", ("reference", "place"), found),
+        c_enumeration({"MOTIONS": len(motion), "CHECKS": len(checks)}),
+        _table("MOTION", ("reference", "line", "is_end", "component"), motion),
+        "static const struct { int reference; double lowest, highest; } CHECK[] = {\n    "
+        + (rows or "{0, 0.0, 0.0}")
+        + "};",
+        c_numbers("int64_t GIVEN_PLAN", plan),
+        f"static const int CARRIED[][2] = {{{', '.join(f'{{{a}, {b}}}' for a, b in masses)}}};",
+        c_texts("FREE_POINT_NAME", structure.free or ("",)),
+        f"static const char *const LINE_INPUT_NAME[][{len(INPUT_NAMES)}] = {{\n    "
+        + ",\n    ".join("{" + ", ".join(f'"{name}"' for name in row) + "}" for row in names)
+        + "};",
+    ]
+
+
+def c_limit(number):
+    """A limit of a quantity as a number in C; all that are checked here are finite."""
+    return repr(float(number))
+
+
+def _quantities(structure, references):
+    """Of each line where the quantities stand that the kernel `pack` takes, and the defaults of those without a variable."""
+    listed = [quantities_of_line(line, references) for line in structure.lines]
+    rows = ",\n    ".join("{" + ", ".join(str(-1 if ref is None else ref) for _, ref, _ in row) + "}" for row in listed)
+    wanted = (
+        "segments",
+        "initial_length",
+        "surface_roughness",
+        "wind_reference_height",
+        "shortest_length",
+        "longest_length",
+    )
+    numbers = {f"QUANTITY_{name.upper()}": [each[0] for each in listed[0]].index(name) for name in wanted}
+    return [
+        c_enumeration({"QUANTITIES": len(listed[0]), **numbers}),
+        f"static const int QUANTITY_FROM[][{len(listed[0])}] = {{\n    {rows}}};",
+        c_numbers("double QUANTITY_DEFAULT", [float(default) for _, _, default in listed[0]]),
+    ]
+
+
+def terminals(structure):
+    """Text of terminalsAndIcons.xml: the points, each a bus of position, velocity and force, or of a free one its load."""
+    root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    listed = SubElement(root, "Terminals")
+    for point in structure.points:
+        kind = "free" if point.is_free else "driven"
+        facts = {"name": point.name, "matchingRule": "bus", "description": f"{point.name}, a {kind} point"}
+        terminal = SubElement(listed, "Terminal", facts)
+        for member in ("position", "velocity", "load" if point.is_free else "force"):
+            names = {"variableName": f"{point.name}.{member}", "memberName": member}
+            SubElement(terminal, "TerminalMemberVariable", names, variableKind="signal")
+    return xml_text(root)

@@ -1,0 +1,106 @@
+"""The evidence set of the FMU of a system, in the files of FMI's cross-check, as `evidence.py` makes that of a tether.
+
+From the start of the file a wind rises, all driven points sway together, the lines pay out. The reference is the Python API
+with a tolerance far tighter than the FMU's.
+"""
+
+from dataclasses import replace
+from math import cos, sin
+from warnings import catch_warnings
+
+from tetherfmu.results import PlausibilityWarning
+from tetherfmu.runtime.inputs import components
+from tetherfmu.runtime.variants import DYNAMIC
+from tetherfmu.systems.tether_system import TetherSystem
+
+from .documents import EVIDENCE_FOLDER, filled
+from .evidence import INPUT_DIGITS, OUTPUT_DIGITS, rise, table_text, text_of
+
+STEP, STEPS = 0.05, 100  # of communication [s], and how many of them
+TOLERANCE = 1e-6  # of the run: at the default one the tension of a short stiff line may be wrong by that of its neighbours
+REFERENCE_TOLERANCE = 1e-8
+_WIND, _GUST, _RISES, _RATE = 4.0, 1.0, 3.0, 0.7  # [m/s], [m/s], [s], [rad/s]
+_SWAY = 0.01  # of the mean length of the lines, amplitude of the driven points [-]
+_PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
+_TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
+
+
+def files(name, found, positions, arrays=False):
+    """Texts of the evidence set, dict of their path in the archive; empty if the reference cannot be flown.
+
+    name : of the FMU.  found : `systems.files.SystemFile`.  positions : of all points at the start [m], dict.
+    arrays : whether a vector is one variable, as in FMI 3.
+    """
+    scene = [inputs_at(k * STEP, found, positions) for k in range(STEPS + 1)]
+    try:
+        rows = reference(found, positions, scene)
+    except ValueError:
+        return {}
+    facts = {"step": STEP, "stop": STEP * STEPS, "tolerance": TOLERANCE, "allowed": DYNAMIC.evidence_deviation}
+    flat = [_flat(each) for each in scene]
+    texts = {
+        f"{name}_in.csv": table_text(list(flat[0]), [each.values() for each in flat], INPUT_DIGITS, arrays, STEP),
+        f"{name}_ref.csv": table_text(list(rows[0]), [row.values() for row in rows], OUTPUT_DIGITS, arrays, STEP),
+        f"{name}_ref.opt": filled("evidence.opt", **facts),
+        "README.txt": filled("system_evidence.txt", name=name, reference_tolerance=REFERENCE_TOLERANCE, **facts),
+    }
+    return {f"{EVIDENCE_FOLDER}/{file}": text for file, text in texts.items()}
+
+
+def inputs_at(time, found, positions):
+    """Inputs at a time [s] with the digits of their file, as a dict of arguments of `TetherSystem.step` (SI units)."""
+    share, rate, _ = rise(time, _RISES)
+    length = _SWAY * sum(line.tether.initial_length for line in found.lines) / len(found.lines)
+    sway = length * share * sin(_RATE * time)
+    speed = length * (rate * sin(_RATE * time) + share * _RATE * cos(_RATE * time))
+    driven = [point for point in found.points if point.is_driven]
+    moved = {
+        point.name: (positions[point.name][0], positions[point.name][1] + sway, positions[point.name][2]) for point in driven
+    }
+    reeling = {line.name: share * _PAID_OUT * line.tether.initial_length for line in found.lines}
+    return {
+        "positions": {name: _rounded(place) for name, place in moved.items()},
+        "velocities": {point.name: _rounded((0.0, speed, 0.0)) for point in driven},
+        "reel_out_speeds": {name: _rounded((each,))[0] for name, each in reeling.items()},
+        "wind_velocity": _rounded((_WIND * share, _GUST * share * sin(_RATE * time), 0.0)),
+    }
+
+
+def _rounded(numbers):
+    """Numbers with the digits of the input file."""
+    return tuple(float(text_of(each, INPUT_DIGITS)) for each in numbers)
+
+
+def _flat(given):
+    """Inputs by their FMI names, from arguments of `TetherSystem.step`."""
+    flat = {}
+    for what, vectors in (("position", given["positions"]), ("velocity", given["velocities"])):
+        for point, numbers in vectors.items():
+            flat |= dict(zip(components(f"{point}.{what}", 3), numbers, strict=True))
+    flat |= {f"{line}.reel_out_speed": speed for line, speed in given["reel_out_speeds"].items()}
+    return flat | dict(zip(components("wind_velocity", 3), given["wind_velocity"], strict=True))
+
+
+def reference(found, positions, scene):
+    """Recorded outputs of the Python API at the start and after each step: list of dicts of FMI name to number.
+
+    ValueError if the system does not start, or a step is refused.
+    """
+    solver = replace(found.solver, relative_tolerance=REFERENCE_TOLERANCE)
+    with catch_warnings(action="ignore", category=PlausibilityWarning):  # the FMU says it itself
+        system = TetherSystem(found.points, found.lines, found.environment, solver, found.ground)
+        first = {**scene[0], "positions": {**positions, **scene[0]["positions"]}}
+        rows = [system.initialize(**first)]
+        rows += [system.step(STEP, **given) for given in scene[:-1]]
+    return [_recorded(found, row) for row in rows]
+
+
+def _recorded(found, row):
+    """Recorded outputs by their FMI names, from `SystemOutputs`."""
+    flat = {}
+    for point in found.points:
+        own, what = row.points[point.name], "force" if point.is_driven else "position"
+        flat |= dict(zip(components(f"{point.name}.{what}", 3), getattr(own, what).tolist(), strict=True))
+    for line in found.lines:
+        flat |= {f"{line.name}.{name}": float(getattr(row.lines[line.name], of)) for name, of in _TENSIONS.items()}
+    return flat

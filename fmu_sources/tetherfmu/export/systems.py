@@ -1,0 +1,142 @@
+"""Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
+
+import runpy
+from functools import partial
+from html import escape
+from pathlib import Path
+from xml.etree import ElementTree
+
+from tetherfmu.runtime import __version__
+from tetherfmu.runtime.kernel_library import SYSTEM
+from tetherfmu.runtime.parameters import Tether, Winch
+from tetherfmu.runtime.quantities import quantities
+from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+from tetherfmu.runtime.system_variables import FIXED, OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
+from tetherfmu.systems import files
+from tetherfmu.systems.ordering import ordered
+from tetherfmu.systems.tether_system import TetherSystem
+
+from . import native_system, osp, system_evidence
+from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
+from .documents import ASSETS, OSP_FOLDER, filled, listed, of_every_fmu, style_and_tables
+from .native import TERMINALS, complete, kernels_of, widths_of, writer_of
+
+SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
+STEP = DEFAULT_OPTIONS["step"]  # of the default experiment [s]
+
+
+def build(path, folder, platforms, shape_points=None, native=None):
+    """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
+
+    path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
+    variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
+    each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
+    PythonFMU's.
+    """
+    found, positions = read(path)
+    structure, folder = structure_from(found, positions, shape_points), Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    points, lines = len(structure.points), len(structure.lines)
+    about = (
+        f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {len(structure.free)} free."
+    )
+    evidence = system_evidence.files(structure.name, found, positions, native == 3)
+    if native:
+        return write(_native(structure, about, platforms, evidence, native), folder, structure.name, None)
+    options = {"system": structure.as_dict(), "about": about, "step": STEP}
+    made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
+    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
+    seal(made)
+    return write(made, folder, structure.name, None)
+
+
+def _native(structure, about, platforms, evidence, fmi):
+    """Files of a native FMU, dict of path in the archive to bytes."""
+    table = table_of(structure)
+    places = native_system.places_of(structure, table)
+    about = f"{runpy.run_path(str(SCRIPTS / SCRIPT))[SLAVE].description} {about}"
+    made = documents(structure, about, platforms, evidence, fmi)
+    if fmi == 3:
+        made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
+    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP, more=False)
+    tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
+    complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
+    return made
+
+
+def read(path):
+    """`SystemFile` of a file, and the positions of all points at the start [m], dict by name.
+
+    A free point without a position gets the one where it is in equilibrium without wind. ValueError says in one line what is
+    wrong.
+    """
+    found = files.load(path)
+    if found.name.lower() in {name.lower() for name in SLAVES}:
+        raise ValueError(f"{path}: name is {found.name!r}; it must not be that of the FMU of a single tether")
+    system = TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground)
+    places = {point.name: point.position for point in found.points}
+    if None in places.values():
+        try:
+            start = system.initialize()
+        except ValueError as problem:
+            raise ValueError(f"{path}: {problem}") from None
+        places = {name: place or tuple(start.points[name].position.tolist()) for name, place in places.items()}
+    return found, places
+
+
+def structure_from(found, positions, shape_points=None):
+    """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points : as in `build`."""
+    points = tuple(Point(each.name, each.mass, positions[each.name], each.velocity) for each in found.points)
+    lines = tuple(_line(each, shape_points) for each in found.lines)
+    free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
+    records = (found.environment, found.solver, found.ground)
+    starts = {
+        name: getattr(record, name)
+        for kind, record in zip(OF_THE_SYSTEM, records, strict=True)
+        for name, _ in quantities(kind)
+        if name not in FIXED
+    }
+    return structure_of(Structure(found.name, points, lines, tuple(free), band, starts).as_dict())
+
+
+def _line(line, shape_points):
+    """`system_variables.Line` of a line of a file."""
+    starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)}
+    starts |= {name: getattr(line.winch, name) for name, _ in quantities(Winch)}
+    starts |= {"reel_out_speed": line.reel_out_speed, "winch_length": line.tether.initial_length}
+    points = line.tether.segments + 1 if shape_points is None else shape_points
+    return Line(line.name, line.start, line.end, starts, points)
+
+
+def documents(structure, description, platforms, evidence, native=None):
+    """All files beside the model: dict of their path in the archive to bytes.
+
+    description : of the model.  evidence : texts of the evidence set, dict by path.  native : as in `build`.
+    """
+    table = table_of(structure)
+    texts = of_every_fmu(platforms, native) | evidence
+    if native != 3:
+        texts[f"{OSP_FOLDER}/{osp.file_name(structure.name)}"] = osp.model_description_of_system(structure, table)
+    texts["documentation/index.html"] = filled(
+        "system.html",
+        name=structure.name,
+        fmi=native or 2,
+        flavour="native" if native else "with PythonFMU",
+        version=__version__,
+        description=escape(description),
+        points="\n".join(map(_point_row, structure.points)),
+        lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
+        files=listed(texts),
+        **style_and_tables(table),
+    )
+    icon = "terminalsAndIcons/icon.png" if native == 3 else "model.png"
+    return {icon: (ASSETS / "model.png").read_bytes(), **{path: text.encode("utf-8") for path, text in texts.items()}}
+
+
+def _point_row(point):
+    return _row(point.name, "free" if point.is_free else "driven")
+
+
+def _row(*cells):
+    """A row of an HTML table."""
+    return f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"

@@ -1,0 +1,253 @@
+"""Lines of a system whose winches are told a force: their drums in a Rosenbrock step of all lines.
+
+Length and speed of a drum are unknowns of its line, as in `drum_step.py`: p for the length, with the column c of the forces
+and the row g over the nodes of the first segment,
+
+    A q - c p = b,   g (q_0 - q_1) + (m/d - f_u - d f_L) p = f,   g = T_v + d T_x
+
+With the inner rows condensed (`linear_algebra.condensed`), q_1 = (A^-1 b)_1 - C_0,1 q_0 - C_n,1 q_n + p (A^-1 c)_1, and
+
+    p = (f + g (A^-1 b)_1 - r_0 q_0 - r_n q_n)/pivot,   pivot = m/d - f_u - d f_L - g (A^-1 c)_1
+    r_0 = g (1 + C_0,1),   r_n = g C_n,1,   with one segment r_0 = g, r_n = -g
+
+so that what is left of the line on its free ends gets c r/pivot more, and the system of the points keeps its size. The mass
+of a point grows with the length of each of its lines, and then takes part of all forces there.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import system_layout as places
+
+from ..compilation import kernel, view
+from ..equations.drum import drum_of
+from ..equations.lines import (
+    add_at,
+    band_of,
+    conditions_of,
+    lines_of,
+    motion_of,
+    point_at,
+    points_of,
+    segments_of,
+    state_of,
+)
+from ..equations.winch import NEUTRAL
+from ..linear_algebra import condensed
+from ..linear_algebra.both_ends import get_node
+from ..linear_algebra.matrices import outer, transposed_apply
+from ..linear_algebra.points import add_block
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, scale
+from . import drum_step, rosenbrock
+from .drum_step import border_of, chain_with, pivot_of, pull_of, put_in_column, put_rates, stage_length, stage_rest
+from .rodas4p import ALPHA, GAMMA
+from .system_room import (
+    DIRECTION,
+    GAINED,
+    HERE,
+    LENGTH_ERROR,
+    NEW_LENGTH,
+    NEW_SPEED,
+    PACE,
+    PART,
+    PIVOT,
+    SPEED_ERROR,
+    has_drum,
+    integrator_of,
+    is_free,
+    moves,
+    turns,
+)
+
+
+@view
+def drum_at(conditions):
+    """`Drum` of a line with these conditions."""
+    return drum_of(conditions.parameters, conditions.force, conditions.force_rate)
+
+
+@kernel
+def length_of(system, k):
+    """Length [m] and speed [m/s] of the drum of line k at the start of the step."""
+    state = state_of(system, k)
+    return state[at.LENGTH], state[at.REELING]
+
+
+@kernel
+def reeling_in_step(system, k):
+    """Coefficients of the unstretched length of line k as `winch.py` has them; a drum counts as held."""
+    if has_drum(system, k):
+        return state_of(system, k)[at.LENGTH], 0.0, 0.0, NEUTRAL
+    return conditions_of(system, k).reeling
+
+
+@view
+def conditions_in_step(system, k):
+    """`BoundaryConditions` of line k in a step; a drum counts as held."""
+    return drum_step.with_reeling(conditions_of(system, k), reeling_in_step(system, k))
+
+
+@kernel
+def form_with_drum(system, k, time, h):
+    """Matrix of a step of line k, whose drum turns, into its scratch space, see `drum_step.form`."""
+    conditions, room = conditions_of(system, k), integrator_of(system, k)
+    x, v = motion_of(system, k)
+    drum_step.form(conditions, chain_with(conditions, *length_of(system, k)), time, h, x, v, room.w)
+
+
+@kernel
+def start_stage_with_drum(system, k, stage, time, h):
+    """Argument and forces of a stage of line k, whose drum turns, into its scratch space; False if it has no length."""
+    conditions, room = conditions_of(system, k), integrator_of(system, k)
+    length, speed = length_of(system, k)
+    numbers, now = room.numbers, time + ALPHA[stage] * h
+    rosenbrock.combine(stage, h, room.w)
+    last = numbers[HERE], numbers[PACE], numbers[PART], numbers[GAINED]
+    here, pace = stage_length(stage, h, length, speed, last, room.drum)
+    if not 0.0 < here < inf:
+        return False
+    numbers[HERE], numbers[PACE] = here, pace
+    drum_step.place_stage(conditions, chain_with(conditions, here, pace), stage, now, room.w)
+    return True
+
+
+@view
+def border_in(system, k, time):
+    """`Border` and `Drum` of line k in a step that begins at a time [s]."""
+    conditions, w = conditions_of(system, k), integrator_of(system, k).w
+    drum, chain = drum_at(conditions), chain_with(conditions, *length_of(system, k))
+    x, _ = motion_of(system, k)
+    return border_of(conditions, drum, chain, time, x, w), drum
+
+
+# --- the matrix
+
+
+@kernel
+def sum_forces(system, points):
+    """Add the forces of all lines on the free points at the start of the step [N] to `points.right` (modified)."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            n, w = segments_of(system, k), integrator_of(system, k).w
+            for end in range(2):
+                if is_free(system, k, end):
+                    add_at(points.right, point_at(system, k, end), get_node(n, n * end, w.force))
+
+
+@kernel
+def form_column(system, k, d, points):
+    """Column c of the drum of line k, condensed, into its scratch space; points.right : forces on the points [N]."""
+    n, conditions, room = segments_of(system, k), conditions_of(system, k), integrator_of(system, k)
+    chain, w = chain_with(conditions, *length_of(system, k)), room.w
+    x, v = motion_of(system, k)
+    put_rates(conditions, chain, x, v, room.drum)
+    for i in range(n + 1):
+        mass, force = w.mass[i], get_node(n, i, w.force)
+        end = 0 if i == 0 else 1
+        if (i == 0 or i == n) and is_free(system, k, end):
+            point = point_at(system, k, end)
+            mass, force = points.mass[point], get(points.right, point)
+        put_in_column(chain, i, d, mass, force, room.drum)
+    condensed.reduce(n, w.matrix, room.drum.column)
+
+
+@kernel
+def row_of(system, k, end, border, d):
+    """Row r of the drum of line k at one of its ends."""
+    n, columns = segments_of(system, k), integrator_of(system, k).columns
+    g = add_scaled(scale(border.damper, border.direction), d, border.turning)
+    if n == 1:
+        return g if end == 0 else scale(-1.0, g)
+    beside = transposed_apply(g, condensed.block_beside(n, 0, condensed.columns_of(n, end, columns)))
+    return add(g, beside) if end == 0 else beside
+
+
+@kernel
+def place_border(system, k, time, d, points):
+    """Pivot of the drum of line k, and its part of the matrix of the points (modified); False if it has no solution."""
+    n, room = segments_of(system, k), integrator_of(system, k)
+    border, drum = border_in(system, k, time)
+    response = get(room.drum.column, 1) if n > 1 else ZERO_VECTOR
+    pivot = pivot_of(drum, border, d, response)
+    room.numbers[PIVOT] = pivot
+    if not 0.0 < pivot < inf:
+        return False
+    for row_end in range(2):
+        row = point_at(system, k, row_end)
+        column_of_drum = scale(1.0 / pivot, get(room.drum.column, n * row_end))
+        for column_end in range(2):
+            column = point_at(system, k, column_end)
+            if row != places.DRIVEN and column != places.DRIVEN:
+                block = outer(column_of_drum, row_of(system, k, column_end, border, d))
+                add_block(band_of(system), row, column, block, points.matrix)
+    return True
+
+
+@kernel
+def place_drums(system, time, h):
+    """Parts of the drums that turn of the matrix of the points (modified), once forces are known; False: no solution.
+
+    points.right (modified) : the loads on the points [N].
+    """
+    points, d = points_of(system), GAMMA * h
+    sum_forces(system, points)
+    for k in range(lines_of(system)):
+        if turns(system, k):
+            form_column(system, k, d, points)
+            if not place_border(system, k, time, d, points):
+                return False
+    return True
+
+
+# --- a stage
+
+
+@kernel
+def reduce_line_with_drum(system, k, stage, time, h, points):
+    """Right-hand side of a stage of line k, whose drum turns, condensed, and what is left in `points.right` (modified)."""
+    n, conditions, room = segments_of(system, k), conditions_of(system, k), integrator_of(system, k)
+    border, drum = border_in(system, k, time)
+    numbers, w, now = room.numbers, room.w, time + ALPHA[stage] * h
+    _, speed = length_of(system, k)
+    drum_step.reduced_side(conditions, stage, h, stage_rest(stage, speed, room.drum), room.drum)
+    condensed.reduce(n, w.matrix, w.q)
+    chain = chain_with(conditions, numbers[HERE], numbers[PACE])
+    right = drum_step.drum_side(chain, drum, numbers[DIRECTION], border, stage, now, h, speed, room.drum)
+    if n > 1:
+        right += pull_of(border, GAMMA * h, get(w.q, 1))
+    numbers[PART] = right / numbers[PIVOT]
+    for end in range(2):
+        point = point_at(system, k, end)
+        if point != places.DRIVEN:
+            add_at(points.right, point, add_scaled(get(w.q, n * end), numbers[PART], get(room.drum.column, n * end)))
+
+
+@kernel
+def turn_drum(system, k, stage, time, h):
+    """Solution of a stage for the drum of line k, whose ends have theirs in w.q; that of the inner nodes gets its part."""
+    n, room = segments_of(system, k), integrator_of(system, k)
+    border, _ = border_in(system, k, time)
+    numbers, q, d = room.numbers, room.w.q, GAMMA * h
+    p = numbers[PART]
+    for end in range(2):
+        if is_free(system, k, end):
+            p -= dot(row_of(system, k, end, border, d), get(q, n * end)) / numbers[PIVOT]
+    for i in range(3, 3 * n):
+        q[i] += p * room.drum.column[i]
+    _, speed = length_of(system, k)
+    gained = p - stage_rest(stage, speed, room.drum)
+    room.drum.speeds[stage] = gained
+    numbers[PART], numbers[GAINED] = p, gained
+
+
+@kernel
+def take_drum(system, k, h):
+    """Result of a step for the drum of line k into its numbers: that of one which turns, or is held."""
+    numbers = integrator_of(system, k).numbers
+    if not turns(system, k):
+        numbers[NEW_LENGTH], numbers[NEW_SPEED] = state_of(system, k)[at.LENGTH], 0.0
+        numbers[LENGTH_ERROR] = numbers[SPEED_ERROR] = 0.0
+        return
+    moved = GAMMA * h * numbers[PART]
+    numbers[NEW_LENGTH], numbers[NEW_SPEED] = numbers[HERE] + moved, numbers[PACE] + numbers[GAINED]
+    numbers[LENGTH_ERROR], numbers[SPEED_ERROR] = moved, numbers[GAINED]

@@ -1,0 +1,192 @@
+"""A line of a system at rest between its two points, some of which are sought: its forces on them, and their slopes.
+
+The line is in equilibrium (`dynamic.initialize`), and never holds itself up as a strut. What its forces change with the
+positions of its ends comes from the matrix of Newton's method, condensed to them (`linear_algebra.condensed`). The ground
+carries a point with its half segments as it carries a node.
+"""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime.status import OK
+
+from ..compilation import kernel, part, view
+from ..equations import assembly, segment
+from ..equations.ground import carries, support, support_slope, under
+from ..equations.lines import (
+    add_at,
+    band_of,
+    inputs_of,
+    lines_of,
+    motion_of,
+    number_of_line,
+    outputs_of_line,
+    parameters_of,
+    point_at,
+    room_of,
+    segments_of,
+    state_of,
+)
+from ..equations.properties import chain_of
+from ..equilibrium import end_tensions, newton
+from ..equilibrium.rigid_body import Body, spring
+from ..linear_algebra import condensed
+from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
+from ..linear_algebra.points import add_block
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
+from ..step import transaction
+from . import dynamic
+
+
+@kernel
+def line_work_size(n):
+    """Length of what a line of n segments needs of `work`: for its equilibrium, then for the columns of its ends."""
+    size = newton.workspace_size(n) + condensed.columns_size(n)
+    return size + size % 2
+
+
+@kernel
+def is_sought(system, k, end):
+    """Whether the point at the start (end 0) or at the end (1) of line k is a free one whose position is sought."""
+    return number_of_line(system, k, places.START_IS_SOUGHT + end) != 0
+
+
+@kernel
+def is_any_sought(system, k):
+    """Whether the point at either end of line k is sought."""
+    return is_sought(system, k, 0) or is_sought(system, k, 1)
+
+
+@kernel
+def count_sought(system):
+    """Number of ends of lines whose points are sought."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += is_sought(system, k, 0) + is_sought(system, k, 1)
+    return count
+
+
+@kernel
+def is_point_sought(system, point):
+    """Whether the position of a free point is sought."""
+    count = 0
+    for k in range(lines_of(system)):
+        for end in range(2):
+            count += is_sought(system, k, end) and point_at(system, k, end) == point
+    return count > 0
+
+
+@kernel
+def given_position(system, k, end):
+    """Position [m] of an end of line k among the inputs."""
+    return vector_at(inputs_of(system, k), at.KITE_POSITION if end == 1 else at.GROUND_POSITION)
+
+
+@kernel
+def position(system, k, end, x):
+    """Position [m] of an end of line k: among those of the free points x, if it is sought."""
+    if is_sought(system, k, end):
+        return get(x, point_at(system, k, end))
+    return given_position(system, k, end)
+
+
+@kernel
+def rest_line(system, k, x):
+    """Bring line k to rest between its points, with the sought ones at x [m]; a status.
+
+    Its state, its scratch space and its outputs in the scratch space are modified.
+    """
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status = transaction.start(n, parameters, inputs_of(system, k), state)
+    if status != OK:
+        return status
+    nodes, v = motion_of(system, k)
+    for end in range(2):
+        put(nodes, n * end, position(system, k, end, x))
+        put(v, n * end, ZERO_VECTOR)
+    shape = parameters[at.INITIAL_SHAPE]
+    parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
+    status = dynamic.initialize(n, parameters, state, room_of(system, k))
+    parameters[at.INITIAL_SHAPE] = shape
+    if status == OK:
+        points = number_of_line(system, k, places.SHAPE_POINTS)
+        dynamic.outputs_of(n, parameters, state, points, room_outputs(system, k), room_of(system, k))
+    return status
+
+
+@view
+def room_outputs(system, k):
+    """Outputs of line k in the scratch space."""
+    found = part(system.work, system.plan[places.OUTPUTS_WORK], system.plan[places.OUTPUTS_SIZE])
+    return outputs_of_line(system, k, found)
+
+
+@kernel
+def force_at(system, k, end):
+    """Force [N] of line k on the point at one of its ends, after `rest_line`."""
+    return vector_at(room_outputs(system, k), at.KITE_FORCE if end == 1 else at.GROUND_FORCE)
+
+
+@kernel
+def rounding_at(system, k, end):
+    """Rounding error [N] of the tension of line k at one of its ends."""
+    n = segments_of(system, k)
+    nodes, _ = motion_of(system, k)
+    chain = chain_of(n, parameters_of(system, k), state_of(system, k))
+    reach = max(norm(get(nodes, 0)), norm(get(nodes, n)))
+    return end_tensions.rounding(chain, (n - 1) * end, reach)
+
+
+@kernel
+def take_tensions(body, w):
+    """Tensions of the springs of a body [N] into w.tension (modified), where its positions hold them."""
+    chain, x = body.chain, body.x
+    reach = max(norm(get(x, 0)), norm(get(x, chain.n)))
+    for s in range(chain.n):
+        length, _ = segment.geometry(add_scaled(get(x, s + 1), -1.0, get(x, s)))
+        elongation, stiffness = spring(chain, s, length, False)
+        pull = stiffness * elongation
+        if chain.n == 1 or end_tensions.HELD * abs(pull) >= end_tensions.rounding(chain, s, reach):
+            w.tension[s] = pull
+
+
+@kernel
+def add_slopes(system, k, search):
+    """Add what the forces of line k at its sought points lose with their positions to S [N/m] (modified); False if singular.
+
+    After `rest_line`.
+    """
+    n, parameters, state, room = segments_of(system, k), parameters_of(system, k), state_of(system, k), room_of(system, k)
+    nodes, v = motion_of(system, k)
+    w, columns = newton.workspace(n, room), part(room, newton.workspace_size(n), condensed.columns_size(n))
+    body = Body(chain_of(n, parameters, state), ZERO_VECTOR, 0.0, nodes, v, under(parameters), nodes, False)
+    take_tensions(body, w)
+    newton.linearize(body, w)
+    if n == 1:
+        assembly.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.matrix)
+    else:
+        if not newton.factorize(body, 0.0, w):
+            return False
+        condensed.find_all_columns(n, is_sought(system, k, 0), is_sought(system, k, 1), w.matrix, columns)
+    for row_end in range(2):
+        for column_end in range(2):
+            if is_sought(system, k, row_end) and is_sought(system, k, column_end):
+                block = condensed.condensed_block(n, row_end, column_end, w.matrix, columns)
+                if row_end == column_end and carries(body.ground, get(nodes, n * row_end)):
+                    slope = support_slope(body.ground, get(nodes, n * row_end), ZERO_VECTOR, ZERO_MATRIX)
+                    block = subtract(block, scale_matrix(w.mass[n * row_end], slope))
+                row, column = point_at(system, k, row_end), point_at(system, k, column_end)
+                add_block(band_of(system), row, column, block, search.slopes)
+    return True
+
+
+@kernel
+def add_support(system, k, end, search):
+    """Add what the ground does to an end of line k, with its share of the mass of the point [N], after `rest_line`."""
+    n, parameters = segments_of(system, k), parameters_of(system, k)
+    nodes, _ = motion_of(system, k)
+    x, ground, point = get(nodes, n * end), under(parameters), point_at(system, k, end)
+    if carries(ground, x):
+        mass = newton.workspace(n, room_of(system, k)).mass[n * end]
+        force = scale(mass, support(ground, x, ZERO_VECTOR))
+        add_at(search.residual, point, force)
+        search.grip[point] += ground.friction * force[2]

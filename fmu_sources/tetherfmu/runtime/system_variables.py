@@ -1,0 +1,376 @@
+"""The FMI variables of a system of tethers, and where each of them stands in the flat arrays (`system_layout.py`).
+
+Points have `NAME.position`, lines have `NAME.reel_out_speed`; what the whole system has goes without a name. A quantity is
+declared where that of a single tether is; here it gets the name of its point or line. The value reference of a variable is
+its place in the array of all values: inputs, outputs, parameters.
+"""
+
+import hashlib
+import json
+from dataclasses import dataclass, fields, replace
+from itertools import count
+
+from . import inputs, outputs
+from . import layout as at
+from . import system_layout as plan
+from .dependencies import depends_on
+from .inputs import DRIVEN_KITE, FREE_KITE, components
+from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
+from .quantities import Quantity, quantities
+from .variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of
+from .variants import DYNAMIC
+
+ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
+FIXED = ("fixed_step", "fixed_step_method")  # quantities that a system does not have: its steps are adaptive
+OF_THE_SYSTEM = (Environment, Solver, Ground)
+RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
+OF_A_LINE = {  # outputs of a tether that a line has, and their names there
+    "tether_length": "tether_length",
+    "ground_tension": "tension_from",
+    "kite_tension": "tension_to",
+    "max_tension": "max_tension",
+    "slack_segments": "slack_segments",
+    "grounded_length": "grounded_length",
+}
+COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations")  # the last one of all lines together
+GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
+HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of a system: its name, whether it is free, its mass [kg] (None if driven), its start [m], [m/s]."""
+
+    name: str
+    mass: float | None
+    position: tuple
+    velocity: tuple
+
+    @property
+    def is_free(self):
+        """Whether the lines move it."""
+        return self.mass is not None
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape."""
+
+    name: str
+    start: str
+    end: str
+    starts: dict
+    shape_points: int
+
+    @property
+    def ends(self):
+        """Pairs of the end of a tether, "ground" or "kite", and the point there."""
+        return tuple(zip(ENDS, (self.start, self.end), strict=True))
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Points and lines of a system, and what does not change while it runs.
+
+    free : names of the free points in the order of their matrix, and band : its band, see `systems/ordering.py`.
+    starts : start values of quantities of the whole system, dict by name, where they are not the defaults.
+    """
+
+    name: str
+    points: tuple
+    lines: tuple
+    free: tuple
+    band: int
+    starts: dict
+
+    @property
+    def hash(self):
+        """Text of 15 letters that tells systems apart which cannot have the same state."""
+        facts = [[(point.name, point.is_free) for point in self.points], list(self.free), self.band]
+        facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
+        return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
+
+    def as_dict(self):
+        """What JSON can hold of it; `structure_of` is the inverse."""
+        own = {item.name: getattr(self, item.name) for item in fields(self)}
+        return {**own, "points": [vars(point) for point in self.points], "lines": [vars(line) for line in self.lines]}
+
+
+def structure_of(given):
+    """`Structure` of a dict of `Structure.as_dict` that has been JSON."""
+    points = tuple(Point(**each) for each in given["points"])
+    lines = tuple(Line(**each) for each in given["lines"])
+    return Structure(**{**given, "points": points, "lines": lines, "free": tuple(given["free"])})
+
+
+def input_name(name, line):
+    """Name of an input of a tether as one of the system, as that of a `Line` (or of an equal record of the Python API).
+
+    "kite_position[1]" is "KITE.position[1]".
+    """
+    for end, point in zip(ENDS, (line.start, line.end), strict=True):
+        if name.startswith(f"{end}_"):
+            return f"{point}.{name.removeprefix(f'{end}_')}"
+    return f"{line.name}.{name}" if name.startswith(("reel", "winch")) else name
+
+
+# --- the table
+
+
+def _vector(name, causality, declared, start=(None, None, None), known=(None, None, None)):
+    """Variables of the components of a vector; start : values, known : what they depend on."""
+    for each, axis, first, those in zip(components(name, 3), "xyz", start, known, strict=True):
+        yield Variable(each, causality, "Real", replace(declared, meaning=f"{declared.meaning}, {axis}"), 0, first, those)
+
+
+def _inputs(structure):
+    """Inputs: motion of driven points, loads on free ones, what the winches of lines are told, wind."""
+    motion = [each for each in inputs.INPUT_TABLE if each.of == DRIVEN_KITE]
+    load = next(each for each in inputs.INPUT_TABLE if each.of == FREE_KITE)
+    for point in structure.points:
+        if point.is_free:
+            yield from _vector(f"{point.name}.load", INPUT, Quantity(load.unit, _LOAD.format(point.name)), load.start)
+            continue
+        for each, start in zip(motion, (point.position, point.velocity), strict=True):
+            what = each.name.removeprefix("kite_")
+            yield from _vector(f"{point.name}.{what}", INPUT, Quantity(each.unit, f"{what} of {point.name}"), start)
+    for line in structure.lines:
+        for name in GIVEN:
+            declared = inputs.BY_NAME[name]
+            meaning = f"{declared.meaning}; of {line.name}, whose winch is at {line.start}"
+            yield Variable(
+                f"{line.name}.{name}",
+                INPUT,
+                "Real",
+                Quantity(declared.unit, meaning),
+                0,
+                line.starts.get(name, declared.start[0]),
+            )
+    wind = inputs.BY_NAME["wind_velocity"]
+    yield from _vector(wind.name, INPUT, Quantity(wind.unit, wind.meaning), wind.start)
+
+
+_LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
+
+
+def _parameters(structure):
+    """Parameters: of the whole system, of free points, of lines."""
+    yield from (each for each in parameters_of(OF_THE_SYSTEM, structure.starts) if each.name not in FIXED)
+    mass = dict(quantities(FreeKite))["kite_mass"]
+    units = {"position": "m", "velocity": "m/s"}
+    for point in structure.points:
+        if point.is_free:
+            meaning = "point mass, in addition to the halves of the segments that meet there"
+            yield Variable(f"{point.name}.mass", PARAMETER, "Real", replace(mass, meaning=meaning), 0, point.mass)
+            for what, unit in units.items():
+                declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
+                yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, getattr(point, what))
+    for line in structure.lines:
+        for each in parameters_of(RECORDS_OF_A_LINE, line.starts):
+            yield replace(each, name=f"{line.name}.{each.name}")
+
+
+def _dependency(name, structure, line):
+    """Name of an input or parameter that a line depends on; name : that which a tether depends on."""
+    if name in _QUANTITIES_OF_A_LINE:
+        return f"{line.name}.{name}"
+    renamed = input_name(name, line)
+    point, _, what = renamed.partition(".")
+    is_free = any(point == each.name and each.is_free for each in structure.points)
+    return f"{point}.initial_{what}" if is_free else renamed
+
+
+_QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name, _ in quantities(record))
+
+
+def _known(structure, line, output, element, known):
+    """Names of what an output of a line depends on when initialization ends.
+
+    The start positions of the points are given, so each line has its own shape. known : names of inputs and parameters.
+    """
+    found = depends_on(DYNAMIC, output, element, line.shape_points)
+    named = (_dependency(name, structure, line) for name in found)
+    return tuple(name for name in dict.fromkeys(named) if name in known)
+
+
+def _together(listed):
+    """All names in lists of them, each once."""
+    return tuple(dict.fromkeys(name for names in listed for name in names))
+
+
+def _outputs(structure, known):
+    """Outputs: forces on driven points, motion of free ones, what a line has, the work of the solver."""
+    for point in structure.points:
+        if point.is_free:
+            for what in ("position", "velocity"):
+                declared = replace(outputs.BY_NAME[f"kite_{what}"].quantity, meaning=f"{what} of {point.name}")
+                starts = [(name,) for name in components(f"{point.name}.initial_{what}", 3)]
+                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=starts)
+            continue
+        declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
+        at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line in structure.lines for end, name in line.ends
+                 if name == point.name]  # fmt: skip
+        found = [
+            _together(_known(structure, line, force, f"{force.name}[{i}]", known) for line, force in at_it)
+            for i in (1, 2, 3)
+        ]
+        yield from _vector(f"{point.name}.force", OUTPUT, declared, known=found)
+    for line in structure.lines:
+        yield from _outputs_of_line(structure, line, known)
+    for name in COUNTERS:
+        each = outputs.BY_NAME[name]
+        found = _together(_known(structure, line, each, name, known) for line in structure.lines)
+        yield Variable(name, OUTPUT, each.kind, each.quantity, 0, depends_on=found)
+
+
+def _outputs_of_line(structure, line, known):
+    """Outputs of a line."""
+    for name, own in OF_A_LINE.items():
+        each = outputs.BY_NAME[name]
+        meaning = {"tension_from": f"tension of the first segment, at {line.start}"}.get(own, each.quantity.meaning)
+        meaning = {"tension_to": f"tension of the last segment, at {line.end}"}.get(own, meaning)
+        found = _known(structure, line, each, name, known)
+        quantity = replace(each.quantity, meaning=meaning)
+        yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found)
+    shape = outputs.BY_NAME["shape"]
+    for k in range(1, line.shape_points + 1):
+        meaning = f"point {k} of {line.shape_points} on the line at equal unstretched length, {line.start} first"
+        for i, axis in enumerate("xyz", start=1):
+            found = _known(structure, line, shape, f"shape[{k},{i}]", known)
+            quantity = replace(shape.quantity, meaning=f"{meaning}, {axis}")
+            yield Variable(f"{line.name}.shape[{k},{i}]", OUTPUT, "Real", quantity, 0, depends_on=found)
+
+
+def table_of(structure):
+    """The table of all variables of a system, a tuple of `variables.Variable`: inputs, outputs, parameters.
+
+    The place of a variable is its value reference.
+    """
+    given, fixed = list(_inputs(structure)), list(_parameters(structure))
+    found = _outputs(structure, {each.name for each in (*given, *fixed)})
+    return tuple(replace(each, place=k) for k, each in enumerate((*given, *found, *fixed)))
+
+
+# --- where they stand
+
+
+def inputs_of(structure, places):
+    """Pairs (place in the `inputs` array, value reference) of a system.
+
+    Free points have the motion of their start there. places : dict of the names of variables to value references.
+    """
+    free = {point.name for point in structure.points if point.is_free}
+    named = {}  # place: name
+    for k, line in enumerate(structure.lines):
+        first = at.INPUTS * k
+        for end, point in line.ends:
+            for what in ("position", "velocity"):
+                own = f"{point}.{'initial_' if point in free else ''}{what}"
+                named |= dict(zip(count(first + inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
+        for name in GIVEN:
+            named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
+        named |= dict(zip(count(first + at.WIND_VELOCITY), components("wind_velocity", 3), strict=False))
+    first = plan.inputs_size(len(structure.lines), 0)
+    for k, point in enumerate(structure.free):
+        named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))
+    return [(place, places[name]) for place, name in named.items()]
+
+
+def outputs_of(structure, places):
+    """Pairs (value reference, places in the `outputs` array) of a system; its output is the sum of the numbers there.
+
+    The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
+    Positions and velocities of free points are not there, see `motion_of`. places : as of `inputs_of`.
+    """
+    firsts, first = {}, 0
+    for line in structure.lines:
+        firsts[line.name] = first
+        first += at.outputs_size(line.shape_points)
+    found = {}
+    for line in structure.lines:
+        first = firsts[line.name]
+        for end, point in line.ends:
+            for i, name in enumerate(components(f"{point}.force", 3)):
+                found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
+        for name, own in OF_A_LINE.items():
+            found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
+        for k in range(line.shape_points):
+            for i in range(3):
+                found[f"{line.name}.shape[{k + 1},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
+    for name in COUNTERS:
+        every = [first + outputs.PLACES[name] for first in firsts.values()]
+        found[name] = every if name == "solver_iterations" else every[:1]
+    return [(places[name], tuple(those)) for name, those in found.items() if name in places]
+
+
+def free_ends(structure, places):
+    """Where free points move: (value reference, number of the line, 1 at its end and 0 at its start, component from 0 to 5).
+
+    Position and velocity have three components each. Of several lines at a point the last one counts.
+    """
+    found, free = {}, set(structure.free)
+    for k, line in enumerate(structure.lines):
+        for is_end, (_, point) in enumerate(line.ends):
+            if point in free:
+                names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
+                found |= {name: (places[name], k, is_end, component) for component, name in enumerate(names)}
+    return list(found.values())
+
+
+def motion_of(structure, places, segments, states_at):
+    """Pairs (value reference, place in the `state` array) of the motion of free points.
+
+    segments, states_at : of each line its number of segments, and the place of its state.
+    """
+    found = []
+    for reference, k, is_end, component in free_ends(structure, places):
+        what, axis = divmod(component, 3)
+        node = (segments[k] + 1) * what + segments[k] * is_end
+        found.append((reference, states_at[k] + at.STATE_HEADER + 3 * node + axis))
+    return found
+
+
+def plan_of(structure):
+    """What is given of the `plan` array but for the segments: dict of place to number."""
+    given = {plan.LINES: len(structure.lines), plan.FREE_POINTS: len(structure.free), plan.BAND: structure.band}
+    for k, line in enumerate(structure.lines):
+        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
+        for place, name in ((plan.START_POINT, line.start), (plan.END_POINT, line.end)):
+            given[row + place] = structure.free.index(name) if name in structure.free else plan.DRIVEN
+        given[row + plan.SHAPE_POINTS] = line.shape_points
+    return given
+
+
+def quantities_of_line(line, places):
+    """Quantities in the order in which the kernel `pack` takes them: (name, value reference or None, default) of each.
+
+    What the system has no variable for has its default.
+    """
+    found = []
+    for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
+        for item in fields(record):
+            own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
+            found.append((item.name, places.get(own), item.default))
+    return found
+
+
+def unpacked(structure):
+    """Names of the parameters that the kernel `pack` does not check: those of free points."""
+    for point in structure.points:
+        if point.is_free:
+            yield f"{point.name}.mass"
+            for what in ("position", "velocity"):
+                yield from components(f"{point.name}.initial_{what}", 3)
+
+
+def carried(structure):
+    """Of each line the names of the free points at its start and its end whose mass it carries, None for none.
+
+    The first line at a point does.
+    """
+    free, found = set(structure.free), []
+    for line in structure.lines:
+        own = [point if point in free else None for point in (line.start, line.end)]
+        free -= set(own)
+        found.append(own)
+    return found

@@ -1,0 +1,86 @@
+"""The FMU of a system whose lines are driven by force and by length, in all flavours: the numbers of `TetherSystem`."""
+
+import pytest
+
+from isolation import in_own_process
+from runtime.host import Host
+from tetherfmu import TetherSystem
+from tetherfmu.check.__main__ import main as check
+from tetherfmu.export import systems
+from tetherfmu.runtime.kernel_library import this_platform
+
+FILE = """
+name = "TwoWinches"
+
+[points]
+winch = {position = [0, 0, 0]}
+knot = {position = [0, 0, 99.5], mass = 2.0}
+left = {position = [-23, 0, 131]}
+right = {position = [26, 0, 131]}
+
+[lines.main]
+from = "winch"
+to = "knot"
+initial_length = 100.0
+segments = 5
+winch_control = 2
+winch_mass = 20.0
+winch_friction = 5.0
+
+[lines.a]
+from = "left"
+to = "knot"
+initial_length = 39.0
+segments = 3
+winch_control = 3
+
+[lines.b]
+from = "knot"
+to = "right"
+initial_length = 41.0
+segments = 3
+"""
+STEP = 0.02
+
+
+@pytest.fixture(scope="session")
+def winches(built_once):
+    """Folder with the file, and an FMU of each flavour in a folder of its own."""
+
+    def build(folder):
+        (folder / "winches.toml").write_text(FILE)
+        for native in (0, 2, 3):
+            systems.build(folder / "winches.toml", folder / str(native), (this_platform(),), native=native or None)
+
+    return built_once("system_winches", build)
+
+
+@pytest.mark.parametrize("native", [0, 2, 3])
+@in_own_process
+def test_the_numbers_of_the_python_api(winches, native):
+    system = TetherSystem.from_file(winches / "winches.toml")
+    system.initialize(winch_lengths={"a": 39.0})
+    host = Host(winches / str(native) / "TwoWinches.fmu").start()
+    for k in range(20):
+        force, length = 200.0 + 10.0 * k, 39.0 - 0.002 * k
+        host.step(STEP, **{"main.winch_force": force, "a.winch_length": length})
+        wanted = system.step(STEP, winch_forces={"main": force}, winch_lengths={"a": length})
+        for name, line in wanted.lines.items():
+            assert host.get(f"{name}.tether_length") == line.tether_length
+            assert host.get(f"{name}.tension_to") == line.kite_tension
+    assert wanted.lines["main"].tether_length != 100.0
+    assert wanted.lines["a"].tether_length == pytest.approx(length, abs=0.01)
+
+
+@pytest.mark.parametrize("native", [0, 2, 3])
+@in_own_process
+def test_stops_that_cross_are_refused_with_the_line(winches, native):
+    host = Host(winches / str(native) / "TwoWinches.fmu")
+    with pytest.raises(Exception, match="fmi"):
+        host.start(**{"main.shortest_length": 50.0, "main.longest_length": 40.0})
+    assert "the line main: shortest_length is 50" in str(host.messages)
+
+
+def test_check_passes(winches, capsys):
+    assert check([str(winches / str(native) / "TwoWinches.fmu") for native in (0, 2, 3)]) == 0
+    assert "0 problems found" in capsys.readouterr().out

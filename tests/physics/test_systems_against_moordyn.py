@@ -1,0 +1,36 @@
+"""Systems of tethers against MoorDyn: a bridle whose kites move, four drones that carry a load; without drag.
+
+Scenes and settings: benchmarks/moordyn_systems.py, which wrote the files. The equations are the same, so that steps are all
+that differs. The ropes of the drones are slack and snap; there MoorDyn with steps twice as long differs from itself, too.
+"""
+
+import numpy as np
+import pytest
+
+from benchmarks.moordyn_systems import columns, differences, ours
+from scenes import read
+
+
+def theirs(name):
+    """Rows of MoorDyn."""
+    found = read(f"moordyn_{name}.csv")
+    return np.column_stack([found[each] for each in columns(name)])
+
+
+def test_a_bridle():
+    """With steps of 20 ms and the default tolerance; its main line pulls with 1 to 8 kN."""
+    right = theirs("y")
+    assert np.ptp(right[:, 4:]) > 5000.0
+    _, place, _, force = differences(ours("y")[0], right)
+    assert place < 0.02  # [mm], of 5 m; 0.007, of which the digits of the file are 0.005
+    assert force < 0.1  # [N]; 0.034
+
+
+@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # they snap
+def test_four_drones_with_a_load():
+    """With steps of 5 ms: how fast a slack rope becomes taut is in the accelerations of the drones, which steps must see."""
+    right = theirs("drones")
+    assert right[:, 4:].min() == 0.0
+    _, place, force, _ = differences(ours("drones", step=0.005)[0], right)
+    assert place < 0.1  # [mm], of 10 m; 0.039
+    assert force < 0.3  # [N] rms, of 340 N; 0.11, MoorDyn with steps twice as long 0.14
