@@ -109,14 +109,16 @@ def page(name, variant, description, table, paths, native):
     )
 
 
-def style_and_tables(table):
-    """What the pages of all FMUs share: the style, and the rows of their tables of variables."""
-    return {
-        "style": (ASSETS / "page.css").read_text(encoding="utf-8").strip(),
-        "inputs": rows(table, INPUT, unit, start, meaning),
-        "outputs": rows(table, OUTPUT, unit, meaning),
-        "parameters": rows(table, PARAMETER, unit, start, allowed, meaning),
-    }
+def style_and_tables(table, hint="<p>Set them before the initialization ends.</p>\n"):
+    """What the pages of all FMUs share: the style, and their tables of variables. hint : HTML above the parameters."""
+    tables = filled(
+        "tables.html",
+        hint=hint,
+        inputs=rows(table, INPUT, unit, start, meaning),
+        outputs=rows(table, OUTPUT, unit, meaning),
+        parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
+    )
+    return {"style": (ASSETS / "page.css").read_text(encoding="utf-8").strip(), "tables": tables.rstrip()}
 
 
 def folded(listed):

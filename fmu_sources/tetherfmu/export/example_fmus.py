@@ -77,5 +77,5 @@ def _page(name, script, description):
         version=__version__,
         description=escape(description),
         physics="\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown)),
-        **style_and_tables(table_of(name)),
+        **style_and_tables(table_of(name), hint=""),
     )

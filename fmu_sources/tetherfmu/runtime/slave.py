@@ -34,9 +34,11 @@ class TetherSlave(BaseSlave):
         """Make the table of variables and the instance from build options."""
         self._kite_is_free = BY_NAME[self.variant].kite_is_free
         table = variables.table_of(self.variant, options)
-        self._parameter_names = variables.names_of(table, variables.PARAMETER)
+        names = variables.names_of(table, variables.PARAMETER)
         points = options["shape_points"], options["wind_points"]
-        self._instance = Instance(self._kernels(), points[0], len(self._parameter_names), points[1])
+        self._instance = Instance(self._kernels(), points[0], len(names), points[1])
+        self._places = {name: self._instance.parameters_at + k for k, name in enumerate(names)}
+        self._diameters = [self._places["diameter"]]
         references = variables.references(table, options["shape_points"])
         self.declare(table, self._instance.values, references, options["step"])
 
@@ -73,12 +75,16 @@ class TetherSlave(BaseSlave):
             self._instance.set_up(*self._packed(self.values, self._importer_tolerance))
         except ValueError as error:
             return str(error)
-        diameter = self.values[self._instance.parameters_at + self._parameter_names.index("diameter")]
-        self._doubts = tuple(filter(None, (diameter_in_doubt(diameter),)))
+        doubts = [diameter_in_doubt(self.values[place]) for place in self._diameters]
+        self._doubts = tuple(dict.fromkeys(filter(None, doubts)))
+        return self._first_shape()
+
+    def _first_shape(self):
+        """Find it for the inputs, and where a free kite starts for its parameters. Returns what is wrong, or None."""
         if not self._kite_is_free:
             return self._instance.start()
         before = self.values[_KITE_END]
-        first = self._instance.parameters_at + self._parameter_names.index("initial_kite_position[1]")
+        first = self._places["initial_kite_position[1]"]
         self.values[_KITE_END] = self.values[first : first + len(before)]
         problem = self._instance.start()
         if problem:

@@ -1,7 +1,6 @@
 """The slave of a system of tethers: `slave.TetherSlave` around a `SystemInstance`, whose structure is a build option."""
 
 from .kernel_library import SYSTEM
-from .parameters import diameter_in_doubt
 from .slave import TetherSlave
 from .system_instance import SystemInstance
 from .system_variables import structure_of, table_of
@@ -21,16 +20,8 @@ class SystemSlave(TetherSlave):
         self._diameters = [self._instance.places[f"{line.name}.diameter"] for line in structure.lines]
         self.declare(table, self._instance.values, [each.place for each in table], options["step"])
 
-    def start(self):
-        """Check the parameters, find the first shapes. Returns what is wrong, or None."""
-        if self._no_kernels:
-            return self._no_kernels
-        try:
-            self._instance.set_up(*self._packed(self.values, self._importer_tolerance))
-        except ValueError as error:
-            return str(error)
-        doubts = [diameter_in_doubt(self.values[place]) for place in self._diameters]
-        self._doubts = tuple(dict.fromkeys(filter(None, doubts)))
+    def _first_shape(self):
+        """Find the first shapes of all lines. Returns what is wrong, or None."""
         return self._instance.start()
 
     def _packed(self, values, tolerance):
