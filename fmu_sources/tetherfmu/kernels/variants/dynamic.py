@@ -17,7 +17,7 @@ from ..equilibrium.rigid_body import Body, rigid_motion, straighten
 from ..integrators import drum_in_fixed_steps, drum_step, moving_drum, second_order, step_control
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
-from ..step.plausibility import note_stiff_and_slack
+from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
 
 
 @kernel
@@ -31,6 +31,7 @@ def initialize(n, parameters, state, work):
     """Give a new state (modified) the shape that `initial_shape` asks for; returns a status: OK or NO_EQUILIBRIUM."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
+    note_damping_of_steps(chain, parameters, state)
     if parameters[at.INITIAL_SHAPE] == at.STRAIGHT:
         straighten(chain, x)
         straighten(chain, v)
@@ -70,6 +71,7 @@ def advance(n, parameters, given, before, state, work):
                 status = drum_in_fixed_steps.integrate(conditions, given.step, state, x, v, b)
             else:
                 status = second_order.integrate(conditions, given.step, state, x, v, b)
+            note_restless(b.chain.restless[0], parameters, state)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:
