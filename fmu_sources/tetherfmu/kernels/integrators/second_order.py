@@ -22,8 +22,9 @@ A step is taken anew by `backward_euler.careful_step` over the whole of h, and t
 - a stage does not come to rest within `limits.MOST_ITERATIONS`,
 - a node is on the ground,
 - a segment is as stiff as `limits.STIFF`: its tension would show by how little a driven end is put right after the stages,
-- a segment goes slack or taut, and the energy grows by more than ends, winch, wind and load can have put in: the start of
-  a stage is an extrapolation, which does not know of the transition.
+- a segment goes slack or taut, or a stage takes more than two iterations, and the energy grows by more than ends, winch,
+  wind and load can have put in: the start of a stage is an extrapolation, which knows neither of the transition nor of
+  a chain that turns far in a step.
 
 Sources: Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J. Numer. Anal. 14 (1977);
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See docs/models/numerics.md, "Fixed step".
@@ -200,7 +201,8 @@ def stages(conditions, time, h, known, x, v, w):
         return False, iterations
     place_ends(conditions, time + h, x, v)
     does_cross = does_cross or crosses(conditions, time, w.x, time + h, x)
-    return not does_cross or is_explained(conditions, time, h, x, v, w), iterations
+    is_smooth = not does_cross and iterations <= 2 * STAGES
+    return is_smooth or is_explained(conditions, time, h, x, v, w), iterations
 
 
 @kernel
