@@ -13,7 +13,7 @@ SHAPE_POINTS = 0
 
 def compiled(folder, segments):
     """Path of the program, with an FMU of the dynamic tether."""
-    return programs.compiled(folder, "dynamic", 2, HOST, ("-O2", WRAPPED), segments, SHAPE_POINTS)
+    return programs.compiled(folder, "dynamic", 2, HOST, ("-O2", "-D_GNU_SOURCE", WRAPPED), segments, SHAPE_POINTS)
 
 
 def run(program, segments, mode, flight, steps, step, fixed_step):

@@ -1,11 +1,10 @@
 /* A rig in C around a native FMU for FMI 2 with fixed steps: real_time_host TOKEN MODE FLIGHT STEPS STEP FIXED
 
-MODE : time (prints the median, the 99.99th percentile and the largest time of fmi2DoStep, its inputs and outputs [us], and
-the most iterations in one), silent (the process is killed at any system call and aborts at any allocation in the steps) or
+MODE : time (prints the median, the 99.99th percentile and the largest time of fmi2DoStep, its inputs and outputs [us], by
+the clock and of the processor, and the most iterations in one), silent (the process is killed at any system call and aborts at any allocation in the steps) or
 loud (the same, with a system call after them).  FLIGHT : circle, snaps or rest.  STEP : communication step [s].
 FIXED : value reference of fixed_step, its value [s] and the reference of solver_iterations, with commas between them.
-Compiled with the C shell, the kernels, and --wrap of malloc, calloc, realloc and free. */
-#define _GNU_SOURCE
+Compiled with _GNU_SOURCE, the C shell, the kernels, and --wrap of malloc, calloc, realloc and free. */
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <math.h>
@@ -60,10 +59,10 @@ static void forbid_system_calls(void) /* all but the one that ends the process *
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program)) exit(77);
 }
 
-static double now(void) /* [us] */
+static double now(clockid_t clock) /* [us] */
 {
     struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
+    clock_gettime(clock, &time);
     return 1e6 * (double)time.tv_sec + 1e-3 * (double)time.tv_nsec;
 }
 
@@ -71,6 +70,12 @@ static int compare(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+static void print_percentiles(double *times, long count)
+{
+    qsort(times, (size_t)count, sizeof *times, compare);
+    printf("%g %g %g ", times[count / 2], times[(long)(0.9999 * (double)count)], times[count - 1]);
 }
 
 /* Position [m] and velocity [m/s] of the kite, and the wind [m/s]. The tether is 505 m long. */
@@ -100,10 +105,10 @@ int main(int count, char **argument)
     if (count != 7 || sscanf(argument[6], "%u,%lf,%u", &fixed_step, &fixed, &iterations) != 3) return 2;
     char mode = argument[2][0], flight = argument[3][0];
     long steps = atol(argument[4]);
-    double step = atof(argument[5]), *times = malloc((size_t)steps * sizeof *times);
+    double step = atof(argument[5]), *times = malloc(2 * (size_t)steps * sizeof *times), *of_processor = times + steps;
     void *tether = fmi2Instantiate("tether", fmi2CoSimulation, argument[1], NULL, &callbacks, 0, 0);
     if (!tether || !times) die("instantiate");
-    memset(times, 0, (size_t)steps * sizeof *times); /* so that its pages are there */
+    memset(times, 0, 2 * (size_t)steps * sizeof *times); /* so that its pages are there */
     motion(flight, 0.0, inputs);
     if (fmi2SetReal(tether, &fixed_step, 1, &fixed) > fmi2Warning || fmi2SetReal(tether, SET, MOVED + WIND, inputs)) die("set");
     if (fmi2EnterInitializationMode(tether) || fmi2ExitInitializationMode(tether) > fmi2Warning) die("initialize");
@@ -113,11 +118,15 @@ int main(int count, char **argument)
             forbid_system_calls();
         }
         motion(flight, (double)(k + WARM) * step, inputs);
-        double began = mode == 't' ? now() : 0.0;
+        double began = 0.0, begun = 0.0;
+        if (mode == 't') begun = now(CLOCK_THREAD_CPUTIME_ID), began = now(CLOCK_MONOTONIC);
         int status = fmi2SetReal(tether, SET, MOVED + WIND, inputs);
         if (!status) status = fmi2DoStep(tether, (double)(k + WARM) * step, step, 1);
         if (status <= fmi2Warning) status = fmi2GetReal(tether, READ, MOVED, found);
-        if (mode == 't' && k >= 0) times[k] = now() - began;
+        if (mode == 't' && k >= 0) {
+            times[k] = now(CLOCK_MONOTONIC) - began;
+            of_processor[k] = now(CLOCK_THREAD_CPUTIME_ID) - begun;
+        }
         if (status > fmi2Warning) _exit(4);
         fmi2GetInteger(tether, &iterations, 1, &spent);
         if (k >= 0 && spent - before > most) most = spent - before;
@@ -125,7 +134,8 @@ int main(int count, char **argument)
     }
     if (mode == 'l') syscall(SYS_getppid);
     if (mode != 't') _exit(0);
-    qsort(times, (size_t)steps, sizeof *times, compare);
-    printf("%g %g %g %d\n", times[steps / 2], times[(long)(0.9999 * (double)steps)], times[steps - 1], most);
+    print_percentiles(times, steps);
+    print_percentiles(of_processor, steps);
+    printf("%d\n", most);
     return 0;
 }
