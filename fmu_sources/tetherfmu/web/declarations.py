@@ -69,6 +69,7 @@ USUAL = {
     "winch_length": (0.0, 2000.0),
 }
 DEGREES = {"rad": ["deg", quantities.DEGREES[1]], "rad/s": ["deg/s", quantities.DEGREES[1]]}  # as people read angles
+TITLES = {"reel": "pumping cycle"}  # of scenes whose title is not their name
 FIRST = ("figure_of_eight", "circle", "reel")  # scenes at the head of the list
 
 
@@ -101,9 +102,7 @@ def of_record(record, left_out=()):
     """The quantities of a record with defaults, a list of dicts."""
     defaults = {item.name: item.default for item in fields(record)}
     return [
-        described(name, defaults[name], declared)
-        for name, declared in quantities.quantities(record)
-        if name not in left_out
+        described(name, defaults[name], declared) for name, declared in quantities.quantities(record) if name not in left_out
     ]
 
 
@@ -193,7 +192,8 @@ def of_flights():
         found[name] = {"about": kind.__doc__, "free": name == "free", "quantities": of_record(kind)}
     wing, controller = example("fmus.aerodynamics").Wing, example("fmus.flight_controller").Flight
     of_wing = [name for name, _ in quantities.quantities(wing)]
-    found["free"]["quantities"] += [*of_record(wing), *of_record(controller, of_wing)]  # both have the turn rate law
+    groups = ("Wing", of_record(wing)), ("Controller", of_record(controller, of_wing))  # both have the turn rate law
+    found["free"]["quantities"] += [{**each, "group": group} for group, listed in groups for each in listed]
     return found
 
 
@@ -213,6 +213,7 @@ def scene_of(path):
 
     ground = TABLE_OF_GROUND(**{key: getattr(scene.ground, f"ground_{key}") for key in table.get("ground", {})})
     return {
+        "title": TITLES.get(path.stem, path.stem.replace("_", " ")),
         "about": text.partition("\n")[0].removeprefix("# "),
         "duration": scene.duration,
         "kind": table["flight"]["kind"],

@@ -48,12 +48,15 @@ class WindVelocity:
     """The horizontal wind by speed and direction."""
 
     speed: float = quantity(8.0, "m/s", "of the wind at wind_reference_height", 0.0, 200.0)
-    direction: float = quantity(0.0, "rad", "to which the wind blows, anti-clockwise from the x axis", -pi, pi, display=DEGREES)
+    direction: float = quantity(
+        0.0, "rad", "to which the wind blows, anti-clockwise from the x axis", -pi, pi, display=DEGREES
+    )
 
 
 KINDS = {"pointer": Pointer, "free": FreeFlight}
 SCENES = {
     "pointer": {
+        "title": "follows the pointer",
         "about": "The kite follows your pointer; turn the view with the shift key or two fingers.",
         "duration": None,
         "kind": "pointer",
@@ -62,6 +65,7 @@ SCENES = {
         "wind": {"velocity": [8.0, 0.0, 0.0]},
     },
     "free": {
+        "title": "free flight",
         "about": "A soft kite of 20 m2 flies free under its lift and drag; the tether moves it, you or a controller steer it.",
         "duration": None,
         "kind": "free",
@@ -70,6 +74,7 @@ SCENES = {
         "wind": {"velocity": [9.0, 0.0, 0.0]},
     },
     "hanging_load": {
+        "title": "hanging load",
         "about": "A load of 100 kg hangs from a crane on 60 m of rope and swings while the crane slews.",
         "duration": 60.0,
         "kind": "free_end",

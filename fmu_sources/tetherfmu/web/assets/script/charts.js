@@ -68,7 +68,9 @@ export class Charts {
     context.fillText(strip.title, LEFT, 8);
     context.textAlign = "center";
     context.fillStyle = faint;
-    for (let time = Math.ceil(begin / 5) * 5; time <= end; time += 5) context.fillText(`${time} s`, Math.min(x(time), width - 16), height - 5);
+    for (let time = Math.ceil(begin / 5) * 5; time <= end; time += 5) {
+      if (x(time) > LEFT + 12) context.fillText(`${time} s`, Math.min(x(time), width - 16), height - 5);
+    }
     shown.forEach((each, k) => {
       const colour = each.name === REFERENCE ? declared.colours.reference : each.variant.colour;
       this.drawLine(context, record.times, series[k], x, y, colour, each.name === REFERENCE ? 3 : 1.5, scale.least);
@@ -99,10 +101,10 @@ function linearScale(series, { most }) {
   let top = 0;
   for (const values of series) for (const each of values) if (each > top) top = each;
   top = most ? most / 100 : top || 1;
-  const step = nice(top / 2.5);
-  const ticks = [];
-  for (let tick = 0; tick <= top * 1.0001; tick += step) ticks.push(tick);
-  return { ticks, part: (value) => value / (1.08 * top), least: -Infinity };
+  const step = nice(top / 3);
+  const count = Math.ceil(top / step - 1e-9);
+  const ticks = Array.from({ length: count + 1 }, (_, k) => k * step).filter((_, k) => count < 4 || k % 2 === 0);
+  return { ticks, part: (value) => value / (count * step), least: -Infinity };
 }
 
 function logarithmicScale(series) {

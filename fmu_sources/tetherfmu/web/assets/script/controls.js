@@ -65,7 +65,7 @@ function slider(declared, value, ignored, sentences, changed) {
     changed(next);
   });
   const label = element("label", { htmlFor: id, title: titleOf(declared, ignored) }, words(declared.name));
-  if (ignored.length) label.append(element("small", {}, ` not in ${ignored.join(", ")}`));
+  if (ignored.length) label.append(element("small", {}, `no effect: ${ignored.map((each) => each.replace("Tether", "")).join(", ")}`));
   return element("div", { className: "quantity" }, label, range, element("span", { className: "value" }, number, unit), problem);
 }
 
@@ -96,7 +96,8 @@ export class Controls {
     const { declared, place } = this;
     const kind = declared.flights[settings.kind];
     place.replaceChildren();
-    this.group("Flight", kind.quantities, settings.flight, true);
+    const parts = new Set(kind.quantities.map((each) => each.group ?? "Flight"));
+    for (const part of parts) this.group(part, kind.quantities.filter((each) => (each.group ?? "Flight") === part), settings.flight, true);
     const hand = this.group("By hand, at once", declared.hand.filter((each) => usedByHand(each, settings)), settings.hand, false);
     if (hand) hand.open = true;
     this.wind(settings);
@@ -112,7 +113,7 @@ export class Controls {
     const details = element("details", { open: this.open.has(title) }, element("summary", {}, title));
     details.addEventListener("toggle", () => (details.open ? this.open.add(title) : this.open.delete(title)));
     for (const each of quantities) {
-      const ignored = this.ignoring(each.name, each.group);
+      const ignored = this.ignoring(each.name);
       const set = (value) => {
         values[each.name] = value;
         this.changed(restart);
@@ -126,8 +127,7 @@ export class Controls {
   }
 
   /** Classes of the variants that ignore a parameter. */
-  ignoring(name, group) {
-    if (!group) return [];
+  ignoring(name) {
     return this.declared.variants.filter((each) => name in each.ignored).map((each) => each.class);
   }
 

@@ -44,7 +44,8 @@ export function parametersToSet(declared, simulation) {
     }
   } else if (kind !== "pointer") {
     const { kite_position: first, kite_velocity: rate } = simulation.driver.inputs(0);
-    lines.push(`# at the start: kite_position = [${first.map(repr).join(", ")}], kite_velocity = [${rate.map(repr).join(", ")}]`);
+    const vector = (numbers) => `[${numbers.map((each) => repr(Number(each.toPrecision(12)))).join(", ")}]`;
+    lines.push("# inputs at the start:", `# kite_position = ${vector(first)}`, `# kite_velocity = ${vector(rate)}`);
   }
   return lines;
 }

@@ -9,7 +9,7 @@ import { changesOf, settingsFrom, settingsOf } from "./settings.js";
 import { addressWith, keep, kept, pairsIn, pairsOf, savedIn } from "./sharing.js";
 import { REFERENCE, Simulation } from "./simulation.js";
 import { clamp, norm } from "./vectors.js";
-import { short, words } from "./text.js";
+import { short } from "./text.js";
 import { View } from "./view.js";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -24,9 +24,9 @@ class Page {
   constructor(declared, library) {
     Object.assign(this, { declared, library, runs: true, behind: 0, last: performance.now(), fps: 60, spoken: 0, charted: 0, measured: 0 });
     this.view = new View(by("view"));
-    this.charts = new Charts(by("charts"));
+    this.charts = new Charts(by("strips"));
     this.controls = new Controls(by("controls"), declared, (restart) => this.changed(restart));
-    for (const name of Object.keys(declared.scenes)) by("scene").append(new Option(words(name), name));
+    for (const [name, { title }] of Object.entries(declared.scenes)) by("scene").append(new Option(title, name));
     for (const each of SPEEDS) by("speed").append(new Option(`${each} ×`, each));
     for (const each of STEPS) by("step").append(new Option(`${each * 1000} ms`, each));
     this.connect();
@@ -288,7 +288,8 @@ class Page {
     for (const each of simulation.flown) {
       const colour = each.name === REFERENCE ? declared.colours.reference : each.variant.colour;
       const title = each.name === REFERENCE ? "finer" : each.variant.class;
-      for (const [kind, text] of simulation.said(each)) lines.push([colour, kind, `${title}: ${text}`]);
+      const said = simulation.said(each);
+      lines.push([colour, said[0][0], `${title}: ${said.map(([, text]) => text).join("; ")}`]);
     }
     const text = JSON.stringify(lines);
     if (text === this.lines) return;

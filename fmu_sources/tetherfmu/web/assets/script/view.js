@@ -34,7 +34,7 @@ export class View {
     this.camera.fit(centre, this.offset ? 0.75 * reach : radius);
     if (turned) {
       const away = Math.hypot(centre[0], centre[1]) > 0.1 * radius ? Math.atan2(centre[1], centre[0]) : 0;
-      Object.assign(this.camera, { azimuth: away + Math.PI - 1.0, elevation: 0.2, zoom: 1 });
+      Object.assign(this.camera, { azimuth: away + Math.PI + 1.0, elevation: 0.2, zoom: 1 });
       this.camera.place();
     }
     this.trail = [];
