@@ -6,6 +6,7 @@ import shutil
 import threading
 from contextlib import contextmanager
 from functools import partial
+from importlib.util import find_spec
 
 import pytest
 
@@ -25,7 +26,9 @@ FLAGS = (
     "--disable-sync",
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # other hosts are asked for, but not reached
 )
-needed = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Chromium and chromedriver")
+needed = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER and find_spec("selenium")), reason="needs Chromium, chromedriver and the extra docs"
+)
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
@@ -52,7 +55,8 @@ def served(folder):
 @contextmanager
 def started(width, profile):
     """Chromium with a window of a width [px] in the dark theme; the width of `PHONE` is a phone.  profile : a new folder."""
-    webdriver = pytest.importorskip("selenium.webdriver", reason="needs the extra docs")
+    from selenium import webdriver
+
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for flag in (*FLAGS, f"--user-data-dir={profile}", f"--window-size={width},900"):

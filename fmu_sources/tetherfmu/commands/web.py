@@ -40,8 +40,8 @@ def server_of(place, port):
 
 def serve(server):
     """Serve until Ctrl-C."""
-    print(f"http://{HERE}:{server.server_port}/  until Ctrl-C", flush=True)
     try:
+        print(f"http://{HERE}:{server.server_port}/  until Ctrl-C", flush=True)
         server.serve_forever()
     except KeyboardInterrupt:
         print(file=sys.stderr)  # behind the ^C of the terminal
@@ -66,7 +66,7 @@ def main(arguments=None, prog="tetherfmu web"):
     if given.port and not given.serve:
         parser.error("--port goes with --serve")
     server = server_of(given.out, given.port or 0) if given.serve else None
-    for path in page.write(given.out, webassembly.file().read_bytes()):
+    for path in page.write(given.out, webassembly.browser_file().read_bytes()):
         print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
     if server:
         serve(server)

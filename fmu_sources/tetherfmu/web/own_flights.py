@@ -66,7 +66,7 @@ SCENES = {
     },
     "free": {
         "title": "free flight",
-        "about": "A soft kite of 20 m2 flies free under its lift and drag; the tether moves it, you or a controller steer it.",
+        "about": "A soft kite of 20 m2 flies free under lift and drag; the tether moves it, you or a controller steer it.",
         "duration": None,
         "kind": "free",
         "flight": {},

@@ -42,6 +42,7 @@ export function listen(canvas, on) {
   for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
+    if (window.self !== window.top && document.activeElement !== canvas) return; // the wheel moves the page around this frame
     event.preventDefault();
     on.closer(Math.exp(-0.0015 * event.deltaY));
   }, { passive: false });

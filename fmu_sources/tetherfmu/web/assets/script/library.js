@@ -3,37 +3,23 @@
 import { filled } from "./text.js";
 
 const PAGE = 65536; // bytes, by which a memory of WebAssembly grows
+const FIRST_PAGES = 64;
+const ALIGNED = 16; // bytes, for two lanes
 
 /** The kernels of a WebAssembly file (bytes). */
 export async function libraryOf(bytes, declared) {
-  const module = await WebAssembly.compile(bytes);
-  const memory = new WebAssembly.Memory({ initial: 32 });
-  const given = { memory };
-  for (const { name, kind } of WebAssembly.Module.imports(module)) {
-    if (kind === "function") given[name] = Math[name] ?? ownFunctions(memory)[name];
-  }
-  const { exports } = await WebAssembly.instantiate(module, { env: given });
-  return new Library(exports, memory, declared);
+  const memory = new WebAssembly.Memory({ initial: FIRST_PAGES });
+  const { instance } = await WebAssembly.instantiate(bytes, { env: { memory, ...mathematics() } });
+  return new Library(instance.exports, memory, declared);
 }
 
-/** What the kernels need besides `Math`. */
-function ownFunctions(memory) {
-  return {
-    memcpy(to, from, count) {
-      new Uint8Array(memory.buffer).copyWithin(to, from, from + count);
-      return to;
-    },
-    memset(to, value, count) {
-      new Uint8Array(memory.buffer).fill(value, to, to + count);
-      return to;
-    },
-    __multi3(to, low, high, otherLow, otherHigh) {
-      const whole = (a, b) => (BigInt.asUintN(64, b) << 64n) | BigInt.asUintN(64, a);
-      const product = BigInt.asUintN(128, whole(low, high) * whole(otherLow, otherHigh));
-      new BigUint64Array(memory.buffer, to, 2).set([BigInt.asUintN(64, product), product >> 64n]);
-    },
-  };
+/** The functions of a real number that the kernels take from JavaScript. */
+function mathematics() {
+  const { pow, log, exp, atan2, sinh, asinh, log1p } = Math;
+  return { pow, log, exp, atan2, sinh, asinh, log1p };
 }
+
+const aligned = (address) => Math.ceil(address / ALIGNED) * ALIGNED;
 
 /** Entry points and the memory that all tethers share; arrays are handed out one behind the other. */
 export class Library {
@@ -41,7 +27,7 @@ export class Library {
     this.exports = exports;
     this.memory = memory;
     this.declared = declared;
-    this.first = Math.ceil(exports.__heap_base.value / 8) * 8;
+    this.first = aligned(exports.__heap_base.value);
     this.clear();
   }
 
@@ -54,7 +40,7 @@ export class Library {
   /** Address of a new array of so many zeros. */
   array(count) {
     const address = this.next;
-    this.next += 8 * count;
+    this.next = aligned(this.next + 8 * count);
     const missing = this.next - this.memory.buffer.byteLength;
     if (missing > 0) this.memory.grow(Math.ceil(missing / PAGE));
     this.numbers = new Float64Array(this.memory.buffer);

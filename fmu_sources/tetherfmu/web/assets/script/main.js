@@ -95,8 +95,8 @@ class Page {
       },
       save: () => this.save(),
       restore: () => this.restore(),
-      link: () => this.copy(addressWith(changesOf(this.declared, this.settings)), "link copied"),
-      exact: () => this.copy(addressWith(this.pairs()), "link copied"),
+      link: () => this.copy(this.linkTo(changesOf(this.declared, this.settings)), "link copied"),
+      exact: () => this.copy(this.linkTo(this.pairs()), "link copied"),
       download: () => this.download(),
     };
     for (const [id, action] of Object.entries(actions)) by(id).addEventListener("click", action);
@@ -142,6 +142,11 @@ class Page {
   /** Settings and state as pairs of a link. */
   pairs() {
     return [...changesOf(this.declared, this.settings), ...pairsOf(this.simulation.saved())];
+  }
+
+  /** Address of this page with pairs. */
+  linkTo(pairs) {
+    return addressWith(pairs);
   }
 
   save() {
@@ -305,6 +310,7 @@ class Page {
 }
 
 async function main() {
+  document.documentElement.classList.toggle("embedded", window.self !== window.top); // in a frame of the manual
   const declared = JSON.parse(by("declarations").textContent);
   const answer = await fetch("tetherfmu.wasm");
   if (!answer.ok) throw new Error(`the kernels, tetherfmu.wasm, are not there (status ${answer.status})`);
