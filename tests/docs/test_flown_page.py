@@ -42,14 +42,19 @@ def browser(tmp_path_factory):
         yield driver
 
 
-def opened(browser, address, settings=""):
-    """Open the page with settings, stopped at the start."""
+def load(browser, link):
+    """Open a link and wait until the tethers fly."""
     browser.get("about:blank")  # another hash alone loads nothing
-    browser.get(f"{address}#{settings}")
+    browser.get(link)
     deadline = time.monotonic() + 60.0  # seconds, for what hangs
     while not browser.execute_script("return Boolean(window.tetherfmu)"):
         assert time.monotonic() < deadline, chromium.errors(browser)
         time.sleep(0.02)
+
+
+def opened(browser, address, settings=""):
+    """Open the page with settings, stopped at the start."""
+    load(browser, f"{address}#{settings}")
     browser.execute_script("tetherfmu.run(false); tetherfmu.fly(true)")
 
 
@@ -179,8 +184,7 @@ def test_a_restored_flight_continues_bit_for_bit(address, browser):
     assert first.keys() == again.keys()
     assert all(np.array_equal(first[name], again[name]) for name in first)
     link = browser.execute_script("tetherfmu.restore(); return tetherfmu.linkTo(tetherfmu.pairs())")
-    browser.get("about:blank")
-    browser.get(link)
+    load(browser, link)
     browser.execute_script("tetherfmu.run(false); tetherfmu.open([...new URLSearchParams(location.hash.slice(1))])")
     shared = flown(browser, 60)
     assert all(np.array_equal(first[name], shared[name]) for name in first)
