@@ -142,7 +142,7 @@ def said(browser):
 
 
 def test_a_refused_parameter_is_told_as_by_the_model(address, browser):
-    opened(browser, address, "scene=circle&p.segments=300&p.initial_length=1")
+    opened(browser, address, "scene=circle&p.segments=300&p.initial_length=1&show=dynamic")
     with pytest.raises(ValueError, match="initial_length") as refused:
         TetherDynamic(Tether(initial_length=1.0, segments=300)).initialize(kite_position=(0.5, 0.0, 0.0))
     assert f"TetherDynamic: {refused.value}" in said(browser)
@@ -236,6 +236,48 @@ def test_what_is_taken_home_can_be_built(address, browser, name):
     for key, value in settings["values"].items():
         if key in ("axial_stiffness", "axial_damping", "diameter"):
             assert float(told.get(key, starts.get(key))) == pytest.approx(value, rel=1e-12)
+
+
+def test_the_kite_follows_the_pointer_smoothly(address, browser):
+    """To the side of the pointer, on the sphere, with a velocity that is the rate of the position."""
+    from selenium.webdriver import ActionChains
+
+    opened(browser, address, "scene=pointer")
+    view = browser.find_element("id", "view")
+    ActionChains(browser).move_to_element_with_offset(view, 150, -60).perform()
+    motion = browser.execute_script(
+        "const { simulation } = tetherfmu, found = [];"
+        "for (let k = 0; k < 400; k++) { simulation.advance(); found.push(simulation.given); }"
+        "return found.map(each => [each.kite_position, each.kite_velocity])"
+    )
+    position, velocity = np.array(motion).transpose(1, 0, 2)
+    assert np.linalg.norm(position[-1] - position[0]) > 10.0
+    assert np.allclose(np.linalg.norm(position, axis=1), 100.0, rtol=1e-12)
+    assert np.linalg.norm(velocity, axis=1).max() < 1.5 * 30.0  # 30 m/s in elevation, and in azimuth
+    rate = (position[1:] - position[:-1]) / STEP  # mean velocity of a step: second order in it
+    assert np.allclose(rate, 0.5 * (velocity[1:] + velocity[:-1]), atol=0.05)
+    goal = browser.execute_script(
+        "const box = document.getElementById('view').getBoundingClientRect(), { camera } = tetherfmu.view;"
+        "return camera.onSphere([0, 0, 0], 100, box.width / 2 + 150, box.height / 2 - 60)"
+    )
+    assert np.allclose(position[-1], goal, atol=2.0)
+
+
+def test_keys_and_buttons_fly_pause_and_turn(address, browser):
+    from selenium.webdriver.common.keys import Keys
+
+    opened(browser, address, "scene=circle")
+    view = browser.find_element("id", "view")
+    before = browser.execute_script("return tetherfmu.view.camera.azimuth")
+    view.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_UP, "+")
+    assert browser.execute_script("return tetherfmu.view.camera.azimuth") == pytest.approx(before + 0.06)
+    view.send_keys(" ")
+    assert browser.execute_script("return tetherfmu.runs") is True
+    browser.find_element("id", "play").click()
+    assert browser.execute_script("return tetherfmu.runs") is False
+    browser.find_element("css selector", "tr[data-tether=straight] input").click()
+    assert browser.execute_script("return tetherfmu.settings.shown").count("straight") == 1
+    assert "TetherStraight" in browser.find_element("id", "command").text
 
 
 def test_it_fits_a_phone(address, tmp_path):

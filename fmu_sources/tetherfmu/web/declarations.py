@@ -43,7 +43,7 @@ USUAL = {
     "longest_length": (0.0, 2000.0),
     "ground_height": (-50.0, 50.0),
     "ground_friction": (0.0, 2.0),
-    "kite_mass": (1.0, 100.0),
+    "kite_mass": (1.0, 1000.0),
     "half_angle": (0.0, 1.0),
     "axis_elevation": (-1.5, 1.5),
     "elevation": (0.0, 0.5 * pi),

@@ -104,7 +104,7 @@ export class Controls {
     for (const [title, record] of GROUPS) {
       this.group(title, declared.parameters.filter((each) => each.group === record), settings.values, true);
     }
-    if (kind.free) this.group("Kite", declared.parameters.filter((each) => each.group === "FreeKite"), settings.values, true);
+    if (settings.kind === "free") this.group("Kite", declared.parameters.filter((each) => each.group === "FreeKite"), settings.values, true);
     this.settings = settings;
   }
 
