@@ -8,7 +8,6 @@ import sys
 import time
 import tomllib
 from collections import deque
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.scenes import files
 
 DESK, STEP = 1400, 0.02  # width of the window [px], communication step of the page [s]
-SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing")
+SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing", "logged")
 pytestmark = chromium.needed
 
 
@@ -107,7 +106,7 @@ def test_it_flies_without_an_error_and_without_another_host(address, browser):
     assert [url for url in asked if not url.startswith((f"{host}/", "data:", "about:"))] == []
 
 
-@pytest.mark.parametrize("name", ["circle", "landing"])
+@pytest.mark.parametrize("name", ["circle", "landing", "logged"])
 def test_forces_are_those_of_the_python_models(address, browser, name):
     """To 1e-6 of the force: velocities of the page are differences, its sinh and log those of JavaScript."""
     steps = 400
@@ -134,6 +133,27 @@ def test_ends_move_as_in_the_scene(address, browser, name):
         ("reelOutSpeed", there.reel_out_speed, 1e-7),
     ):
         assert np.allclose([each[key] for each in here], expected, rtol=0.0, atol=tolerance), key
+
+
+def test_a_log_of_ones_own_is_flown_and_a_wrong_one_told(address, browser, tmp_path):
+    """It becomes a scene; its wind is that of its columns."""
+    opened(browser, address, "scene=circle")
+    text = (EXAMPLES / "scenes" / "logged_flight.csv").read_text(encoding="utf-8")
+    for name, content in (("mine.csv", text), ("wrong.csv", text.replace("reel_out_speed", "speed", 1))):
+        (tmp_path / name).write_text(content, encoding="utf-8")
+        browser.find_element("id", "log").send_keys(str(tmp_path / name))
+        time.sleep(0.5)
+    assert "wrong.csv: unknown column 'speed'; known are time, kite_position[1]" in browser.find_element("id", "about").text
+    browser.execute_script("tetherfmu.run(false); tetherfmu.fly()")
+    flown(browser, 25)
+    kite, wind, file = browser.execute_script(
+        "const { settings, simulation: { given } } = tetherfmu;"
+        "return [given.kite_position, given.wind_velocity, document.getElementById('toml').textContent]"
+    )
+    scene = files.load(EXAMPLES / "scenes" / "logged.toml")
+    assert np.allclose(kite, scene.flight.motion(np.array([0.48])).kite[0], rtol=0.0, atol=1e-10)
+    assert np.allclose(wind, scene.wind(np.array([0.48]))[0], rtol=0.0, atol=1e-10)
+    assert 'file = "mine.csv"' in file
 
 
 def said(browser):
@@ -223,14 +243,15 @@ def test_what_is_taken_home_can_be_built(address, browser, name):
     assert (program, verb) == ("tetherfmu", "build")
     wanted = build.parse(arguments)
     assert "TetherDynamic" in "".join(wanted.names)
-    scene = files.read(tomllib.loads(text), Path(), name)
+    scene = files.read(tomllib.loads(text), EXAMPLES / "scenes", name)
     settings = browser.execute_script("return tetherfmu.settings")
     for record in (scene.tether, scene.environment, scene.ground):
         for key, value in vars(record).items():
             if key != "segments":
                 assert settings["values"][key] == value, key
-    assert vars(scene.flight) == settings["flight"]
-    assert (scene.wind.gust, list(scene.wind.velocity)) == (0.3, settings["wind"]["velocity"])
+    if name != "logged":  # whose flight and wind are those of its file
+        assert vars(scene.flight) == settings["flight"]
+        assert (scene.wind.gust, list(scene.wind.velocity)) == (0.3, settings["wind"]["velocity"])
     starts = dict(build.starts_of(wanted.diameter, None))
     told = dict(line.split(" = ") for line in parameters.splitlines() if not line.startswith("#"))
     for key, value in settings["values"].items():

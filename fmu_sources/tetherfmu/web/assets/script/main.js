@@ -4,17 +4,19 @@ import { Charts } from "./charts.js";
 import { Controls } from "./controls.js";
 import { listen } from "./gestures.js";
 import { buildCommand, hasScene, parametersToSet, sceneFile } from "./home.js";
-import { libraryOf } from "./library.js";
+import { libraryOf, Refused } from "./library.js";
+import { flightOf } from "./log.js";
 import { changesOf, settingsFrom, settingsOf } from "./settings.js";
 import { addressWith, keep, kept, pairsIn, pairsOf, savedIn } from "./sharing.js";
 import { REFERENCE, Simulation } from "./simulation.js";
-import { clamp, norm } from "./vectors.js";
+import { clamp, norm, sub } from "./vectors.js";
 import { short } from "./text.js";
 import { View } from "./view.js";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 const STEPS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]; // s
 const BUDGET = 12; // ms of a frame for the tethers
+const OWN = "own_log"; // scene of a log of the user's
 const LONGEST_FREE = 0.02; // communication step [s] to choose for a kite that flies free: its load is that of the start of the step
 const STEERED = 0.12; // by a key
 const LONGEST_FRAME = 0.1; // s of a frame that are made up for
@@ -63,6 +65,25 @@ class Page {
     } catch (problem) {
       this.tell(problem.message);
     }
+  }
+
+  /** Fly a log of the user's on a tether that is as long as the kite is far away at first. */
+  async flyLog(file) {
+    const log = await file.text();
+    try {
+      const { motion, duration } = flightOf(log);
+      const { kite, ground } = motion(0);
+      const initial_length = Number(norm(sub(kite, ground)).toPrecision(6));
+      const scene = { title: file.name, about: `The flight of ${file.name}, which stays on this machine.`, file: file.name, kind: "log", log };
+      this.declared.scenes[OWN] = { ...scene, duration, flight: {}, parameters: { initial_length }, wind: {} };
+    } catch (problem) {
+      if (!(problem instanceof Refused)) throw problem;
+      by("about").textContent = `${file.name}: ${problem.message}`;
+      return;
+    }
+    by("scene").querySelector(`[value=${OWN}]`)?.remove();
+    by("scene").append(new Option(file.name, OWN, true, true));
+    by("scene").dispatchEvent(new Event("change"));
   }
 
   /** A setting was changed; restart : whether it counts from a start on only. */
@@ -121,6 +142,7 @@ class Page {
         action();
       }
     });
+    by("log").addEventListener("change", () => this.flyLog(by("log").files[0]));
     for (const [id, side] of [["left", -1], ["right", 1]]) {
       by(id).addEventListener("pointerdown", () => (this.settings.hand.steering = 0.6 * side));
       for (const name of ["pointerup", "pointerleave", "pointercancel"]) by(id).addEventListener(name, () => (this.settings.hand.steering = 0));
@@ -237,7 +259,7 @@ class Page {
   /** Whether the scene has come to its end; most go on. */
   get isOver() {
     const { kind, duration } = this.settings;
-    return (kind === "launch" || kind === "landing") && this.simulation.time >= duration;
+    return ["launch", "landing", "log"].includes(kind) && this.simulation.time >= duration;
   }
 
   /** Everything that is written and does not change while it flies. */
