@@ -13,7 +13,8 @@ const TIGHT = 1e-6; // its relative tolerance
 const JUDGED = 10; // seconds over which errors are averaged
 const MEASURED = 1.5; // ms that a measurement of the cost takes
 const MEASUREMENTS = 7; // of which the cost is the median
-const SNAP = 2; // tension over its mean of the last seconds, after slack, that is a snap load
+const SNAP = 2; // tension over its mean of the last seconds, after slack, that is a snap load ...
+const SNAP_WEIGHTS = 5; // ... and weights of the tether that it exceeds that by
 const AFTER_SLACK = 1; // s
 const MEAN_TIME = 5; // s
 const SHOWN_FOR = 5; // s, how long a snap load is told
@@ -58,6 +59,12 @@ export class Simulation {
     this.start();
     this.record = new Record(this.flown.map((each) => each.name));
     this.sample();
+  }
+
+  /** Weight of the tether at the start [N]. */
+  get weight() {
+    const { density, diameter, initial_length, gravity } = this.settings.values;
+    return density * (Math.PI / 4) * diameter ** 2 * initial_length * gravity;
   }
 
   get time() {
@@ -164,10 +171,9 @@ export class Simulation {
       const tension = tether.scalar("max_tension");
       if (tether.scalar("slack_segments") > 0) memory.slackAt = this.time;
       const since = this.time - memory.slackAt;
-      if (since < AFTER_SLACK && tension > SNAP * memory.mean + 10) {
-        if (!memory.snap || this.time - memory.snap.time > AFTER_SLACK || tension > memory.snap.tension) {
-          memory.snap = { time: this.time, tension };
-        }
+      if (since < AFTER_SLACK && tension > SNAP * Math.max(0, memory.mean) + SNAP_WEIGHTS * this.weight) {
+        const old = !memory.snap || this.time - memory.snap.time > SHOWN_FOR;
+        if (old || tension > memory.snap.tension) memory.snap = { time: this.time, tension };
       }
       const weight = Math.min(1, this.step / MEAN_TIME);
       memory.mean = Number.isNaN(memory.mean) ? tension : memory.mean + weight * (tension - memory.mean);
