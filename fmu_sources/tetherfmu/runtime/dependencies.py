@@ -18,6 +18,7 @@ AIR = (
 GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
 FORM = (*STRETCH, *AIR, *GROUND, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
+KITE_AT_REST = ("kite_load", "kite_mass", "kite_start")  # of a free kite, where it may be in equilibrium
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 
@@ -32,6 +33,10 @@ def depends_on(variant, output, element, shape_points, left_out=(), wind_points=
     declared = variant.depends_on.get(element, variant.depends_on.get(output.name, output.depends_on))
     if point:  # of the shape; its ends are those of the tether, which are given
         declared = {shape_points: ("kite_position[*]",), 1: ("ground_position[*]",)}.get(int(point[0]), declared)
+    if variant.kite_is_free and any(name.startswith("kite_position") for name in declared):
+        declared = (*declared, *FORM, *KITE_AT_REST)
+    if variant.kite_is_free and any(name.startswith("kite_velocity") for name in declared):
+        declared = (*declared, "kite_start")
     names = dict.fromkeys(each for name in declared for each in _components(variant, name, component))
     if wind_points and "wind_velocity" in declared:
         blown = {name for vector in WITHOUT_EFFECT for name in _components(variant, vector, component)}
