@@ -63,7 +63,8 @@ def _sizes(structure, table):
         for name, value in vars(system_layout).items()
         if name.isupper() and name != "INPUTS"
     }
-    codes = {name: getattr(status, name) for name in ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE")}
+    wanted = ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE", "NO_EQUILIBRIUM_OF_POINT")
+    codes = {name: getattr(status, name) for name in wanted}
     slope = layout.state_size(1) - layout.state_size(0)
     return [
         c_enumeration(sizes | {"PLAN_SIZE": system_layout.plan_size(lines)} | plan),
@@ -82,10 +83,9 @@ def _maps(structure, table, references):
     """What `system_variables` says of inputs, outputs, motion and masses, and the plan as it is given."""
     found = [(reference, place) for reference, those in variables.outputs_of(structure, references) for place in those]
     motion = variables.free_ends(structure, references)
+    starts = variables.starts_of(structure, references)
     checks = [table[references[name]] for name in variables.unpacked(structure)]
-    rows = ",\n    ".join(
-        f"{{{each.place}, {c_limit(each.quantity.minimum)}, {c_limit(each.quantity.maximum)}}}" for each in checks
-    )
+    rows = ",\n    ".join(f"{{{each.place}, {', '.join(map(repr, limits_of(each.quantity)))}}}" for each in checks)
     names = [[variables.input_name(name, line) for name in INPUT_NAMES] for line in structure.lines]
     given = variables.plan_of(structure)
     plan = [given.get(place, 0) for place in range(system_layout.plan_size(len(structure.lines)))]
@@ -93,7 +93,8 @@ def _maps(structure, table, references):
     return [
         _table("INPUT_FROM", ("place", "reference"), variables.inputs_of(structure, references)),
         _table("OUTPUT_FROM", ("reference", "place"), found),
-        c_enumeration({"MOTIONS": len(motion), "CHECKS": len(checks)}),
+        c_enumeration({"MOTIONS": len(motion), "CHECKS": len(checks), "STARTS": len(starts)}),
+        _table("START_FROM", ("place", "reference"), starts),
         _table("MOTION", ("reference", "line", "is_end", "component"), motion),
         "static const struct { int reference; double lowest, highest; } CHECK[] = {\n    "
         + (rows or "{0, 0.0, 0.0}")
@@ -107,9 +108,11 @@ def _maps(structure, table, references):
     ]
 
 
-def c_limit(number):
-    """A limit of a quantity as a number in C; all that are checked here are finite."""
-    return repr(float(number))
+def limits_of(quantity):
+    """Smallest and largest number that a quantity allows, those of an enumeration without gaps; all here are finite."""
+    if quantity.choices:
+        return 1.0, float(len(quantity.choices))
+    return float(quantity.minimum), float(quantity.maximum)
 
 
 def _quantities(structure, references):

@@ -39,12 +39,16 @@ HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 let
 
 @dataclass(frozen=True)
 class Point:
-    """A point of a system: its name, whether it is free, its mass [kg] (None if driven), its start [m], [m/s]."""
+    """A point of a system: its name, its mass [kg] (None if driven), its start [m], [m/s], and of a free one how it starts.
+
+    start : START_GIVEN, or START_AT_REST where it is in equilibrium.
+    """
 
     name: str
     mass: float | None
     position: tuple
     velocity: tuple
+    start: int = at.START_GIVEN
 
     @property
     def is_free(self):
@@ -151,17 +155,22 @@ def _inputs(structure):
 
 
 _LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
+_START = (
+    "start of {}: given (initial_position); where its lines, its weight and its load are in equilibrium, all lines at rest"
+)
 
 
 def _parameters(structure):
     """Parameters: of the whole system, of free points, of lines."""
     yield from (each for each in parameters_of(OF_THE_SYSTEM, structure.starts) if each.name not in FIXED)
-    mass = dict(quantities(FreeKite))["kite_mass"]
+    mass, kind_of_start = (dict(quantities(FreeKite))[name] for name in ("kite_mass", "kite_start"))
     units = {"position": "m", "velocity": "m/s"}
     for point in structure.points:
         if point.is_free:
             meaning = "point mass, in addition to the halves of the segments that meet there"
             yield Variable(f"{point.name}.mass", PARAMETER, "Real", replace(mass, meaning=meaning), 0, point.mass)
+            declared = replace(kind_of_start, meaning=_START.format(point.name))
+            yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start)
             for what, unit in units.items():
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
                 yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, getattr(point, what))
@@ -184,18 +193,22 @@ _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name,
 
 
 def _known(structure, line, output, element, known):
-    """Names of what an output of a line depends on when initialization ends.
+    """Names of what an output of a line depends on when initialization ends; None for anything.
 
-    The start positions of the points are given, so each line has its own shape. known : names of inputs and parameters.
+    Between driven points each line has its own shape; where a free one is sought, all lines together have one. known : names
+    of inputs and parameters.
     """
     found = depends_on(DYNAMIC, output, element, line.shape_points)
+    if structure.free and any(name.startswith("kite_position") for name in found):
+        return None
     named = (_dependency(name, structure, line) for name in found)
     return tuple(name for name in dict.fromkeys(named) if name in known)
 
 
 def _together(listed):
-    """All names in lists of them, each once."""
-    return tuple(dict.fromkeys(name for names in listed for name in names))
+    """All names in lists of them, each once; None if one of them is None."""
+    listed = tuple(listed)
+    return None if None in listed else tuple(dict.fromkeys(name for names in listed for name in names))
 
 
 def _outputs(structure, known):
@@ -205,7 +218,8 @@ def _outputs(structure, known):
             for what in ("position", "velocity"):
                 declared = replace(outputs.BY_NAME[f"kite_{what}"].quantity, meaning=f"{what} of {point.name}")
                 starts = [(name,) for name in components(f"{point.name}.initial_{what}", 3)]
-                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=starts)
+                known_of = (None, None, None) if what == "position" else starts
+                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
         at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line in structure.lines for end, name in line.ends
@@ -330,8 +344,24 @@ def motion_of(structure, places, segments, states_at):
     return found
 
 
+def starts_of(structure, places):
+    """Pairs (place in the `plan` array, value reference of the start of the free point there) of all ends of lines."""
+    found = []
+    for k, line in enumerate(structure.lines):
+        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
+        for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
+            if name in structure.free:
+                found.append((row + place, places[f"{name}.start"]))
+    return found
+
+
+def sought(structure, places, values):
+    """Whether the free points at the ends of lines are sought: dict of place in the `plan` array to 1 or 0."""
+    return {place: int(values[reference] == at.START_AT_REST) for place, reference in starts_of(structure, places)}
+
+
 def plan_of(structure):
-    """What is given of the `plan` array but for the segments: dict of place to number."""
+    """What is given of the `plan` array but for the segments and what is sought: dict of place to number."""
     given = {plan.LINES: len(structure.lines), plan.FREE_POINTS: len(structure.free), plan.BAND: structure.band}
     for k, line in enumerate(structure.lines):
         row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
@@ -359,6 +389,7 @@ def unpacked(structure):
     for point in structure.points:
         if point.is_free:
             yield f"{point.name}.mass"
+            yield f"{point.name}.start"
             for what in ("position", "velocity"):
                 yield from components(f"{point.name}.initial_{what}", 3)
 
