@@ -8,7 +8,6 @@ import sys
 import time
 import tomllib
 from collections import deque
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.scenes import files
 
 DESK, STEP = 1400, 0.02  # width of the window [px], communication step of the page [s]
-SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing")
+SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing", "logged")
 pytestmark = chromium.needed
 
 
@@ -107,7 +106,7 @@ def test_it_flies_without_an_error_and_without_another_host(address, browser):
     assert [url for url in asked if not url.startswith((f"{host}/", "data:", "about:"))] == []
 
 
-@pytest.mark.parametrize("name", ["circle", "landing"])
+@pytest.mark.parametrize("name", ["circle", "landing", "logged"])
 def test_forces_are_those_of_the_python_models(address, browser, name):
     """To 1e-6 of the force: velocities of the page are differences, its sinh and log those of JavaScript."""
     steps = 400
@@ -136,13 +135,34 @@ def test_ends_move_as_in_the_scene(address, browser, name):
         assert np.allclose([each[key] for each in here], expected, rtol=0.0, atol=tolerance), key
 
 
+def test_a_log_of_ones_own_is_flown_and_a_wrong_one_told(address, browser, tmp_path):
+    """It becomes a scene; its wind is that of its columns."""
+    opened(browser, address, "scene=circle")
+    text = (EXAMPLES / "scenes" / "logged_flight.csv").read_text(encoding="utf-8")
+    for name, content in (("mine.csv", text), ("wrong.csv", text.replace("reel_out_speed", "speed", 1))):
+        (tmp_path / name).write_text(content, encoding="utf-8")
+        browser.find_element("id", "log").send_keys(str(tmp_path / name))
+        time.sleep(0.5)
+    assert "wrong.csv: unknown column 'speed'; known are time, kite_position[1]" in browser.find_element("id", "about").text
+    browser.execute_script("tetherfmu.run(false); tetherfmu.fly()")
+    flown(browser, 25)
+    kite, wind, file = browser.execute_script(
+        "const { settings, simulation: { given } } = tetherfmu;"
+        "return [given.kite_position, given.wind_velocity, document.getElementById('toml').textContent]"
+    )
+    scene = files.load(EXAMPLES / "scenes" / "logged.toml")
+    assert np.allclose(kite, scene.flight.motion(np.array([0.48])).kite[0], rtol=0.0, atol=1e-10)
+    assert np.allclose(wind, scene.wind(np.array([0.48]))[0], rtol=0.0, atol=1e-10)
+    assert 'file = "mine.csv"' in file
+
+
 def said(browser):
     browser.execute_script("tetherfmu.speak()")
     return browser.execute_script("return document.getElementById('said').innerText")
 
 
 def test_a_refused_parameter_is_told_as_by_the_model(address, browser):
-    opened(browser, address, "scene=circle&p.segments=300&p.initial_length=1")
+    opened(browser, address, "scene=circle&p.segments=300&p.initial_length=1&show=dynamic")
     with pytest.raises(ValueError, match="initial_length") as refused:
         TetherDynamic(Tether(initial_length=1.0, segments=300)).initialize(kite_position=(0.5, 0.0, 0.0))
     assert f"TetherDynamic: {refused.value}" in said(browser)
@@ -223,19 +243,62 @@ def test_what_is_taken_home_can_be_built(address, browser, name):
     assert (program, verb) == ("tetherfmu", "build")
     wanted = build.parse(arguments)
     assert "TetherDynamic" in "".join(wanted.names)
-    scene = files.read(tomllib.loads(text), Path(), name)
+    scene = files.read(tomllib.loads(text), EXAMPLES / "scenes", name)
     settings = browser.execute_script("return tetherfmu.settings")
     for record in (scene.tether, scene.environment, scene.ground):
         for key, value in vars(record).items():
             if key != "segments":
                 assert settings["values"][key] == value, key
-    assert vars(scene.flight) == settings["flight"]
-    assert (scene.wind.gust, list(scene.wind.velocity)) == (0.3, settings["wind"]["velocity"])
+    if name != "logged":  # whose flight and wind are those of its file
+        assert vars(scene.flight) == settings["flight"]
+        assert (scene.wind.gust, list(scene.wind.velocity)) == (0.3, settings["wind"]["velocity"])
     starts = dict(build.starts_of(wanted.diameter, None))
     told = dict(line.split(" = ") for line in parameters.splitlines() if not line.startswith("#"))
     for key, value in settings["values"].items():
         if key in ("axial_stiffness", "axial_damping", "diameter"):
             assert float(told.get(key, starts.get(key))) == pytest.approx(value, rel=1e-12)
+
+
+def test_the_kite_follows_the_pointer_smoothly(address, browser):
+    """To the side of the pointer, on the sphere, with a velocity that is the rate of the position."""
+    from selenium.webdriver import ActionChains
+
+    opened(browser, address, "scene=pointer")
+    view = browser.find_element("id", "view")
+    ActionChains(browser).move_to_element_with_offset(view, 150, -60).perform()
+    motion = browser.execute_script(
+        "const { simulation } = tetherfmu, found = [];"
+        "for (let k = 0; k < 400; k++) { simulation.advance(); found.push(simulation.given); }"
+        "return found.map(each => [each.kite_position, each.kite_velocity])"
+    )
+    position, velocity = np.array(motion).transpose(1, 0, 2)
+    assert np.linalg.norm(position[-1] - position[0]) > 10.0
+    assert np.allclose(np.linalg.norm(position, axis=1), 100.0, rtol=1e-12)
+    assert np.linalg.norm(velocity, axis=1).max() < 1.5 * 30.0  # 30 m/s in elevation, and in azimuth
+    rate = (position[1:] - position[:-1]) / STEP  # mean velocity of a step: second order in it
+    assert np.allclose(rate, 0.5 * (velocity[1:] + velocity[:-1]), atol=0.05)
+    goal = browser.execute_script(
+        "const box = document.getElementById('view').getBoundingClientRect(), { camera } = tetherfmu.view;"
+        "return camera.onSphere([0, 0, 0], 100, box.width / 2 + 150, box.height / 2 - 60)"
+    )
+    assert np.allclose(position[-1], goal, atol=2.0)
+
+
+def test_keys_and_buttons_fly_pause_and_turn(address, browser):
+    from selenium.webdriver.common.keys import Keys
+
+    opened(browser, address, "scene=circle")
+    view = browser.find_element("id", "view")
+    before = browser.execute_script("return tetherfmu.view.camera.azimuth")
+    view.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_UP, "+")
+    assert browser.execute_script("return tetherfmu.view.camera.azimuth") == pytest.approx(before + 0.06)
+    view.send_keys(" ")
+    assert browser.execute_script("return tetherfmu.runs") is True
+    browser.find_element("id", "play").click()
+    assert browser.execute_script("return tetherfmu.runs") is False
+    browser.find_element("css selector", "tr[data-tether=straight] input").click()
+    assert browser.execute_script("return tetherfmu.settings.shown").count("straight") == 1
+    assert "TetherStraight" in browser.find_element("id", "command").text
 
 
 def test_it_fits_a_phone(address, tmp_path):

@@ -9,10 +9,11 @@ from dataclasses import fields
 from math import inf, pi
 
 from tetherfmu.console.colours import COLOUR, GROUND, REFERENCE
-from tetherfmu.input_files import TABLE_OF_GROUND
+from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
 from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.runtime import __version__, inputs, outputs, parameters, plausibility, quantities, status
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import PARAMETERS, records_of
 from tetherfmu.runtime.variants import TABLE, class_name, library_of
@@ -43,7 +44,7 @@ USUAL = {
     "longest_length": (0.0, 2000.0),
     "ground_height": (-50.0, 50.0),
     "ground_friction": (0.0, 2.0),
-    "kite_mass": (1.0, 100.0),
+    "kite_mass": (1.0, 1000.0),
     "half_angle": (0.0, 1.0),
     "axis_elevation": (-1.5, 1.5),
     "elevation": (0.0, 0.5 * pi),
@@ -69,7 +70,7 @@ USUAL = {
     "winch_length": (0.0, 2000.0),
 }
 DEGREES = {"rad": ["deg", quantities.DEGREES[1]], "rad/s": ["deg/s", quantities.DEGREES[1]]}  # as people read angles
-TITLES = {"reel": "pumping cycle"}  # of scenes whose title is not their name
+TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes whose title is not their name
 FIRST = ("figure_of_eight", "circle", "reel")  # scenes at the head of the list
 
 
@@ -98,17 +99,17 @@ def described(name, start, declared, kind="Real"):
     return {**found, "usual": usual(name, start, declared)}
 
 
-def of_record(record, left_out=()):
+def of_record(kind, left_out=()):
     """The quantities of a record with defaults, a list of dicts."""
-    defaults = {item.name: item.default for item in fields(record)}
+    defaults = {item.name: item.default for item in fields(kind)}
     return [
-        described(name, defaults[name], declared) for name, declared in quantities.quantities(record) if name not in left_out
+        described(name, defaults[name], declared) for name, declared in quantities.quantities(kind) if name not in left_out
     ]
 
 
 def of_parameters():
     """The parameters of all tethers in the order in which the kernel `pack` takes them, each with its group."""
-    groups = {item.name: record.__name__ for record in records_of("dynamic_free") for item in fields(record)}
+    groups = {item.name: kind.__name__ for kind in records_of("dynamic_free") for item in fields(kind)}
     return [
         {**described(each.name, each.start, each.quantity, each.kind), "group": groups[each.name]}
         for each in PARAMETERS
@@ -198,23 +199,23 @@ def of_flights():
 
 
 def scene_of(path):
-    """A scene file as the page takes it: its first comment, its duration and what differs from the defaults, in SI units.
-
-    None for the flight of a log.
-    """
+    """A scene file as the page takes it: its first comment, its duration and what differs from the defaults, in SI units."""
     text = path.read_text(encoding="utf-8")
     table = tomllib.loads(text)
+    head = {
+        "title": TITLES.get(path.stem, path.stem.replace("_", " ")),
+        "about": text.partition("\n")[0].removeprefix("# "),
+    }
     if table["flight"]["kind"] == "series":
-        return None
+        return {**head, **scene_of_log(path.parent / table["flight"]["file"], table)}
     scene = files.read(table, path.parent, path.stem)
 
-    def given(section, record, prefix=""):
-        return {prefix + key: getattr(record, key) for key in table.get(section, {}) if key != "kind"}
+    def given(section, found, prefix=""):
+        return {prefix + key: getattr(found, key) for key in table.get(section, {}) if key != "kind"}
 
     ground = TABLE_OF_GROUND(**{key: getattr(scene.ground, f"ground_{key}") for key in table.get("ground", {})})
     return {
-        "title": TITLES.get(path.stem, path.stem.replace("_", " ")),
-        "about": text.partition("\n")[0].removeprefix("# "),
+        **head,
         "duration": scene.duration,
         "kind": table["flight"]["kind"],
         "flight": given("flight", scene.flight),
@@ -227,11 +228,25 @@ def scene_of(path):
     }
 
 
+def scene_of_log(path, table):
+    """The flight of a log, which the page makes smooth itself; of the scene it takes the tether.  path : of the CSV file."""
+    tether = record(Tether, table["tether"], "tether")
+    return {
+        "duration": value_of(files.Scene, "duration", table["duration"], ""),
+        "kind": "log",
+        "flight": {},
+        "parameters": {key: getattr(tether, key) for key in table["tether"]},
+        "wind": {},
+        "file": path.name,
+        "log": path.read_text(encoding="utf-8"),
+    }
+
+
 def of_scenes():
     """The scenes of the examples by name."""
     paths = {path.stem: path for path in sorted((EXAMPLES / "scenes").glob("*.toml"))}
     found = {name: scene_of(paths[name]) for name in (*FIRST, *(each for each in paths if each not in FIRST))}
-    return {name: scene for name, scene in found.items() if scene} | own_flights.SCENES
+    return found | own_flights.SCENES
 
 
 def declarations():

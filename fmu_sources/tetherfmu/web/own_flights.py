@@ -53,7 +53,12 @@ class WindVelocity:
     )
 
 
-KINDS = {"pointer": Pointer, "free": FreeFlight}
+@dataclass(frozen=True)
+class Log:
+    """The ends move as in a log: positions of the kite over time, and what else it has of motion, winch and wind."""
+
+
+KINDS = {"pointer": Pointer, "free": FreeFlight, "log": Log}
 SCENES = {
     "pointer": {
         "title": "follows the pointer",

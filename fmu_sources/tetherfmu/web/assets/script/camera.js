@@ -3,38 +3,52 @@
 import { add, clamp, cross, dot, norm, scale, sub, unit } from "./vectors.js";
 
 const ANGLE = (38 * Math.PI) / 180; // of the view, across the smaller side of the window
-const STEEPEST = 1.55; // rad
+const LOWEST = -0.3, STEEPEST = 1.55; // rad
 const NEAR = 0.01; // of the distance: what is nearer is not drawn
 
 export class Camera {
   constructor() {
     Object.assign(this, { azimuth: 0, elevation: 0.22, zoom: 1, centre: [0, 0, 0], radius: 1, width: 1, height: 1 });
-    this.place();
+    this.settle();
   }
 
   /** Look at a sphere. */
   fit(centre, radius) {
     Object.assign(this, { centre, radius });
-    this.place();
+    this.settle();
   }
 
   resize(width, height) {
     Object.assign(this, { width, height });
-    this.place();
+    this.settle();
   }
 
   turn(azimuth, elevation) {
     this.azimuth += azimuth;
-    this.elevation = clamp(this.elevation + elevation, -0.3, STEEPEST);
-    this.place();
+    this.elevation = clamp(this.elevation + elevation, LOWEST, STEEPEST);
+    this.settle();
   }
 
   closer(factor) {
     this.zoom = clamp(this.zoom * factor, 0.2, 20);
-    this.place();
+    this.settle();
   }
 
+  /** Where it looks from, text for a link. */
   place() {
+    return [this.azimuth, this.elevation, this.zoom].map((each) => each.toFixed(3)).join(",");
+  }
+
+  /** Look from where a link says; nothing else is taken. */
+  look(text) {
+    const [azimuth, elevation, zoom] = (text ?? "").split(",").map(Number);
+    if (![azimuth, elevation, zoom].every(Number.isFinite) || !(zoom > 0)) return;
+    Object.assign(this, { azimuth, elevation: clamp(elevation, LOWEST, STEEPEST), zoom: clamp(zoom, 0.2, 20) });
+    this.settle();
+  }
+
+  /** Compute what projections need. */
+  settle() {
     const across = Math.cos(this.elevation);
     const back = [across * Math.cos(this.azimuth), across * Math.sin(this.azimuth), Math.sin(this.elevation)];
     this.distance = (1.08 * this.radius) / Math.sin(ANGLE / 2) / this.zoom;

@@ -9,7 +9,7 @@ const STRIPS = [
   { channel: "ground_force", title: "force on the ground station", unit: "N" },
   { channel: "max_tension", title: "largest tension", unit: "N" },
   { channel: "slack", title: "part of the segments that is slack", unit: "%", factor: 100, most: 100 },
-  { channel: "error", title: "error of the force on the kite, against the finer tether", unit: "N", logarithmic: true },
+  { channel: "error", title: "error of the force on the kite", unit: "N", logarithmic: true },
 ];
 const LEFT = 52, TOP = 18, BOTTOM = 14; // px
 
@@ -101,7 +101,7 @@ function linearScale(series, { most }) {
   let top = 0;
   for (const values of series) for (const each of values) if (each > top) top = each;
   top = most ? most / 100 : top || 1;
-  const step = nice(top / 3);
+  const step = most ? top / 2 : nice(top / 3);
   const count = Math.ceil(top / step - 1e-9);
   const ticks = Array.from({ length: count + 1 }, (_, k) => k * step).filter((_, k) => count < 4 || k % 2 === 0);
   return { ticks, part: (value) => value / (count * step), least: -Infinity };

@@ -1,5 +1,6 @@
 // Sliders and lists, made from the declarations of the FMU: unit, limits and meaning of each quantity are theirs.
 
+import { hasOwnWind } from "./home.js";
 import { problemWith } from "./settings.js";
 import { filled, repr, shownUnit, shownValue, words } from "./text.js";
 
@@ -100,11 +101,11 @@ export class Controls {
     for (const part of parts) this.group(part, kind.quantities.filter((each) => (each.group ?? "Flight") === part), settings.flight, true);
     const hand = this.group("By hand, at once", declared.hand.filter((each) => usedByHand(each, settings)), settings.hand, false);
     if (hand) hand.open = true;
-    this.wind(settings);
+    if (!hasOwnWind(settings)) this.wind(settings);
     for (const [title, record] of GROUPS) {
       this.group(title, declared.parameters.filter((each) => each.group === record), settings.values, true);
     }
-    if (kind.free) this.group("Kite", declared.parameters.filter((each) => each.group === "FreeKite"), settings.values, true);
+    if (settings.kind === "free") this.group("Kite", declared.parameters.filter((each) => each.group === "FreeKite"), settings.values, true);
     this.settings = settings;
   }
 

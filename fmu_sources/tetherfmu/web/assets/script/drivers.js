@@ -1,13 +1,14 @@
 // Who moves the ends of the tether: a scene, the pointer, or for a free kite its wing or a load.
 
 import { atRest, loadOf, motionOf, windAt } from "./flights.js";
+import { flightOf } from "./log.js";
 import { Follower } from "./pointer.js";
 import { polar } from "./vectors.js";
 import { Wing } from "./wing.js";
 
-/** Driver of the kind of flight that the settings name, see `settings.js`. */
+/** Driver of the kind of flight that the settings name, see `settings.js`; `Refused` if a log cannot be flown. */
 export function driverOf(settings) {
-  const kind = { pointer: ByPointer, free: ByWing, free_end: ByLoad }[settings.kind] ?? ByScene;
+  const kind = { pointer: ByPointer, free: ByWing, free_end: ByLoad, log: ByLog }[settings.kind] ?? ByScene;
   return new kind(settings);
 }
 
@@ -27,10 +28,14 @@ class Driver {
       ground_position: [0, 0, 0],
       ground_velocity: [0, 0, 0],
       reel_out_speed: reelOutSpeed,
-      wind_velocity: windAt(this.settings.wind, time),
+      wind_velocity: this.wind(time),
       winch_force: this.hand.winch_force,
       winch_length: this.settings.values.initial_length + reeled,
     };
+  }
+
+  wind(time) {
+    return windAt(this.settings.wind, time);
   }
 
   /** Go on by a step [s] that was done. */
@@ -40,7 +45,11 @@ class Driver {
 class ByScene extends Driver {
   constructor(settings) {
     super(settings);
-    this.motion = motionOf(settings.kind, settings.flight);
+    this.motion = this.motionOf(settings);
+  }
+
+  motionOf({ kind, flight }) {
+    return motionOf(kind, flight);
   }
 
   inputs(time) {
@@ -52,6 +61,19 @@ class ByScene extends Driver {
       kite_position: now.kite,
       kite_velocity: now.kiteVelocity,
     };
+  }
+}
+
+/** A log, which may have a wind of its own. */
+class ByLog extends ByScene {
+  motionOf({ log }) {
+    const flight = flightOf(log);
+    this.windOfLog = flight.wind;
+    return flight.motion;
+  }
+
+  wind(time) {
+    return this.windOfLog ? this.windOfLog(time) : super.wind(time);
   }
 }
 

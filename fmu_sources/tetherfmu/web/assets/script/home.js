@@ -44,7 +44,7 @@ export function parametersToSet(declared, simulation) {
     }
   } else if (kind !== "pointer") {
     const { kite_position: first, kite_velocity: rate } = simulation.driver.inputs(0);
-    const vector = (numbers) => `[${numbers.map((each) => repr(Number(each.toPrecision(12)))).join(", ")}]`;
+    const vector = (numbers) => `[${numbers.map((each) => repr(Number(each.toFixed(9)))).join(", ")}]`;
     lines.push("# inputs at the start:", `# kite_position = ${vector(first)}`, `# kite_velocity = ${vector(rate)}`);
   }
   return lines;
@@ -53,10 +53,15 @@ export function parametersToSet(declared, simulation) {
 /** Whether there is a scene file of what is on the screen. */
 export const hasScene = (settings) => !OF_THE_PAGE.includes(settings.kind);
 
+/** Whether the wind is that of a log. */
+export const hasOwnWind = ({ log }) => Boolean(log?.split("\n", 1)[0].includes("wind_velocity"));
+
 /** Text of the scene file (TOML) of what is on the screen. */
 export function sceneFile(declared, settings) {
   const { kind, values, flight, wind, duration, scene } = settings;
-  const lines = [`# ${declared.scenes[scene].about}`, "# From the page that tetherfmu web writes.", `duration = ${repr(duration)}`, "", "[flight]", `kind = "${kind}"`];
+  const { about, file } = declared.scenes[scene];
+  const lines = [`# ${about}`, "# From the page that tetherfmu web writes.", `duration = ${repr(duration)}`, "", "[flight]"];
+  lines.push(...(file ? ['kind = "series"', `file = ${JSON.stringify(file)}`] : [`kind = "${kind}"`]));
   for (const each of declared.flights[kind].quantities) lines.push(`${each.name} = ${number(each, flight[each.name])}`);
   for (const [group, section] of Object.entries(SECTIONS)) {
     const changed = declared.parameters.filter((each) =>
@@ -68,8 +73,10 @@ export function sceneFile(declared, settings) {
       lines.push(each.choices ? `${key} = "${each.choices[values[each.name] - 1]}"` : `${key} = ${number(each, values[each.name])}`);
     }
   }
-  lines.push("", "[wind]", `velocity = [${wind.velocity.map(repr).join(", ")}]`);
-  for (const each of declared.wind) if (wind[each.name] !== each.start) lines.push(`${each.name} = ${repr(wind[each.name])}`);
+  if (!hasOwnWind(settings)) {
+    lines.push("", "[wind]", `velocity = [${wind.velocity.map(repr).join(", ")}]`);
+    for (const each of declared.wind) if (wind[each.name] !== each.start) lines.push(`${each.name} = ${repr(wind[each.name])}`);
+  }
   lines.push("", "[wanted]", 'outputs = ["kite_force"]', "allowed_error = 0.05", "");
   return lines.join("\n");
 }

@@ -4,17 +4,21 @@ import { Charts } from "./charts.js";
 import { Controls } from "./controls.js";
 import { listen } from "./gestures.js";
 import { buildCommand, hasScene, parametersToSet, sceneFile } from "./home.js";
-import { libraryOf } from "./library.js";
+import { libraryOf, Refused } from "./library.js";
+import { flightOf } from "./log.js";
 import { changesOf, settingsFrom, settingsOf } from "./settings.js";
 import { addressWith, keep, kept, pairsIn, pairsOf, savedIn } from "./sharing.js";
 import { REFERENCE, Simulation } from "./simulation.js";
-import { clamp, norm } from "./vectors.js";
+import { clamp, norm, sub } from "./vectors.js";
 import { short } from "./text.js";
 import { View } from "./view.js";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 const STEPS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]; // s
 const BUDGET = 12; // ms of a frame for the tethers
+const OWN = "own_log"; // scene of a log of the user's
+const LONGEST_FREE = 0.02; // communication step [s] to choose for a kite that flies free: its load is that of the start of the step
+const STEERED = 0.12; // by a key
 const LONGEST_FRAME = 0.1; // s of a frame that are made up for
 const MEASURE_EVERY = 250, WORDS_EVERY = 200, CHARTS_EVERY = 80; // ms
 
@@ -38,6 +42,7 @@ class Page {
   open(pairs) {
     this.settings = settingsFrom(this.declared, pairs);
     this.fly(true);
+    this.view.camera.look(new Map(pairs).get("view"));
     const saved = savedIn(pairs);
     if (saved) this.take(saved);
     this.controls.show(this.settings);
@@ -45,6 +50,9 @@ class Page {
 
   /** Begin anew with the settings; turned : whether the camera may turn. */
   fly(turned = false) {
+    const { kind, values, flight } = this.settings;
+    if (kind === "free_end") values.kite_mass = flight.kite_mass;
+    for (const option of by("step").options) option.disabled = kind === "free" && Number(option.value) > LONGEST_FREE;
     this.simulation = new Simulation(this.library, this.settings);
     this.behind = 0;
     this.view.show(this.simulation, turned);
@@ -59,6 +67,25 @@ class Page {
     }
   }
 
+  /** Fly a log of the user's on a tether that is as long as the kite is far away at first. */
+  async flyLog(file) {
+    const log = await file.text();
+    try {
+      const { motion, duration } = flightOf(log);
+      const { kite, ground } = motion(0);
+      const initial_length = Number(norm(sub(kite, ground)).toPrecision(6));
+      const scene = { title: file.name, about: `The flight of ${file.name}, which stays on this machine.`, file: file.name, kind: "log", log };
+      this.declared.scenes[OWN] = { ...scene, duration, flight: {}, parameters: { initial_length }, wind: {} };
+    } catch (problem) {
+      if (!(problem instanceof Refused)) throw problem;
+      by("about").textContent = `${file.name}: ${problem.message}`;
+      return;
+    }
+    by("scene").querySelector(`[value=${OWN}]`)?.remove();
+    by("scene").append(new Option(file.name, OWN, true, true));
+    by("scene").dispatchEvent(new Event("change"));
+  }
+
   /** A setting was changed; restart : whether it counts from a start on only. */
   changed(restart) {
     if (restart) {
@@ -71,7 +98,7 @@ class Page {
 
   run(runs) {
     this.runs = runs;
-    by("play").textContent = runs ? "stop" : "start";
+    by("play").textContent = runs ? "pause" : "fly";
   }
 
   connect() {
@@ -88,7 +115,10 @@ class Page {
       this.fly();
     });
     const actions = {
-      play: () => this.run(!this.runs),
+      play: () => {
+        if (!this.runs && this.isOver) this.fly();
+        this.run(!this.runs);
+      },
       restart: () => {
         this.fly();
         this.run(true);
@@ -105,12 +135,14 @@ class Page {
     }
     document.addEventListener("keydown", (event) => {
       if (/INPUT|SELECT|BUTTON|TEXTAREA|SUMMARY/.test(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
-      const action = { " ": actions.play, r: actions.restart, s: actions.save, l: actions.restore }[event.key];
+      const left = () => this.steer(-STEERED), right = () => this.steer(STEERED);
+      const action = { " ": actions.play, r: actions.restart, s: actions.save, l: actions.restore, a: left, d: right }[event.key];
       if (action) {
         event.preventDefault();
         action();
       }
     });
+    by("log").addEventListener("change", () => this.flyLog(by("log").files[0]));
     for (const [id, side] of [["left", -1], ["right", 1]]) {
       by(id).addEventListener("pointerdown", () => (this.settings.hand.steering = 0.6 * side));
       for (const name of ["pointerup", "pointerleave", "pointercancel"]) by(id).addEventListener(name, () => (this.settings.hand.steering = 0));
@@ -146,7 +178,7 @@ class Page {
 
   /** Address of this page with pairs. */
   linkTo(pairs) {
-    return addressWith(pairs);
+    return addressWith([...pairs, ["view", this.view.camera.place()]]);
   }
 
   save() {
@@ -189,6 +221,7 @@ class Page {
     const passed = Math.min((now - this.last) / 1000, LONGEST_FRAME);
     this.fps += 0.05 * (1000 / Math.max(1, now - this.last) - this.fps);
     this.last = now;
+    this.late = false;
     if (this.runs) this.goOn(passed, now);
     this.view.draw(this.simulation);
     if (now - this.charted > CHARTS_EVERY) {
@@ -211,7 +244,6 @@ class Page {
       this.turn = ((this.turn ?? 0) + 1) % simulation.flown.length;
       measured = simulation.flown[this.turn];
     }
-    this.late = false;
     while (this.behind >= simulation.step && simulation.goesOn) {
       simulation.advance(measured);
       measured = null;
@@ -221,8 +253,13 @@ class Page {
         this.behind = Math.min(this.behind, simulation.step);
       }
     }
-    const ends = settings.kind === "launch" || settings.kind === "landing";
-    if (!simulation.goesOn || (ends && simulation.time >= settings.duration)) this.run(false);
+    if (!simulation.goesOn || this.isOver) this.run(false);
+  }
+
+  /** Whether the scene has come to its end; most go on. */
+  get isOver() {
+    const { kind, duration } = this.settings;
+    return ["launch", "landing", "log"].includes(kind) && this.simulation.time >= duration;
   }
 
   /** Everything that is written and does not change while it flies. */
@@ -273,7 +310,7 @@ class Page {
 
   /** Everything that is written and changes while it flies. */
   speak() {
-    const { simulation, declared } = this;
+    const { simulation } = this;
     by("clock").textContent = `${simulation.time.toFixed(1)} s${this.late ? ", slower than asked for" : ""}`;
     by("legend").textContent = this.view.legend(simulation);
     by("frames").textContent = `${this.fps.toFixed(0)} frames a second.`;
@@ -287,23 +324,42 @@ class Page {
         : [each ? "refused" : "", "", "", "", ""];
       texts.forEach((text, k) => (row.cells[k + 1].textContent = text));
     }
-    const lines = [];
+    this.say(this.sentences());
+  }
+
+  /** What there is to say: kind, sentence, names and colours of the tethers that it is about. */
+  sentences() {
+    const { simulation, declared } = this;
+    const found = new Map();
     const doubt = simulation.doubt();
-    if (doubt) lines.push([declared.colours.reference, "warning", doubt]);
+    if (doubt) found.set(doubt, { kind: "warning", names: [], colours: [] });
     for (const each of simulation.flown) {
-      const colour = each.name === REFERENCE ? declared.colours.reference : each.variant.colour;
-      const title = each.name === REFERENCE ? "finer" : each.variant.class;
       const said = simulation.said(each);
-      lines.push([colour, said[0][0], `${title}: ${said.map(([, text]) => text).join("; ")}`]);
+      const sentence = said.map(([, text]) => text).join("; ");
+      if (!found.has(sentence)) found.set(sentence, { kind: said[0][0], names: [], colours: [] });
+      const isReference = each.name === REFERENCE;
+      found.get(sentence).names.push(isReference ? "finer" : each.variant.class);
+      found.get(sentence).colours.push(isReference ? declared.colours.reference : each.variant.colour);
     }
+    return [...found].map(([sentence, { kind, names, colours }]) => {
+      return { kind, colours, text: names.length ? `${names.join(", ")}: ${sentence}` : sentence };
+    });
+  }
+
+  /** Write sentences where they are new. */
+  say(lines) {
     const text = JSON.stringify(lines);
     if (text === this.lines) return;
     this.lines = text;
-    by("said").replaceChildren(...lines.map(([colour, kind, sentence]) => {
-      const dot = Object.assign(document.createElement("span"), { className: "dot" });
-      dot.style.background = colour;
+    by("alert").textContent = lines.filter(({ kind }) => kind === "refused" || kind === "warning").map((each) => each.text).join("; ");
+    by("said").replaceChildren(...lines.map(({ kind, colours, text: sentence }) => {
       const item = Object.assign(document.createElement("li"), { className: kind });
-      item.append(dot, sentence);
+      for (const colour of colours) {
+        const dot = Object.assign(document.createElement("span"), { className: "dot" });
+        dot.style.background = colour;
+        item.append(dot);
+      }
+      item.append(sentence);
       return item;
     }));
   }

@@ -22,6 +22,7 @@ export function settingsOf(declared, name) {
     scene: name,
     kind: scene.kind,
     duration: scene.duration,
+    log: scene.log,
     values: { ...values, ...scene.parameters },
     flight,
     wind: { ...startsOf(declared.wind), ...scene.wind, velocity: [...(scene.wind.velocity ?? [0, 0, 0])] },

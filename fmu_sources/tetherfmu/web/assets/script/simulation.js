@@ -12,6 +12,7 @@ const AT_LEAST = 40; // segments of it
 const TIGHT = 1e-6; // its relative tolerance
 const JUDGED = 10; // seconds over which errors are averaged
 const MEASURED = 1.5; // ms that a measurement of the cost takes
+const MEASUREMENTS = 7; // of which the cost is the median
 const SNAP = 2; // tension over its mean of the last seconds, after slack, that is a snap load
 const AFTER_SLACK = 1; // s
 const MEAN_TIME = 5; // s
@@ -20,13 +21,26 @@ const SHOWN_FOR = 5; // s, how long a snap load is told
 /** One tether with what is known of it besides its state. */
 class Flown {
   constructor(name, variant) {
-    Object.assign(this, { name, variant, refusal: null, cost: NaN, steps: 0 });
+    Object.assign(this, { name, variant, refusal: null, costs: [] });
     this.memory = { slackAt: -Infinity, mean: NaN, snap: null };
   }
 
   get flies() {
     return this.tether !== undefined && this.refusal === null;
   }
+
+  /** Time of a step [ms]: the median of the last measurements, as another program may have interrupted one. */
+  get cost() {
+    return this.costs.toSorted((a, b) => a - b)[Math.floor(this.costs.length / 2)] ?? NaN;
+  }
+}
+
+/** Whether two trees have the same keys, with numbers or vectors at their ends; null stands for what is not known yet. */
+function haveOneForm(a, b) {
+  if (a === null || b === null) return true;
+  if (typeof a !== "object" || typeof b !== "object") return Number.isFinite(a) && typeof b === "number";
+  const keys = Object.keys({ ...a, ...b });
+  return keys.every((key) => (key in a || b[key] === null) && (key in b || Number.isFinite(a[key])) && (!(key in b) || haveOneForm(a[key] ?? null, b[key])));
 }
 
 export class Simulation {
@@ -120,7 +134,6 @@ export class Simulation {
       this.attempt(each, () => {
         if (each === measured) this.measure(each);
         each.tether.advance(this.step);
-        each.steps += 1;
       });
     }
     this.count += 1;
@@ -141,7 +154,7 @@ export class Simulation {
       count += 1;
       passed = performance.now() - began;
     }
-    each.cost = passed / count;
+    each.costs = [...each.costs, passed / count].slice(-MEASUREMENTS);
   }
 
   /** Notice slack and snap loads. */
@@ -216,6 +229,10 @@ export class Simulation {
 
   /** Go on from what `saved` gave; `Refused` if it belongs to other tethers. */
   take({ count, driver, tethers }) {
+    const here = this.driver.memory;
+    if (!(Number.isInteger(count) && count >= 0 && haveOneForm(driver, here))) {
+      throw new Refused("the saved state is not one of this flight");
+    }
     for (const each of this.flown) if (each.tether && tethers[each.name]) each.tether.take(tethers[each.name]);
     this.count = count;
     this.driver.memory = structuredClone(driver);

@@ -35,7 +35,7 @@ export class View {
     if (turned) {
       const away = Math.hypot(centre[0], centre[1]) > 0.1 * radius ? Math.atan2(centre[1], centre[0]) : 0;
       Object.assign(this.camera, { azimuth: away + Math.PI + 1.0, elevation: 0.2, zoom: 1 });
-      this.camera.place();
+      this.camera.settle();
     }
     this.trail = [];
   }
