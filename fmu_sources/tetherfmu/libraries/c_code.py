@@ -76,7 +76,7 @@ def _operations():
 
 
 OPERATIONS = _operations()
-HELPERS = """\
+_HELPERS = """\
 static inline uint32_t load_8(const unsigned char *at)
 {
     return *at;
@@ -159,6 +159,7 @@ static inline uint64_t truncated(double number)
     return (uint64_t)(int64_t)number;
 }
 """
+HELPERS = [f"{each}\n}}\n" for each in _HELPERS.split("\n}\n")[:-1]]
 HEAD = """\
 /* The kernels as C99: made of WebAssembly by libraries/c_code.py. `m` is the memory of an instance, `s` the top of its stack;
 an address is a place in the memory. */
@@ -216,8 +217,8 @@ def number(kind, value):
 class Writer:
     """The text of one function."""
 
-    def __init__(self, file, function, needs):
-        self.file, self.function, self.needs = file, function, needs
+    def __init__(self, file, function, needs, names):
+        self.file, self.function, self.needs, self.names_of_functions = file, function, needs, names
         self.kinds = (*function.signature.arguments, *function.variables)
         self.lines, self.stack, self.labels = [], [], []
         self.names, self.used = 0, set()  # names given; labels and variables that occur
@@ -342,16 +343,17 @@ class Writer:
         else:
             self.lines.append(f"memmove(m + {target}, m + {source}, {count});")
 
-    def call(self, number_of_function):
-        if number_of_function < len(self.file.imports):
-            name, signature = self.file.imports[number_of_function]
+    def call(self, called_number):
+        if called_number < len(self.file.imports):
+            name, signature = self.file.imports[called_number]
             texts, variables, reads = self.pop(len(signature.arguments))
             self.push(f"{name}({', '.join(texts)})", signature.results[0], variables, reads)
             return
-        signature = self.file.functions[number_of_function - len(self.file.imports)].signature
+        signature = self.file.functions[called_number - len(self.file.imports)].signature
         texts, *_ = self.pop(len(signature.arguments))
         self.keep(lambda value: value.reads_memory)
-        text = f"f{number_of_function}({', '.join([*self.needs[number_of_function], *texts])})"
+        name = self.names_of_functions.get(called_number, f"f{called_number}")
+        text = f"{name}({', '.join([*self.needs[called_number], *texts])})"
         if not signature.results:
             self.lines.append(f"{text};")
             return
@@ -407,17 +409,26 @@ class Writer:
             self.lines.append(f"{label.name}:;")
 
 
-def text(content, exported):
-    """Text of a C file; content : bytes of a WebAssembly file.  exported : names of the functions that others call."""
+def text(content, names):
+    """Text of a C file; content : bytes of a WebAssembly file.  names : of the functions that it exports, dict to those in C.
+
+    The functions that it exports take memory and stack, whether they need them or not.
+    """
     file = read(content)
     first = len(file.imports)
-    needs = _needs(file)
-    names = {file.exports[name]: name for name in exported}
+    names = {number: names[name] for name, number in file.exports.items()}
+    needs = _needs(file, names)
     numbers = range(first, first + len(file.functions))
     declared = {k: _declaration(file, k, needs[k], names.get(k, f"f{k}")) for k in numbers}
-    calls = {k: f"#define f{k} {name}" for k, name in names.items()}
-    parts = [HEAD, _memory(file), HELPERS, "\n".join(calls.values()), "\n".join(f"{line};" for line in declared.values())]
-    return "\n".join([*parts, *(_definition(file, k, needs, declared[k]) for k in numbers)])
+    definitions = [_definition(file, k, needs, names, declared[k]) for k in numbers]
+    helpers = [each for each in HELPERS if any(f"{_name_of(each)}(" in text for text in definitions)]
+    parts = [HEAD, _memory(file), *helpers, "\n".join(f"{line};" for line in declared.values()), ""]
+    return "\n".join([*parts, *definitions])
+
+
+def _name_of(helper):
+    """Name of a function of `HELPERS`."""
+    return re.search(r"(\w+)\(", helper.partition("static")[2])[1]
 
 
 def _memory(file):
@@ -430,14 +441,14 @@ def _memory(file):
     )
 
 
-def _needs(file):
-    """Of each function whether it needs the memory ("m") and the stack ("s"): itself, or what it calls."""
+def _needs(file, exported):
+    """Of each function whether it needs the memory ("m") and the stack ("s"): itself, or what it calls; or as exported."""
     first = len(file.imports)
     memory = {*LOADS, *STORES, COPY, FILL}
     found = {k: [] for k in range(first)}
     for k, function in enumerate(file.functions, first):
         codes = {code for code, _ in function.body}
-        found[k] = [name for name, wanted in (("m", memory), ("s", {GET_STACK})) if codes & wanted]
+        found[k] = [name for name, wanted in (("m", memory), ("s", {GET_STACK})) if codes & wanted or k in exported]
     while True:
         before = str(found)
         for k, function in enumerate(file.functions, first):
@@ -456,14 +467,15 @@ def _declaration(file, place, needs, name):
     return f"static {result} {name}({', '.join(given) or 'void'})"
 
 
-def _definition(file, place, needs, declared):
+def _definition(file, place, needs, names, declared):
     """Text of a function."""
     function = file.functions[place - len(file.imports)]
-    writer = Writer(file, function, needs)
+    writer = Writer(file, function, needs, names)
     body = writer.write()
     arguments = len(function.signature.arguments)
     variables = [f"{C_TYPES[kind]} l{k} = 0;" for k, kind in enumerate(writer.kinds) if k >= arguments and f"l{k}" in writer.used]
     unused = [f"(void)l{k};" for k in range(arguments) if f"l{k}" not in writer.used]
+    unused += [f"(void){name};" for name in needs[place] if not re.search(rf"\b{name}\b", "\n".join(body))]
     return "\n".join([declared, "{", *variables, *unused, *body, "}", ""])
 
 
@@ -489,5 +501,5 @@ def _frame(body):
     for (one, _), (two, size), (three, _) in zip(body, body[1:], body[2:], strict=False):
         if (one, two, three) == (GET_STACK, 0x41, 0x6B):
             return size
-    assert not any(code == SET_STACK for code, _ in body)
+    assert not any(code in (GET_STACK, SET_STACK) for code, _ in body), "a stack frame of another form"
     return 0
