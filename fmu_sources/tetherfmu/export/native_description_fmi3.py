@@ -30,8 +30,11 @@ TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"),
 TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
 
 
-def text(name, about, table, places, step, token, more=True):
-    """Text of modelDescription.xml; the arguments are those of `native_description.text`."""
+def text(name, about, table, places, step, token, more=True, sources=()):
+    """Text of modelDescription.xml; the arguments are those of `native_description.text`.
+
+    sources : not needed, FMI 3 has a file of its own for them.
+    """
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(name, about))
     SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
     root.append(units((*table, TIME)))

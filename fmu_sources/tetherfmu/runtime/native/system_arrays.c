@@ -2,13 +2,11 @@
 Which variable stands where is what system_variables.py says. */
 #include "arrays.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "kernels.h"
 #include "messages.h"
-
-enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
+#include "room.h"
 
 static int64_t *row_of(Arrays *arrays, int line)
 {
@@ -41,7 +39,7 @@ static void quantities_of(const double *values, int line, double *quantities)
 }
 
 /* The arrays for values, in one block; NULL without memory. */
-Arrays *make_arrays(const double *values)
+Arrays *make_arrays(Instance *instance, const double *values)
 {
     Arrays plan = {.segments = 0};
     double quantities[QUANTITIES];
@@ -58,7 +56,7 @@ Arrays *make_arrays(const double *values)
     size_t state = (size_t)plan.plan[PLAN_STATE_SIZE], outputs = (size_t)plan.plan[PLAN_OUTPUTS_SIZE];
     size_t work = (size_t)plan.plan[PLAN_WORK_SIZE];
     size_t numbers = parameters + inputs + STATES_HELD * state + outputs + work + VALUES;
-    Arrays *arrays = calloc(1, sizeof *arrays + numbers * sizeof(double));
+    Arrays *arrays = take_room(instance, sizeof *arrays + numbers * sizeof(double));
     if (!arrays) return NULL;
     memcpy(arrays, &plan, sizeof plan);
     arrays->parameters = (double *)(arrays + 1);
@@ -71,11 +69,6 @@ Arrays *make_arrays(const double *values)
     arrays->values = arrays->work + work;
     memcpy(arrays->values, values, VALUES * sizeof(double));
     return arrays;
-}
-
-void free_arrays(Arrays *arrays)
-{
-    free(arrays);
 }
 
 /* A quantity as a message has it: Integers and Enumerations without a fraction, where they have none. */
