@@ -18,9 +18,9 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import native_system, osp, system_evidence
+from . import native_system, osp, related_files, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
-from .documents import ASSETS, OSP_FOLDER, filled, listed, of_every_fmu, style_and_tables
+from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
 from .native import TERMINALS, complete, kernels_of, widths_of, writer_of
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
@@ -123,7 +123,7 @@ def documents(structure, description, platforms, evidence, native=None):
     description : of the model.  evidence : texts of the evidence set, dict by path.  native : as in `build`.
     """
     table = table_of(structure)
-    texts = of_every_fmu(platforms, native) | evidence
+    texts = of_every_fmu(platforms, native) | evidence | {related_files.MANIFEST: manifest_of(evidence)}
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(structure.name)}"] = osp.model_description_of_system(structure, table)
     texts["documentation/index.html"] = filled(
