@@ -94,6 +94,16 @@ def test_it_starts_at_rest_and_stays_there():
     assert kite.counters["rejections"] == 0
 
 
+def test_a_winch_that_pays_out_does_not_move_the_place():
+    """The damper force of a tether that reels is none of an equilibrium."""
+    kite = TetherDynamicFree(WIRE, kite_mass=500.0, kite_start="equilibrium")
+    given = {"ground_position": TIP, "kite_position": (3.0, -2.0, 20.0)}
+    expected = kite.initialize(**given).kite_position
+    reeling = kite.initialize(**given, reel_out_speed=0.5)
+    np.testing.assert_array_equal(reeling.kite_position, expected)
+    assert reeling.winch_speed == 0.5
+
+
 def test_it_is_a_system_of_one_line():
     wind, load = (12.0, 4.0, 0.0), (100.0, 0.0, 50.0)
     kite, outputs = started(80.0, wind, load)

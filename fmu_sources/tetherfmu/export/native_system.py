@@ -2,10 +2,9 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime import layout, status, system_layout
-from tetherfmu.runtime import system_variables as variables
+from tetherfmu.runtime import layout, status, system_layout, system_maps, system_variables
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.system_variables import quantities_of_line
+from tetherfmu.runtime.system_maps import quantities_of_line
 from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
 
 from .native_arrays import Places
@@ -80,18 +79,20 @@ def _table(name, members, rows):
 
 
 def _maps(structure, table, references):
-    """What `system_variables` says of inputs, outputs, motion and masses, and the plan as it is given."""
-    found = [(reference, place) for reference, those in variables.outputs_of(structure, references) for place in those]
-    motion = variables.free_ends(structure, references)
-    starts = variables.starts_of(structure, references)
-    checks = [table[references[name]] for name in variables.unpacked(structure)]
+    """What `system_maps` says of inputs, outputs, motion and masses, and the plan as it is given."""
+    found = [(reference, place) for reference, those in system_maps.outputs_of(structure, references) for place in those]
+    motion = system_maps.free_ends(structure, references)
+    starts = system_maps.starts_of(structure, references)
+    checks = [table[references[name]] for name in system_maps.unpacked(structure)]
     rows = ",\n    ".join(f"{{{each.place}, {', '.join(map(repr, limits_of(each.quantity)))}}}" for each in checks)
-    names = [[variables.input_name(name, line) for name in INPUT_NAMES] for line in structure.lines]
-    given = variables.plan_of(structure)
+    names = [[system_variables.input_name(name, line) for name in INPUT_NAMES] for line in structure.lines]
+    given = system_maps.plan_of(structure)
     plan = [given.get(place, 0) for place in range(system_layout.plan_size(len(structure.lines)))]
-    masses = [[references[f"{point}.mass"] if point else -1 for point in points] for points in variables.carried(structure)]
+    masses = [
+        [references[f"{point}.mass"] if point else -1 for point in points] for points in system_maps.carried(structure)
+    ]
     return [
-        _table("INPUT_FROM", ("place", "reference"), variables.inputs_of(structure, references)),
+        _table("INPUT_FROM", ("place", "reference"), system_maps.inputs_of(structure, references)),
         _table("OUTPUT_FROM", ("reference", "place"), found),
         c_enumeration({"MOTIONS": len(motion), "CHECKS": len(checks), "STARTS": len(starts)}),
         _table("START_FROM", ("place", "reference"), starts),

@@ -3,9 +3,8 @@
 from array import array
 
 from . import layout as at
-from . import plausibility, status
+from . import plausibility, status, system_maps
 from . import system_layout as places
-from . import system_variables as variables
 from .instance import address, zeros
 from .packing import pack_line
 from .quantities import NOT_WHOLE, checked
@@ -39,8 +38,8 @@ class SystemInstance:
         self.parameters_at = self.outputs_at + sum(each.causality == OUTPUT for each in table)
         self.places = {each.name: each.place for each in table}
         self._checked = [each for each in table if each.causality == PARAMETER]
-        self._inputs_from = variables.inputs_of(structure, self.places)
-        found = variables.outputs_of(structure, self.places)
+        self._inputs_from = system_maps.inputs_of(structure, self.places)
+        found = system_maps.outputs_of(structure, self.places)
         self._sums = [each for each in found if len(each[1]) > 1]
         self._alone = [(reference, those[0]) for reference, those in found if len(those) == 1]
         self.segments, self._counts = 0, ()
@@ -57,8 +56,8 @@ class SystemInstance:
             if each.kind != "Real" and not value.is_integer():
                 raise ValueError(NOT_WHOLE.format(name=each.name, value=value))
         found, parameters = [], array("d")
-        for line, points in zip(self.structure.lines, variables.carried(self.structure), strict=True):
-            known = variables.quantities_of_line(line, self.places)
+        for line, points in zip(self.structure.lines, system_maps.carried(self.structure), strict=True):
+            known = system_maps.quantities_of_line(line, self.places)
             numbers = [default if reference is None else values[reference] for _, reference, default in known]
             free = [point in self.structure.free for point in (line.start, line.end)]
             masses = [values[self.places[f"{point}.mass"]] if point else 0.0 for point in points]
@@ -68,7 +67,7 @@ class SystemInstance:
                 raise ValueError(f"the line {line.name}: {problem}") from None
             found.append(segments)
             parameters += own
-        return sum(found), tuple(found), parameters, variables.sought(self.structure, self.places, values)
+        return sum(found), tuple(found), parameters, system_maps.sought(self.structure, self.places, values)
 
     def set_up(self, total, counts, parameters, sought):
         """Take segments in all and of each line, their parameters and which points are sought, and make the arrays.
@@ -83,7 +82,7 @@ class SystemInstance:
             self.inputs = zeros(plan[places.INPUTS_SIZE])
             self.state, self.before = zeros(plan[places.STATE_SIZE]), zeros(plan[places.STATE_SIZE])
             self.outputs, self.work = zeros(plan[places.OUTPUTS_SIZE]), zeros(plan[places.WORK_SIZE])
-            self._motion = variables.motion_of(self.structure, self.places, counts, self._states_at[:-1])
+            self._motion = system_maps.motion_of(self.structure, self.places, counts, self._states_at[:-1])
             self._warned = [0] * len(counts)
         for place, is_sought in sought.items():
             self.plan[place] = is_sought
@@ -92,7 +91,7 @@ class SystemInstance:
 
     def _make_plan(self):
         self.plan = array("q", bytes(8 * places.plan_size(len(self._counts))))
-        for place, number in variables.plan_of(self.structure).items():
+        for place, number in system_maps.plan_of(self.structure).items():
             self.plan[place] = number
         rows = range(places.PLAN_HEADER, len(self.plan), places.LINE_NUMBERS)
         for row, segments in zip(rows, self._counts, strict=True):

@@ -60,11 +60,12 @@ def find(n, parameters, inputs, state, work):
     copy(part(inputs, 0, at.INPUTS), given)
     put_at(given, at.INPUTS, vector_at(inputs, at.KITE_LOAD))
     x, v = positions_and_velocities(n, state)
-    ground_velocity, points = get(v, 0), parameters[at.WIND_POINTS]
+    ground_velocity, reeling, points = get(v, 0), state[at.REELING], parameters[at.WIND_POINTS]
     parameters[at.WIND_POINTS] = 0.0
     status = resting_points.find(System(plan, parameters, given, state, behind(ROOM_AT, work)), True)
     parameters[at.WIND_POINTS] = points
     put(x, n, vector_at(given, at.KITE_POSITION))
     put(v, 0, ground_velocity)
     put(v, n, ZERO_VECTOR)
+    state[at.REELING] = reeling
     return OK if status == OK else NO_EQUILIBRIUM_OF_KITE

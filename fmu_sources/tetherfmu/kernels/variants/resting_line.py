@@ -77,6 +77,15 @@ def is_point_sought(system, point):
 
 
 @kernel
+def first_sought(system):
+    """Number of the first free point whose position is sought; there is one."""
+    for point in range(free_points(system)):
+        if is_point_sought(system, point):
+            return point
+    return 0
+
+
+@kernel
 def fill_others(system, matrix):
     """Let the rows of points that are not sought say that they do not move (matrix modified)."""
     b = band_of(system)
@@ -109,6 +118,7 @@ def rest_line(system, k, x):
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status != OK:
         return status
+    state[at.REELING] = 0.0  # whose damper force would be no equilibrium
     nodes, v = motion_of(system, k)
     for end in range(2):
         put(nodes, n * end, position(system, k, end, x))

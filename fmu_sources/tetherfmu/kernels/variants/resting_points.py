@@ -47,6 +47,7 @@ from .resting_line import (
     add_support,
     count_sought,
     fill_others,
+    first_sought,
     force_at,
     is_any_sought,
     is_sought,
@@ -55,6 +56,7 @@ from .resting_line import (
 )
 
 ITERATIONS = 300
+BUDGET = 50000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
 ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
 STALLED = 0.5  # residual over that of the iteration before, above which it stalls
@@ -65,20 +67,20 @@ SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # of a move for the next tri
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
 SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient continuation
 
-Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding grip")
+Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding grip spent")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
 residual : R [N], m.  move : dX [m], m.  outer : load and weight of the points [N], m.
 size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
-grip : friction of the ground at the points [N], F.
+grip : friction of the ground at the points [N], F.  spent : Newton iterations for the shapes of all lines, one number.
 """
 
 
 @kernel
 def search_size(points, band):
     """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 18 * points
+    return 6 * points * row_size(band) + 18 * points + 1
 
 
 @view
@@ -92,7 +94,7 @@ def search_of(system):
     x, trial, residual = part(room, 0, m), part(room, m, m), part(room, 2 * m, m)
     move, outer, room = part(room, 3 * m, m), part(room, 4 * m, m), behind(5 * m, room)
     sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Search(slopes, factors, x, trial, residual, move, outer, *sizes)
+    return Search(slopes, factors, x, trial, residual, move, outer, *sizes, part(room, 3 * count, 1))
 
 
 # --- all of them
@@ -108,7 +110,9 @@ def find_residual(system, x, search):
         search.size[point] = norm(get(search.outer, point))
     for k in range(lines_of(system)):
         if is_any_sought(system, k):
-            if rest_line(system, k, x) != OK:
+            status = rest_line(system, k, x)
+            search.spent[0] += state_of(system, k)[at.ITERATIONS]
+            if status != OK:
                 return False
             both = norm(force_at(system, k, 0)) + norm(force_at(system, k, 1))
             for end in range(2):
@@ -255,11 +259,11 @@ def search_from(system, slowly, search):
     slowly : by pseudo-transient continuation.
     """
     limit = shortest_line(system)
-    damping, last = 0.0, inf
+    damping, last, worst = 0.0, inf, first_sought(system)
     found = find_residual(system, search.x, search)
     for _ in range(ITERATIONS):
-        if not found:
-            return 0, False
+        if not found or search.spent[0] > BUDGET * lines_of(system):
+            return worst, False
         residual = largest_residual(search)
         worst, over = least_balanced(residual > STALLED * last, search)
         last = residual
@@ -315,6 +319,7 @@ def find(system, begins_as_given):
     if status != OK:
         return status
     search = search_of(system)
+    search.spent[0] = 0.0
     find_outer(system, search)
     worst, found = 0, False
     for slowly in range(2):

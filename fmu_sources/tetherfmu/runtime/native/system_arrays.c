@@ -1,5 +1,5 @@
 /* The arrays of the kernels for a system of lines (system_layout.py), and the calls of the kernels. In the place of arrays.c.
-Which variable stands where is what system_variables.py says. */
+Which variable stands where is what system_maps.py says. */
 #include "arrays.h"
 
 #include <string.h>
