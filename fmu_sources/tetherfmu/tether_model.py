@@ -15,6 +15,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
+from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_WORK
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.plausibility import sentences
@@ -23,6 +24,7 @@ from tetherfmu.runtime.variants import BY_NAME, library_of
 from . import arguments, compiled_flight, energy, states
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 
+MOST_STEPS_WITH_DRUM = 42  # of the chain in one fixed step: 40 to find the speed of the drum, and where it is held
 _MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_places")  # anew in a copy
 
 
@@ -460,6 +462,16 @@ class TetherModel:
         """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
         places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
         return {name: int(self._state[place]) for name, place in places.items()}
+
+    @property
+    def most_factorizations(self) -> int:
+        """Bound on the factorizations for one fixed step, each of an iteration; 0 with adaptive steps, which have none."""
+        parameters = self._instance.parameters
+        if parameters[at.FIXED_STEP] == 0.0 or not self._variant.has_waves:
+            return 0
+        if parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE:
+            return MOST_STEPS_WITH_DRUM * WORST_CAREFUL
+        return WORST_CAREFUL if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER else WORST_WORK
 
     def _set(self, wind_velocity=None, **given):
         """Set those inputs that are not None, the wind as it may be given at each node; ValueError if a shape is wrong."""

@@ -82,7 +82,7 @@ SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
 # [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 12
+WARNING_KINDS = 14
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]

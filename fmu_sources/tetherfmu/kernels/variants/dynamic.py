@@ -13,7 +13,7 @@ from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
 from ..integrators import drum_in_fixed_steps, drum_step, moving_drum, second_order, step_control
-from ..step.plausibility import note_stiff_and_slack
+from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
 from . import dynamic_chain, resting_kite
 
 
@@ -29,6 +29,7 @@ def initialize(n, parameters, inputs, state, work):
 
     A free kite that starts at rest is put there first, and the shape is that of static equilibrium.
     """
+    note_damping_of_steps(chain_of(n, parameters, state), parameters, state)
     shape = parameters[at.INITIAL_SHAPE]
     if parameters[at.KITE_START] == at.START_AT_REST:
         status = resting_kite.find(n, parameters, inputs, state, work)
@@ -57,6 +58,7 @@ def advance(n, parameters, given, before, state, work):
                 status = drum_in_fixed_steps.integrate(conditions, given.step, state, x, v, b)
             else:
                 status = second_order.integrate(conditions, given.step, state, x, v, b)
+            note_restless(b.chain.restless[0], parameters, state)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:
