@@ -39,7 +39,7 @@ extensions = [
     "sphinx_design",
     "links_to_functions",
 ]
-exclude_patterns = ["data", "make", "site_files"]
+exclude_patterns = ["data", "make", "publishing", "site_files"]
 
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4

@@ -48,19 +48,29 @@ def browser_file():
 
     RuntimeError if compiling fails, or what compiles is missing.
     """
-    content = sha256("".join([*map(digest, VARIANTS), Path(__file__).read_text(encoding="utf-8")]).encode("utf-8"))
-    folder = f"webassembly_{content.hexdigest()[:12]}"
-    path = ready.IN_WHEEL / folder / FILE
-    if not path.exists():
-        path = ready.cache_folder() / folder / FILE
+    path = place_of("webassembly", FILE, VARIANTS, [__file__])
     if not path.exists():
         print("compiling the kernels for the browser, once, about 80 s:", file=sys.stderr, flush=True)
         ready.run("webassembly", [ready.fitting_way(), str(path)], path.parents[1])
     return path
 
 
-def webassembly(texts, exported, features=FEATURES):
-    """Bytes of a WebAssembly file; texts : of modules as `ahead_of_time` keeps them.  exported : names of functions."""
+def place_of(name, file, variants, recipe):
+    """Path of a file that is made of the kernels of variants: in the wheel, or else where it is to be kept.
+
+    Its folder has a name with a hash of what it is made from; recipe : paths of the modules that make it.
+    """
+    texts = [*map(digest, variants), *(Path(each).read_text(encoding="utf-8") for each in recipe)]
+    folder = f"{name}_{sha256(''.join(texts).encode('utf-8')).hexdigest()[:12]}"
+    in_wheel = ready.IN_WHEEL / folder / file
+    return in_wheel if in_wheel.exists() else ready.cache_folder() / folder / file
+
+
+def webassembly(text, exported, features=FEATURES, stack=65536):
+    """Bytes of a WebAssembly file; text : of a module as `ahead_of_time` keeps it.  exported : names of functions.
+
+    stack : its size, in bytes.
+    """
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
@@ -68,7 +78,7 @@ def webassembly(texts, exported, features=FEATURES):
     machine = llvm.Target.from_triple(TARGET.triple).create_target_machine(
         cpu=TARGET.cpu, features=features, opt=3, reloc="static", codemodel="default"
     )
-    module = ahead_of_time._for_target(_with_instructions(texts), TARGET, machine)
+    module = ahead_of_time._for_target(_with_instructions(text), TARGET, machine)
     ahead_of_time.optimize(module, machine, level=3, vectors=LANES in features)
     ahead_of_time._check_names(module, exported)
     module = llvm.parse_assembly(_without_large_products(str(module)))
@@ -77,8 +87,8 @@ def webassembly(texts, exported, features=FEATURES):
         (folder / "kernels.o").write_bytes(machine.emit_object(module))
         (folder / "imports").write_text("\n".join(IMPORTS))
         options = ["--no-entry", "--import-memory", "--allow-undefined-file=imports", "--strip-all", "--gc-sections"]
-        exports = [f"--export={name}" for name in (*exported, "__heap_base")]
-        zig(folder, "wasm-ld", *options, *exports, "-o", FILE, "kernels.o")
+        options += [f"--export={name}" for name in (*exported, "__heap_base")]
+        zig(folder, "wasm-ld", *options, "-z", f"stack-size={stack}", "-o", FILE, "kernels.o")
         return (folder / FILE).read_bytes()
 
 
