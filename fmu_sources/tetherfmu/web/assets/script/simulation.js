@@ -41,7 +41,12 @@ function haveOneForm(a, b) {
   if (a === null || b === null) return true;
   if (typeof a !== "object" || typeof b !== "object") return Number.isFinite(a) && typeof b === "number";
   const keys = Object.keys({ ...a, ...b });
-  return keys.every((key) => (key in a || b[key] === null) && (key in b || Number.isFinite(a[key])) && (!(key in b) || haveOneForm(a[key] ?? null, b[key])));
+  return keys.every(
+    (key) =>
+      (key in a || b[key] === null) &&
+      (key in b || Number.isFinite(a[key])) &&
+      (!(key in b) || haveOneForm(a[key] ?? null, b[key])),
+  );
 }
 
 export class Simulation {
@@ -51,8 +56,7 @@ export class Simulation {
     Object.assign(this, { library, settings, declared, step: settings.step, count: 0 });
     library.clear();
     this.driver = driverOf(settings);
-    const wanted = declared.variants.filter((each) =>
-      each.free ? this.driver.free : settings.shown.includes(each.name) || false);
+    const wanted = declared.variants.filter((each) => (each.free ? this.driver.free : settings.shown.includes(each.name)));
     this.flown = wanted.map((variant) => this.made(variant.name, variant, settings.values));
     if (settings.reference) this.flown.unshift(this.reference());
     this.master = this.flown.find((each) => each.variant.free);
@@ -154,7 +158,8 @@ export class Simulation {
     const { tether } = each;
     const view = (address) => this.library.view(address, tether.sizes.state);
     const began = performance.now();
-    let passed = 0, count = 0;
+    let passed = 0,
+      count = 0;
     while (passed < MEASURED) {
       tether.advance(this.step);
       view(tether.state).set(view(tether.before));
@@ -207,7 +212,8 @@ export class Simulation {
     if (flown.refusal !== null) return [["refused", flown.refusal]];
     const { tether, variant, memory } = flown;
     const found = [];
-    const slack = tether.scalar("slack_segments"), lying = tether.scalar("grounded_length");
+    const slack = tether.scalar("slack_segments"),
+      lying = tether.scalar("grounded_length");
     if (memory.snap && this.time - memory.snap.time < SHOWN_FOR) {
       found.push(["snap", `snap load of ${short(memory.snap.tension, "N")} at ${memory.snap.time.toFixed(2)} s`]);
     }
