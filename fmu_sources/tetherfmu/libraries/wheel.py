@@ -12,7 +12,7 @@ from setuptools.build_meta import *  # noqa: F403 (the hooks of a build backend)
 from setuptools.command.build_py import build_py
 from setuptools.command.sdist import sdist
 
-from tetherfmu.libraries import ready
+from tetherfmu.libraries import ready, webassembly
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.sources import PACKAGE
 
@@ -68,5 +68,9 @@ class BuildWithLibraries(build_py):
         in_wheel = package / ready.IN_WHEEL.relative_to(PACKAGE)
         for variant, folder in ready.folders(ready.LIBRARIES, list(TARGETS)).items():
             shutil.copytree(folder, ready.place(in_wheel, variant), ignore=NOT_COPIED)
+        browser_file = webassembly.browser_file()
+        folder = in_wheel / browser_file.parent.name
+        folder.mkdir()
+        shutil.copy(browser_file, folder)
         examples = PACKAGE.parents[1] / "examples"
         shutil.copytree(examples, package / examples.name, ignore=NOT_COPIED)

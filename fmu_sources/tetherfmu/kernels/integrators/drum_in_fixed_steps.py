@@ -131,8 +131,8 @@ def integrate(conditions, duration, state, x, v, b):
     """Advance (x, v) (modified) over a communication step of `duration` [s] as `second_order.integrate` does, with a drum.
 
     b : `second_order.Workspace`. All steps are of order 1.
-    Its length and speed and the counters in `state` are modified. Returns a status: OK, FIXED_STEPS_TOO_MANY,
-    STATE_NOT_FINITE or NO_LENGTH.
+    Its length and speed, the counters in `state` and b.chain.restless are modified. Returns a status: OK,
+    FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
     """
     budget = at.ITERATION_BUDGET // conditions.n
     count = backward_euler.count_of_steps(conditions, duration, budget)
@@ -142,6 +142,7 @@ def integrate(conditions, duration, state, x, v, b):
     drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
     length, speed = state[at.LENGTH], state[at.REELING]
     spent = 0
+    b.chain.restless[0] = 0.0
     for i in range(count):
         if spent > SHARES * budget:
             return FIXED_STEPS_TOO_MANY

@@ -14,6 +14,7 @@ from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.files import load
 
+from .fixed import advise_fixed, explain_fixed
 from .ground import hanging, is_of_ground, lying
 from .reasons import numbers, reasons
 from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
@@ -155,6 +156,12 @@ def run(options):
     scene = load(options.scene)
     if not options.fast:
         now(f"flying {scene.name} with what may do, and with a finer model")
-    advice = advise(scene, FAST_BUDGET if options.fast else BUDGET)
-    print(explain(scene, advice))
+    budget = FAST_BUDGET if options.fast else BUDGET
+    if scene.wanted.fixed:
+        finer = finer_model(scene, PART_OF_FINER * budget)
+        advice = advise_fixed(scene, finer, budget - finer.spent)
+        print(explain_fixed(scene, advice))
+    else:
+        advice = advise(scene, budget)
+        print(explain(scene, advice))
     return 0 if advice.met else 1

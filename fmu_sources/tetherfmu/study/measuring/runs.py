@@ -24,6 +24,7 @@ from tetherfmu.study.scenes.standard import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
+FIXED = "fixed_step"  # row of the dynamic tether with fixed steps of order 2, whose work are iterations
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
 HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")

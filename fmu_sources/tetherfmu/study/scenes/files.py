@@ -43,6 +43,13 @@ def output_names(value):
     return tuple(value)
 
 
+def yes_or_no(value):
+    """True or false."""
+    if not isinstance(value, bool):
+        raise ValueError("it must be true or false")
+    return value
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What the user asks for; errors are relative, see docs/use/how_much_tether.md, "Errors and cost"."""
@@ -51,6 +58,10 @@ class Wanted:
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
+    fixed: bool = field(default=False, metadata={"read": yes_or_no})
+    time_per_step: float = quantity(
+        0.0, "s", "longest time of a communication step, with fixed = true, 0: no requirement", minimum=0.0, maximum=1.0
+    )
     __post_init__ = check
 
 
