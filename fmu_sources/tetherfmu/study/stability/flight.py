@@ -90,7 +90,7 @@ class Verdict(NamedTuple):
 RATIOS = ("tension_ratio", "speed_ratio", "depth_ratio")
 COLUMNS = MapPoint._fields + Verdict._fields
 ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
-MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
+MOST_SECONDS = 900.0  # for one point with its refinement, 90 calls of a second at most; beyond it the process is ended
 
 
 def model_of(point, refinement):
