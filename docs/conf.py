@@ -3,7 +3,10 @@
 import inspect
 import os
 import re
+import shutil
+import subprocess
 import sys
+import tempfile
 from importlib.metadata import distribution
 from itertools import groupby
 from pathlib import Path
@@ -11,9 +14,17 @@ from pathlib import Path
 from docutils import nodes
 from sphinx.util.osutil import relative_uri
 
+FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`, if its kernels can be had; they need numba as it is
+SOURCES = Path(__file__).resolve().parents[1] / "fmu_sources"
+WRITTEN = subprocess.run(
+    [sys.executable, "-m", "tetherfmu", "web", "--out", FLOWN / "fly"],
+    env={**os.environ, "PYTHONPATH": str(SOURCES)},
+    stdout=subprocess.DEVNULL,
+    check=False,
+)
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
 DOCS = Path(__file__).resolve().parent
-sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
+sys.path[:0] = [str(DOCS / "make"), str(SOURCES)]
 
 from tetherfmu.runtime import __version__ as release  # noqa: E402
 
@@ -28,7 +39,7 @@ extensions = [
     "sphinx_design",
     "links_to_functions",
 ]
-exclude_patterns = ["data", "make", "site_files"]
+exclude_patterns = ["data", "make", "publishing", "site_files"]
 
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
@@ -49,6 +60,9 @@ MATHJAX = DOCS / distribution("sphinx-mathjax-offline").locate_file("sphinx-math
 html_static_path = ["site_files", str(MATHJAX)]  # formulas without the web: this one file has all that MathJax needs
 mathjax_path = MATHJAX.name
 html_css_files = ["wide.css"]
+html_extra_path = [str(FLOWN)]
+if WRITTEN.returncode == 0:
+    tags.add("flown")  # noqa: F821 (Sphinx defines it here)
 html_copy_source = False
 pygments_style, pygments_dark_style = "default", "monokai"
 
@@ -96,8 +110,14 @@ def tables_of_variables(app, doctree, docname):
             head.parent.parent["classes"].append("variables")
 
 
+def without_page(app, exception):
+    """Remove the folder of the page, of which the site has a copy."""
+    shutil.rmtree(FLOWN, ignore_errors=True)
+
+
 def setup(app):
     """Connect the functions above."""
+    app.connect("build-finished", without_page)
     app.connect("autodoc-process-docstring", as_written, priority=600)  # after numpydoc
     app.connect("autodoc-process-signature", for_users)
     app.connect("autodoc-skip-member", without_fields)

@@ -25,7 +25,7 @@ import sys
 from pathlib import Path
 from tetherfmu.libraries import ready
 import build_fmus
-ready._cache_folder = lambda: Path(sys.argv[1])
+ready.cache_folder = lambda: Path(sys.argv[1])
 sys.exit(build_fmus.main(["TetherStraight", "--out", sys.argv[2]]))
 """
 

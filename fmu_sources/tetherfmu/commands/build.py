@@ -119,6 +119,11 @@ def parse(arguments, prog="tetherfmu build"):
         help="with --native: also write a C header for hosts, with value references and the guid or token",
     )
     option(
+        "--sources",
+        action="store_true",
+        help="with --native: also put C sources into the FMU, which importers compile for any other processor",
+    )
+    option(
         "--system",
         metavar="FILE",
         help="build the one FMU of the system of tethers in this file; its lines and points have the names of the file",
@@ -140,6 +145,8 @@ def parse(arguments, prog="tetherfmu build"):
         parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
     if options.header and not options.native:
         parser.error("--header is for hosts in C, which take native FMUs; it goes with --native")
+    if options.sources and not options.native:
+        parser.error("C sources are those of native FMUs; --sources goes with --native")
     if options.examples and options.native:
         parser.error("the FMUs of the examples are written in Python; --examples goes without --native")
     return options
@@ -155,6 +162,8 @@ def _check_system(parser, options):
         )
     if options.header:
         parser.error("--header is for the FMUs of single tethers; it goes without --system")
+    if options.sources:
+        parser.error("there are C sources of single tethers only; --sources goes without --system")
 
 
 def build_for_system(wanted):
@@ -194,7 +203,7 @@ def show(path, platforms):
 def build(wanted, name, options):
     """Build an FMU of the flavour that is wanted, with these `BuildOptions`, and print a line on it."""
     if wanted.native:
-        made = native.build(name, wanted.out, options, wanted.fmi, wanted.header)
+        made = native.build(name, wanted.out, options, wanted.fmi, wanted.header, wanted.sources)
     else:
         made = archive.build(name, wanted.out, options)
     show(made, options.platforms)

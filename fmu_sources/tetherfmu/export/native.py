@@ -17,7 +17,7 @@ from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
 
-from . import host_header, native_description, native_description_fmi3
+from . import host_header, native_description, native_description_fmi3, native_sources
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
 from .build_options import BuildOptions
 from .documents import documents
@@ -30,11 +30,11 @@ TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 SYSTEMS_OF_FMI2 = {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}
 
 
-def build(name, folder, options=None, fmi=2, with_header=False):
+def build(name, folder, options=None, fmi=2, with_header=False, with_sources=False):
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
     The arguments are those of `archive.build`; fmi : version, 2 or 3.  with_header : whether a C header for hosts is written
-    beside it, see `host_header`.
+    beside it, see `host_header`.  with_sources : whether the FMU can also be compiled by its importer, see `native_sources`.
     """
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
@@ -45,7 +45,10 @@ def build(name, folder, options=None, fmi=2, with_header=False):
     if fmi == 3:
         files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, given)).encode("utf-8")
     files |= documents(name, variant, about, options, native=fmi)
-    token = complete(files, name, kernels, writers(name, variant, about, given, fmi), fmi)
+    texts = writers(name, variant, about, given, fmi, (native_sources.FILE,) if with_sources else ())
+    token = complete(files, name, kernels, texts, fmi)
+    if with_sources:
+        files |= native_sources.sources(name, library_of(variant), texts[1](token), fmi, HEADERS)
     made = write(files, folder, name, options.purpose)
     if with_header:
         table, shape_points = table_of(variant, given), given["shape_points"]
@@ -74,14 +77,14 @@ def kernels_of(library, platforms):
     return {platform: (folder / object_name(platform)).read_bytes() for platform in platforms}
 
 
-def writers(name, variant, about, given, fmi):
+def writers(name, variant, about, given, fmi, sources=()):
     """Functions of the token that give the text of the model description and that of `tables.h`.
 
-    given : `BuildOptions.as_dict` with its defaults.
+    given : `BuildOptions.as_dict` with its defaults.  sources : C files that an importer compiles.
     """
     table, shape_points = table_of(variant, given), given["shape_points"]
     places = places_of(table, shape_points)
-    describe = partial(writer_of(fmi).text, name, about, table, places, given["step"])
+    describe = partial(writer_of(fmi).text, name, about, table, places, given["step"], sources=sources)
     return describe, partial(header, variant, table, shape_points, widths_of(table, places, fmi))
 
 

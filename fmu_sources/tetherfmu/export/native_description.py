@@ -29,15 +29,19 @@ CATEGORIES = {
 }
 
 
-def text(name, about, table, places, step, token, more=True):
+def text(name, about, table, places, step, token, more=True, sources=()):
     """Text of modelDescription.xml.
 
     name : of the FMU.  about : description of the model.  table : of `variables.Variable`, with their `places`, which are
     `native_arrays.Places`.  step : communication step of the default experiment [s].  token : the guid.  more : whether it
-    has derivatives of inputs and outputs.
+    has derivatives of inputs and outputs.  sources : C files that an importer compiles.
     """
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
-    SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
+    slave = SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
+    if sources:
+        listed = SubElement(slave, "SourceFiles")
+        for file in sources:
+            SubElement(listed, "File", name=file)
     root.append(units(table))
     root.append(types(table))
     root.append(categories())

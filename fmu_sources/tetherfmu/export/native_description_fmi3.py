@@ -30,8 +30,11 @@ TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"),
 TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
 
 
-def text(name, about, table, places, step, token, more=True):
-    """Text of modelDescription.xml; the arguments are those of `native_description.text`."""
+def text(name, about, table, places, step, token, more=True, sources=()):
+    """Text of modelDescription.xml; the arguments are those of `native_description.text`.
+
+    sources : not needed, FMI 3 has a file of its own for them.
+    """
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(name, about))
     SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
     root.append(units((*table, TIME)))
@@ -88,7 +91,9 @@ def _structure(listed):
     for array in outputs:
         SubElement(element, "Output", valueReference=str(array.reference), dependencies="")
     for array in outputs:
-        places = sorted({references[name] for variable in array.variables for name in variable.depends_on})
-        dependencies = " ".join(map(str, places))
-        SubElement(element, "InitialUnknown", valueReference=str(array.reference), dependencies=dependencies)
+        unknown = SubElement(element, "InitialUnknown", valueReference=str(array.reference))
+        known = [variable.depends_on for variable in array.variables]
+        if None not in known:  # without the attribute it depends on anything
+            places = sorted({references[name] for names in known for name in names})
+            unknown.set("dependencies", " ".join(map(str, places)))
     return element

@@ -122,6 +122,25 @@ def _sizes(table, shape_points):
     return lines
 
 
+def most_room(work_sizes):
+    """Text that says how much room the arrays need at most; work_sizes : lengths of `work` for 1, 2, ... segments.
+
+    The bound of `work` is the smallest linear one of its growth between the first and the last.
+    """
+    most = len(work_sizes)
+    slope = -(-(work_sizes[-1] - work_sizes[0]) // max(1, most - 1))
+    base = max(size - slope * n for n, size in enumerate(work_sizes, 1))
+    return "\n".join(
+        [
+            "#ifndef MAX_SEGMENTS",
+            f"#define MAX_SEGMENTS {most}",
+            "#endif",
+            f"#define WORK_SIZE(segments) ({base} + {slope} * (size_t)(segments))",
+            "",
+        ]
+    )
+
+
 def _parameters(table):
     """Numbers of the parameters, their names and what is allowed."""
     listed = [variable for variable in table if variable.causality == PARAMETER]

@@ -50,7 +50,7 @@ def folders(variants, platforms):
     in_wheel = {variant: place(IN_WHEEL, variant) for variant in variants}
     if all(has_all(folder, variant, platforms) for variant, folder in in_wheel.items()):
         return in_wheel
-    return compiled_in(_cache_folder(), variants, platforms)
+    return compiled_in(cache_folder(), variants, platforms)
 
 
 def compiled_in(root, variants, platforms, way=None):
@@ -77,7 +77,7 @@ def has_all(folder, variant, platforms):
     return all((folder / file_name(variant, platform)).exists() for platform in platforms)
 
 
-def _cache_folder():
+def cache_folder():
     """Folder of what is compiled here, named by what compiles; RuntimeError if that is not installed."""
     try:
         tools = [f"{package} {version(package)}" for package in TOOLS]
@@ -112,11 +112,15 @@ def _compile(folders, platforms, way):
         SECONDS[variant] // 2 if variant in written else slow * SECONDS[variant] for variant in folders
     )
     print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
+    variants = [f"{variant}={folder}" for variant, folder in folders.items()]
+    run("ahead_of_time", [way, ",".join(platforms), *variants], next(iter(folders.values())).parent)
+
+
+def run(module, arguments, root):
+    """Run a module beside this one, which compiles below the folder `root` and writes a line for what is done."""
     began = monotonic()
-    command = [sys.executable, "-m", "tetherfmu.libraries.ahead_of_time", way, ",".join(platforms)]
-    command += [f"{variant}={folder}" for variant, folder in folders.items()]
+    command = [sys.executable, "-m", f"tetherfmu.libraries.{module}", *arguments]
     path = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]  # the child compiles this very package
-    root = next(iter(folders.values())).parent
     root.mkdir(parents=True, exist_ok=True)
     with (
         tempfile.TemporaryDirectory(dir=root, prefix="partial-") as unfinished,  # also what is so when Ctrl-C ends the child

@@ -1,7 +1,8 @@
 """Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
 
 Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
-over n internal steps (adaptive) or `layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step.
+over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless it is hopeless; or `layout.ITERATION_BUDGET`
+over n iterations, plus those of one fixed step.
 """
 
 from types import SimpleNamespace
@@ -104,24 +105,34 @@ def test_one_segment_between_driven_ends(solver):
     assert model.counters["steps"] == 0
 
 
-@pytest.mark.parametrize("segments", [2, 20, 300])
-def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch, segments):
-    """With a proposal that never grows, a billionth of the communication step: each internal step is one call.
-
-    A step is refused after the work of 10 000 internal steps of 20 segments.
-    """
+def steps_of_one_size(monkeypatch, segments, part):
+    """Status and number of internal steps of the adaptive solver, each of them this part of the communication step."""
     tried = []
     monkeypatch.setattr(step_control, "step", lambda *arguments: tried.append(arguments) or True)
     monkeypatch.setattr(step_control, "chain_during", lambda *arguments: None)
     monkeypatch.setattr(step_control, "error_of_step", lambda *arguments: 1.0)
     monkeypatch.setattr(step_control, "next_step", lambda h, done, *others: max(h, done))
     state, nodes = np.zeros(at.STATE_HEADER), np.zeros(3)
-    state[at.SOLVER_STEP] = 1e-9
+    state[at.SOLVER_STEP] = part
     result = step_control.integrate.py_func(
         SimpleNamespace(n=segments), 1.0, state, nodes, nodes, SimpleNamespace(x=nodes, v=nodes)
     )
-    assert result == status.STEP_BUDGET_SPENT
-    assert len(tried) == 10_000 * 20 // segments
+    return result, len(tried)
+
+
+@pytest.mark.parametrize("segments", [2, 20, 300])
+def test_a_hopeless_step_is_refused_at_its_budget(monkeypatch, segments):
+    """With a billionth of the communication step: after the work of 10 000 internal steps of 20 segments."""
+    result, tried = steps_of_one_size(monkeypatch, segments, 1e-9)
+    assert (result, tried) == (status.STEP_BUDGET_SPENT, 10_000 * 20 // segments)
+
+
+@pytest.mark.parametrize(("budgets", "expected"), [(0.5, 0.5), (19.0, 19.0), (21.0, 20.0), (99.0, 20.0), (101.0, 1.0)])
+def test_a_step_on_course_may_take_some_budgets(monkeypatch, budgets, expected):
+    """Up to MOST_BUDGETS = 20; one that would take more than HOPELESS = 100 is refused after one."""
+    result, tried = steps_of_one_size(monkeypatch, 200, 1.0 / (1000.0 * budgets))
+    assert result == (status.OK if budgets == expected else status.STEP_BUDGET_SPENT)
+    assert tried == pytest.approx(1000.0 * expected, rel=0.01)
 
 
 def test_the_adaptive_solver_stops_at_its_budget():

@@ -1,21 +1,23 @@
 /* The arrays of the kernels, and the calls of the kernels. */
 #include "arrays.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "kernels.h"
 #include "messages.h"
-
-enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
+#include "room.h"
 
 /* The arrays for values, in one block; NULL without memory. */
-Arrays *make_arrays(const double *values)
+Arrays *make_arrays(Instance *instance, const double *values)
 {
-    int64_t n = KERNEL(segments)(1, values + PARAMETERS_AT);
-    size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = (size_t)KERNEL(work_size)(n);
-    Arrays *arrays = calloc(1, sizeof *arrays + (parameters + STATES_HELD * state + work + VALUES) * sizeof(double));
+    int64_t n = KERNEL(segments)(IN(memory_of(instance)) 1, values + PARAMETERS_AT);
+    size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = (size_t)KERNEL(work_size)(IN(memory_of(instance)) n);
+    size_t numbers = parameters + STATES_HELD * state + work + VALUES;
+    Arrays *arrays = take_room(instance, sizeof *arrays + numbers * sizeof(double));
     if (!arrays) return NULL;
+#if KERNELS_IN_C
+    arrays->memory = memory_of(instance);
+#endif
     arrays->segments = n;
     arrays->parameters = (double *)(arrays + 1);
     arrays->state = arrays->parameters + parameters;
@@ -39,7 +41,7 @@ bytes) says what is wrong. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
 {
     const double *given = arrays->values + PARAMETERS_AT;
-    int32_t result = KERNEL(pack)(1, FREE_KITE, given, importer_tolerance, arrays->parameters);
+    int32_t result = KERNEL(pack)(IN(arrays->memory) 1, FREE_KITE, given, importer_tolerance, arrays->parameters);
     if (!result && WIND_POINTS > 0) {
         arrays->parameters[AT_WIND_POINTS] = WIND_POINTS;
         arrays->parameters[AT_WIND_PROFILE] = AT_AT_NODES;
@@ -59,11 +61,6 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
     return false;
 }
 
-void free_arrays(Arrays *arrays)
-{
-    free(arrays);
-}
-
 /* First shape for the inputs in `values`, which get its outputs; returns the kernel's status. */
 int32_t first_shape(Arrays *arrays, double *values)
 {
@@ -71,7 +68,8 @@ int32_t first_shape(Arrays *arrays, double *values)
     memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, KITE_MOTION * sizeof(double));
 #endif
     return KERNEL(initialize)(
-        arrays->segments, arrays->parameters, values, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
+        IN(arrays->memory) arrays->segments, arrays->parameters, values, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT,
+        arrays->work);
 }
 
 /* One communication step [s] of the state with the inputs in `values`, which get its outputs; `before` gets the state of
@@ -79,15 +77,15 @@ before. Returns the kernel's status: where that is not 0, state and outputs are 
 int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 {
     return KERNEL(advance)(
-        arrays->segments, arrays->parameters, values, step, arrays->state, before, SHAPE_POINTS, values + OUTPUTS_AT,
-        arrays->work);
+        IN(arrays->memory) arrays->segments, arrays->parameters, values, step, arrays->state, before, SHAPE_POINTS,
+        values + OUTPUTS_AT, arrays->work);
 }
 
 /* Outputs in `values` that belong to the state; returns the kernel's status. */
 int32_t take_outputs(Arrays *arrays, double *values)
 {
     return KERNEL(outputs)(
-        arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
+        IN(arrays->memory) arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
 }
 
 double *state_of(const Arrays *arrays, int line)

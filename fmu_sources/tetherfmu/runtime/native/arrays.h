@@ -12,6 +12,9 @@
 enum { KITE_MOTION = 6 }; /* components of the position and the velocity of the kite end, which follow each other */
 
 typedef struct {
+#if KERNELS_IN_C
+    unsigned char *memory; /* of the kernels, see kernels_in_c.h */
+#endif
     int64_t segments; /* in all lines */
 #if SYSTEM
     int64_t plan[PLAN_SIZE];  /* of system_layout.py */
@@ -25,9 +28,8 @@ typedef struct {
     bool is_repeatable;       /* whether `before` and `inputs` are known: not after a start or a restored state */
 } Arrays;
 
-Arrays *make_arrays(const double *values);
+Arrays *make_arrays(Instance *instance, const double *values);
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem);
-void free_arrays(Arrays *arrays);
 int32_t first_shape(Arrays *arrays, double *values);
 int32_t do_step(Arrays *arrays, double step, double *before, double *values);
 int32_t take_outputs(Arrays *arrays, double *values);

@@ -2,7 +2,6 @@
 #include "derivatives.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "instance.h"
@@ -227,12 +226,10 @@ Status directional_derivative(
     if (read_direction(instance, unknowns, count, knowns, known_count, seed, seeds, room, direction) != OK) return ERROR;
     Arrays *arrays = differentiable(instance);
     if (!arrays) return DISCARD;
-    double *derivative = calloc(3 * VALUES, sizeof(double));
-    if (!derivative) return say(instance, ERROR, NO_MEMORY, NULL);
+    double *derivative = instance->scratch;
     double step = instance->phase == INITIALIZING ? 0.0 : arrays->state[AT_LAST_STEP];
     bool found = differentiate(arrays, step, instance->values, direction, derivative, derivative + VALUES);
     for (size_t i = 0, k = 0; found && i < count; i++)
         for (unsigned j = 0; j < WIDTH[unknowns[i]]; j++, k++) sensitivity[k] = derivative[unknowns[i] + j];
-    free(derivative);
     return found ? OK : say(instance, DISCARD, NO_DERIVATIVE, NULL);
 }

@@ -7,6 +7,7 @@
 
 #include "derivatives.h"
 #include "finite.h"
+#include "room.h"
 
 const char AN_INSTANCE = 0, A_SAVED_STATE = 0;
 const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDiscard", "logStatusError"};
@@ -39,11 +40,11 @@ Status refuse_call(void *handle, const char *call)
 Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void))
 {
     size_t length = strlen(name) + 1;
-    Instance *instance = calloc(1, sizeof *instance);
+    Instance *instance = make_room();
     if (!instance) return NULL;
     instance->name = calloc(1, length);
     if (!instance->name) {
-        free(instance);
+        free_room(instance);
         return NULL;
     }
     memcpy(instance->name, name, length);
@@ -57,16 +58,16 @@ Instance *make_instance(const char *name, Log log, void *environment, void (*imp
 
 void free_instance(Instance *instance)
 {
-    free_arrays(instance->arrays);
+    give_back(instance->arrays);
     free(instance->name);
     unmark(&instance->identity);
-    free(instance);
+    free_room(instance);
 }
 
 /* Be as after instantiation. */
 void to_start_values(Instance *instance)
 {
-    free_arrays(instance->arrays);
+    give_back(instance->arrays);
     instance->arrays = NULL;
     memcpy(instance->values, START, sizeof START);
     memset(instance->derivatives, 0, sizeof instance->derivatives);
@@ -178,7 +179,7 @@ static Status warn(Instance *instance)
 /* Go on with other arrays and their values. */
 void take_arrays(Instance *instance, Arrays *arrays)
 {
-    free_arrays(instance->arrays);
+    give_back(instance->arrays);
     instance->arrays = arrays;
     memcpy(instance->values, arrays->values, VALUES * sizeof(double));
 }
@@ -187,16 +188,16 @@ void take_arrays(Instance *instance, Arrays *arrays)
 Status start(Instance *instance, Status refusal)
 {
     char problem[LONGEST_TEXT];
-    Arrays *arrays = make_arrays(instance->values);
+    Arrays *arrays = make_arrays(instance, instance->values);
     if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
     if (!pack_parameters(arrays, instance->tolerance, problem)) {
-        free_arrays(arrays);
+        give_back(arrays);
         return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
     }
     int32_t result = first_shape(arrays, arrays->values);
     if (result) {
         sentence_of(problem, arrays, arrays->values, result, 0.0, true);
-        free_arrays(arrays);
+        give_back(arrays);
         return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
     }
     take_arrays(instance, arrays);

@@ -29,6 +29,7 @@ struct Instance {
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
     double derivatives[1 + INPUTS]; /* of inputs, given before the first step, see derivatives.c */
+    double scratch[3 * VALUES];     /* without meaning between calls */
 };
 
 extern const char AN_INSTANCE, A_SAVED_STATE; /* their addresses are the marks of what this FMU has made */

@@ -7,6 +7,11 @@ and system_arrays.c calls them. */
 
 #include "tables.h"
 
+#if KERNELS_IN_C
+#include "kernels_in_c.h"
+#else
+#define IN(memory) /* kernels in a library take the addresses of this process */
+
 int64_t KERNEL(segments)(int64_t tethers, const double *quantities);
 #if SYSTEM
 int32_t KERNEL(pack)(
@@ -31,6 +36,7 @@ int32_t KERNEL(advance)(
     int64_t shape_points, double *outputs, double *work);
 int32_t KERNEL(outputs)(
     int64_t segments, const double *parameters, const double *state, int64_t shape_points, double *outputs, double *work);
+#endif
 #endif
 
 /* What a kernel returns is 0 if all is done, else a code and the index of an input or a parameter, as `status.code` and

@@ -7,6 +7,7 @@
 
 #include "finite.h"
 #include "instance.h"
+#include "room.h"
 
 typedef struct { /* header and facts of saved_state.py; all platforms are little-endian */
     char magic[8];
@@ -39,7 +40,7 @@ static void discard(Saved *saved)
 }
 
 /* Room for a record, in `*saved` if there is one that has it; NULL without memory. */
-static Saved *make_room(Saved *old, size_t size)
+static Saved *room_for(Saved *old, size_t size)
 {
     Saved *saved = old;
     if (!old || old->room < size) {
@@ -84,7 +85,7 @@ Status save(Instance *instance, Saved **saved)
     if (*saved && check_saved(instance, *saved) != OK) return ERROR;
     size_t state = instance->phase >= STEPPING ? STATE_SIZE(instance->arrays->segments) * sizeof(double) : 0;
     size_t values = VALUES * sizeof(double), size = sizeof(Head) + values + state;
-    Saved *made = make_room(*saved, size);
+    Saved *made = room_for(*saved, size);
     if (!made) return say(instance, ERROR, NO_MEMORY, NULL);
     *saved = made;
     Head head = {.length = (uint32_t)(size - HEADER), .variant = VARIANT, .phase = instance->phase};
@@ -140,7 +141,7 @@ Status deserialize(const Instance *instance, const void *bytes, size_t size, Sav
         fill_in(text, sizeof text, problem, FACTS(real("tolerance", head.tolerance), largest, real("time", head.time)));
         return refuse_state(instance, text);
     }
-    Saved *made = make_room(*saved, size);
+    Saved *made = room_for(*saved, size);
     if (!made) return say(instance, ERROR, NO_MEMORY, NULL);
     *saved = made;
     memcpy(made->bytes, bytes, size);
@@ -202,17 +203,18 @@ static void clear_outputs(double *values)
 static Status restore_arrays(Instance *instance, const Head *head, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
-    Arrays *arrays = make_arrays(values);
+    memcpy(instance->scratch, values, VALUES * sizeof(double));
+    Arrays *arrays = make_arrays(instance, instance->scratch);
     if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
     if (!pack_parameters(arrays, head->tolerance, problem)) {
-        free_arrays(arrays);
+        give_back(arrays);
         fill_in(text, sizeof text, STATE_WRONG_PARAMETER, FACTS(word("problem", problem)));
         return refuse_state(instance, text);
     }
     clear_outputs(arrays->values);
     const char *wrong = problem_of_state(arrays, head, values + VALUES);
     if (wrong) {
-        free_arrays(arrays);
+        give_back(arrays);
         return refuse_state(instance, wrong);
     }
     take_arrays(instance, arrays);

@@ -1,14 +1,12 @@
 /* The arrays of the kernels for a system of lines (system_layout.py), and the calls of the kernels. In the place of arrays.c.
-Which variable stands where is what system_variables.py says. */
+Which variable stands where is what system_maps.py says. */
 #include "arrays.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "kernels.h"
 #include "messages.h"
-
-enum { STATES_HELD = 3 }; /* `state`, `before` and `spare` */
+#include "room.h"
 
 static int64_t *row_of(Arrays *arrays, int line)
 {
@@ -41,11 +39,12 @@ static void quantities_of(const double *values, int line, double *quantities)
 }
 
 /* The arrays for values, in one block; NULL without memory. */
-Arrays *make_arrays(const double *values)
+Arrays *make_arrays(Instance *instance, const double *values)
 {
     Arrays plan = {.segments = 0};
     double quantities[QUANTITIES];
     memcpy(plan.plan, GIVEN_PLAN, sizeof GIVEN_PLAN);
+    for (int i = 0; i < STARTS; i++) plan.plan[START_FROM[i].place] = values[START_FROM[i].reference] == AT_START_AT_REST;
     for (int k = 0; k < LINES; k++) {
         quantities_of(values, k, quantities);
         int64_t n = KERNEL(segments)(1, quantities);
@@ -57,7 +56,7 @@ Arrays *make_arrays(const double *values)
     size_t state = (size_t)plan.plan[PLAN_STATE_SIZE], outputs = (size_t)plan.plan[PLAN_OUTPUTS_SIZE];
     size_t work = (size_t)plan.plan[PLAN_WORK_SIZE];
     size_t numbers = parameters + inputs + STATES_HELD * state + outputs + work + VALUES;
-    Arrays *arrays = calloc(1, sizeof *arrays + numbers * sizeof(double));
+    Arrays *arrays = take_room(instance, sizeof *arrays + numbers * sizeof(double));
     if (!arrays) return NULL;
     memcpy(arrays, &plan, sizeof plan);
     arrays->parameters = (double *)(arrays + 1);
@@ -70,11 +69,6 @@ Arrays *make_arrays(const double *values)
     arrays->values = arrays->work + work;
     memcpy(arrays->values, values, VALUES * sizeof(double));
     return arrays;
-}
-
-void free_arrays(Arrays *arrays)
-{
-    free(arrays);
 }
 
 /* A quantity as a message has it: Integers and Enumerations without a fraction, where they have none. */
@@ -92,9 +86,11 @@ static bool check_points(const double *values, char *problem)
     for (int i = 0; i < CHECKS; i++) {
         double value = values[CHECK[i].reference];
         const Parameter *declared = &PARAMETER[CHECK[i].reference - PARAMETERS_AT];
-        if (value >= CHECK[i].lowest && value <= CHECK[i].highest) continue;
+        bool is_number = declared->kind == REAL || is_integer(value);
+        if (is_number && value >= CHECK[i].lowest && value <= CHECK[i].highest) continue;
+        Fact fact = declared->kind != REAL && is_number ? whole("value", value) : real("value", value);
         fill_in(problem, LONGEST_TEXT, KERNEL_SENTENCE[PARAMETER_OUT_OF_RANGE], FACTS(
-            word("name", declared->name), word("range", declared->range), real("value", value)));
+            word("name", declared->name), word("range", declared->range), fact));
         return false;
     }
     return true;
@@ -202,6 +198,10 @@ void sentence_of(
         fill_in(said, sizeof said, "{point}.load", FACTS(word("point", FREE_POINT_NAME[place])));
         fill_in(vector, sizeof vector, "[{x}, {y}, {z}]", FACTS(real("x", load[0]), real("y", load[1]), real("z", load[2])));
         fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[INPUT_NOT_FINITE], FACTS(word("name", said), word("value", vector)));
+        return;
+    }
+    if (code_of(result) == NO_EQUILIBRIUM_OF_POINT) {
+        fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[NO_EQUILIBRIUM_OF_POINT], FACTS(word("name", FREE_POINT_NAME[place])));
         return;
     }
     const double *parameters = arrays->parameters + of_line(arrays, line, PLAN_PARAMETERS_AT);

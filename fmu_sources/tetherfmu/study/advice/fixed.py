@@ -14,7 +14,7 @@ import numpy as np
 from tetherfmu.results import Flown, StepRefused
 from tetherfmu.runtime.limits import STAGES, WORST_WORK
 from tetherfmu.study.measuring.errors import errors, worst
-from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch_control
+from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.standard import tether_at_start
 
@@ -108,7 +108,7 @@ def fly(scene, config, reference):
     inputs, wind, every = scene.inputs(config.step), scene.wind_at(config.step), round(scene.every / config.step)
     outputs, peaks, most = [], [], 0
     options = {"segments": config.segments, "fixed_step": config.fixed_step, "shape_points": SHAPE_POINTS}
-    options |= {"end_velocities": end_velocities(scene), "winch_control": winch_control(scene)}
+    options |= {"end_velocities": end_velocities(scene), **winch(scene)}
     with catch_warnings(**UNWARNED):
         try:
             model = tether_at_start(scene, 0.0, "dynamic", inputs[0], None if wind is None else wind[0], **options)

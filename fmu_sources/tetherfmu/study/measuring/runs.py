@@ -75,7 +75,7 @@ def least_cost(scene, config):
 def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
-    chosen |= {"end_velocities": end_velocities(scene), "winch_control": winch_control(scene)}
+    chosen |= {"end_velocities": end_velocities(scene), **winch(scene)}
     found = {**asdict(scene.tether), **asdict(scene.environment), **asdict(scene.ground), **chosen}
     if scene.kite_is_free:
         start = scene.flight.at_rest(scene.tether, scene.environment.gravity).tolist()
@@ -94,11 +94,10 @@ def end_velocities(scene):
     return at.GIVEN if scene.flight.has_velocities else at.DERIVED
 
 
-def winch_control(scene):
-    """What an importer can tell the winch: a speed, or the force or the length of a log."""
-    if scene.flight.has_force:
-        return at.WINCH_BY_FORCE
-    return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
+def winch(scene):
+    """Parameters of the winch by name: its drum, and what it is told: a speed, or the force or the length of a log."""
+    control = at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
+    return asdict(scene.winch) | {"winch_control": at.WINCH_BY_FORCE if scene.flight.has_force else control}
 
 
 def run(scene, config, exact=False):
@@ -109,7 +108,7 @@ def run(scene, config, exact=False):
     inputs, wind = scene.inputs(config.step, exact), scene.wind_at(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
-    options["winch_control"] = winch_control(scene)
+    options |= winch(scene)
     if exact and scene.flight.has_length:
         options["winch_control"] = at.WINCH_BY_SPEED
     with catch_warnings(**UNWARNED):

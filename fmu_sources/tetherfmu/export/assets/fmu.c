@@ -1,0 +1,39 @@
+/* $name, all of it: the kernels and the shell, compiled as one file of C99, with nothing but the mathematical library.
+
+Define FMI${fmi}_FUNCTION_PREFIX as ${name}_ to link several FMUs into one program. Define MAX_SEGMENTS to give an instance less
+room than that for $segments segments. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard has functions with more of them than are needed */
+#endif
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define KERNELS_IN_C 1
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wstrict-prototypes" /* in the header of FMI 3 */
+#endif
+#include "fmi${fmi}Functions.h"
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+#if defined(FMI2_FUNCTION_PREFIX)
+#undef fmi2FullName
+#define PREFIXED(prefix, name) prefix##name
+#define WITH_PREFIX(prefix, name) PREFIXED(prefix, name)
+#define fmi2FullName(name) WITH_PREFIX(FMI2_FUNCTION_PREFIX, name)
+#endif
+#if defined(__GNUC__) && !defined(_WIN32)
+#pragma GCC visibility push(hidden) /* but for the functions of FMI */
+#endif
+#include "names.h"
+#include "tables.h"
+#include "kernels.c"
+$parts

@@ -1,0 +1,67 @@
+"""The folder `sources` of a native FMU: the C shell and the kernels as C, to be compiled for any processor.
+
+One file, `fmu.c`, takes in all others, so that a compiler needs to be told no more than its name.
+"""
+
+import re
+from xml.etree.ElementTree import Element, SubElement
+
+from tetherfmu.libraries import ready
+from tetherfmu.libraries.c_kernels import c_kernels
+from tetherfmu.libraries.native_shell import PARTS, SHELL
+from tetherfmu.runtime.limits import MAX_SEGMENTS
+
+from .documents import filled
+from .native_tables import most_room
+from .xml_text import xml_text
+
+FOLDER = "sources"
+FILE = "fmu.c"
+NOT_IN_C = {"has_avx": None, "room": "room_in_c"}  # parts of the shell that are left out or replaced
+DATA = ("AN_INSTANCE", "A_SAVED_STATE", "CATEGORY")
+PROTOTYPE = re.compile(r"^(?!static|typedef|extern)\w[\w *]*?(\w+)\([^;]*\);", re.MULTILINE)
+
+
+def sources(name, library, tables, fmi, headers):
+    """Files of the folder: dict of path in the archive to bytes; RuntimeError if the kernels cannot be made.
+
+    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  fmi : 2 or 3.  headers : folder with those
+    of FMI.
+    """
+    parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]
+    work_size = ready.kernels(library).work_size
+    room = most_room([work_size(n) for n in range(1, MAX_SEGMENTS + 1)])
+    texts = {
+        FILE: filled(
+            FILE, name=name, fmi=fmi, segments=MAX_SEGMENTS, parts="\n".join(f'#include "{part}.c"' for part in parts)
+        ),
+        "CMakeLists.txt": filled("CMakeLists.txt", name=name),
+        "names.h": names(name),
+        "tables.h": f"{tables}{room}",
+    }
+    if fmi == 3:
+        texts["buildDescription.xml"] = build_description(name)
+    found = {file: text.encode("utf-8") for file, text in texts.items()}
+    taken = [SHELL / f"{part}.c" for part in parts] + sorted(SHELL.glob("*.h")) + sorted(headers.glob(f"fmi{fmi}*.h"))
+    found |= {path.name: path.read_bytes() for path in (*taken, c_kernels(library))}
+    return {f"{FOLDER}/{file}": content for file, content in found.items()}
+
+
+def names(name):
+    """Text of a header that gives all functions of the shell names with that of the FMU in front."""
+    found = [each for path in sorted(SHELL.glob("*.h")) for each in PROTOTYPE.findall(path.read_text(encoding="utf-8"))]
+    listed = sorted({*found, *DATA} - {"KERNEL"})
+    return "\n".join(
+        ["/* Names that no other FMU in the same program has. */", *(f"#define {each} {name}_{each}" for each in listed), ""]
+    )
+
+
+def build_description(name):
+    """Text of buildDescription.xml, which FMI 3 has."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = SubElement(root, "BuildConfiguration", modelIdentifier=name)
+    files = SubElement(configuration, "SourceFileSet", language="C99")
+    SubElement(files, "SourceFile", name=FILE)
+    SubElement(files, "IncludeDirectory", name=".")
+    SubElement(configuration, "Library", name="m", external="true", description="mathematical library of C")
+    return xml_text(root)

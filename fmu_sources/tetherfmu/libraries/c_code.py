@@ -1,0 +1,113 @@
+"""C99 of the functions of a WebAssembly file, for any little-endian processor.
+
+The memory is an array of bytes that every function is given, so that each instance has its own; an address is a place in it.
+The stack of the file lies at the start of the memory; its top is an argument, too. Nothing is checked: the kernels are those
+of the libraries, and touch no more than those do. Operations are done in the order of the file, none is merged.
+
+Source: WebAssembly Core Specification, 2.0, chapter 4, "Execution".
+"""
+
+import re
+
+from .c_function import Writer
+from .c_helpers import HEAD, HELPERS
+from .c_operations import C_TYPES, CALL, COPY, FILL, GET_STACK, LOADS, SET_STACK, STORES
+from .wasm_file import read
+
+
+def text(content, names):
+    """Text of a C file; content : bytes of a WebAssembly file.  names : dict of those of exported functions to those in C.
+
+    The functions that it exports take memory and stack, whether they need them or not.
+    """
+    file = read(content)
+    first = len(file.imports)
+    names = {number: names[name] for name, number in file.exports.items()}
+    needs = _needs(file, names)
+    numbers = range(first, first + len(file.functions))
+    declared = {k: _declaration(file, k, needs[k], names.get(k, f"f{k}")) for k in numbers}
+    definitions = [_definition(file, k, needs, names, declared[k]) for k in numbers]
+    helpers = [each for each in HELPERS if any(f"{_name_of(each)}(" in text for text in definitions)]
+    parts = [HEAD, _memory(file), *helpers, "\n".join(f"{line};" for line in declared.values()), ""]
+    return "\n".join([*parts, *definitions])
+
+
+def _name_of(helper):
+    """Name of a function of `HELPERS`."""
+    return re.search(r"(\w+)\(", helper.partition("static")[2])[1]
+
+
+def _memory(file):
+    """What the memory is like at first."""
+    ((address, content),) = file.data
+    lines = [", ".join(map(str, content[k : k + 32])) for k in range(0, len(content), 32)]
+    return (
+        f"enum {{ STACK_TOP = {file.globals[0]}, DATA_AT = {address}, FREE_AT = {file.constants['__heap_base']} }};\n"
+        f"static const unsigned char DATA[{len(content)}] = {{\n" + ",\n".join(lines) + "};\n"
+    )
+
+
+def _needs(file, exported):
+    """Of each function whether it needs the memory ("m") and the stack ("s"): itself, or what it calls; or as exported."""
+    first = len(file.imports)
+    memory = {*LOADS, *STORES, COPY, FILL}
+    found = {k: [] for k in range(first)}
+    for k, function in enumerate(file.functions, first):
+        codes = {code for code, _ in function.body}
+        found[k] = [name for name, wanted in (("m", memory), ("s", {GET_STACK})) if codes & wanted or k in exported]
+    while True:
+        before = str(found)
+        for k, function in enumerate(file.functions, first):
+            called = {name for code, number in function.body if code == CALL for name in found[number]}
+            found[k] = [name for name in "ms" if name in {*found[k], *called}]
+        if str(found) == before:
+            return found
+
+
+def _declaration(file, place, needs, name):
+    """The first line of a function, without a semicolon."""
+    signature = file.functions[place - len(file.imports)].signature
+    given = [{"m": "unsigned char *m", "s": "uint32_t s"}[each] for each in needs]
+    given += [f"{C_TYPES[kind]} l{k}" for k, kind in enumerate(signature.arguments)]
+    result = C_TYPES[signature.results[0]] if signature.results else "void"
+    return f"static {result} {name}({', '.join(given) or 'void'})"
+
+
+def _definition(file, place, needs, names, declared):
+    """Text of a function."""
+    function = file.functions[place - len(file.imports)]
+    writer = Writer(file, function, needs, names)
+    body = writer.write()
+    arguments = len(function.signature.arguments)
+    variables = [
+        f"{C_TYPES[kind]} l{k} = 0;" for k, kind in enumerate(writer.kinds) if k >= arguments and f"l{k}" in writer.used
+    ]
+    unused = [f"(void)l{k};" for k in range(arguments) if f"l{k}" not in writer.used]
+    unused += [f"(void){name};" for name in needs[place] if not re.search(rf"\b{name}\b", "\n".join(body))]
+    return "\n".join([declared, "{", *variables, *unused, *body, "}", ""])
+
+
+def stack_size(content):
+    """Bytes that the stack needs at most: of the deepest of all chains of calls, of which none comes back to itself."""
+    file = read(content)
+    first = len(file.imports)
+    deepest = dict.fromkeys(range(first), 0)
+
+    def depth(k, below=()):
+        assert k not in below, "a function calls itself"
+        if k not in deepest:
+            body = file.functions[k - first].body
+            called = {number for code, number in body if code == CALL}
+            deepest[k] = _frame(body) + max((depth(each, (*below, k)) for each in called), default=0)
+        return deepest[k]
+
+    return max(map(depth, file.exports.values()))
+
+
+def _frame(body):
+    """Bytes of the stack that a function takes for itself."""
+    for (one, _), (two, size), (three, _) in zip(body, body[1:], body[2:], strict=False):
+        if (one, two, three) == (GET_STACK, 0x41, 0x6B):
+            return size
+    assert not any(code in (GET_STACK, SET_STACK) for code, _ in body), "a stack frame of another form"
+    return 0

@@ -1,0 +1,58 @@
+"""The kernels of a library as one file of C99, for processors that no library is compiled for.
+
+LLVM compiles them for WebAssembly, without lanes, and `c_code.py` writes that as C. All operations are those of the library,
+in the same order: with the same functions of mathematics the numbers are the same to the last bit.
+
+    python -m tetherfmu.libraries.c_kernels LIBRARY PATH     run by `c_kernels`
+"""
+
+import gzip
+import re
+import sys
+from pathlib import Path
+
+from tetherfmu.runtime.kernel_library import this_platform
+
+from . import ahead_of_time, c_code, c_function, c_helpers, c_operations, ready, wasm_file, webassembly
+
+FILE = "kernels.c"
+RECIPE = [module.__file__ for module in (c_code, c_function, c_helpers, c_operations, wasm_file, webassembly)]
+VERBS = ("segments", "pack", "work_size", "initialize", "advance", "outputs")  # that FMUs call
+ALIGNED = 16
+
+
+def c_kernels(library):
+    """Path of the C file of a library of a tether; made if it is missing, in some 10 s.
+
+    The functions that the shell calls are `in_c_pack` and so on; RuntimeError if compiling fails, or what compiles is
+    missing.
+    """
+    path = webassembly.place_of(f"c_{library}", FILE, [library], [__file__, *RECIPE])
+    if not path.exists():
+        print(f"writing the kernels of {library} as C, once, about 10 s:", file=sys.stderr, flush=True)
+        ready.run("c_kernels", [library, str(path)], path.parents[1])
+    return path
+
+
+def text_of(code, library):
+    """Text of the C file; code : intermediate code of the library, as `ahead_of_time` keeps it."""
+    names = {f"{library}_{verb}": f"in_c_{verb}" for verb in VERBS}
+    for name in {*ahead_of_time.names_of(library)} - names.keys():
+        code = re.sub(rf"^define (?=\w+ @{name}\()", "define internal ", code, flags=re.MULTILINE)
+    first = webassembly.webassembly(code, names)
+    stack = -(-c_code.stack_size(first) // ALIGNED) * ALIGNED
+    return c_code.text(webassembly.webassembly(code, names, stack=stack), names)
+
+
+def main(arguments):
+    """Write the C file of a library."""
+    library, path = arguments[0], Path(arguments[1])
+    folder = ready.compiled_in(ready.cache_folder(), [library], [this_platform()])[library]
+    text = text_of(gzip.decompress((folder / ahead_of_time.CODE).read_bytes()).decode(), library)
+    path.parent.mkdir(exist_ok=True)
+    ahead_of_time._write(path, text.encode("ascii"))
+    print(f"{len(text) // 1000} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,151 @@
+"""The kernels of all variants as one WebAssembly file, for a browser.
+
+It exports the entry points of each variant (`kernels/entry_points.py`) by the names of the libraries, such as
+`dynamic_advance`, and `__heap_base`, the first address that is free. It imports a memory and functions of mathematics
+(`IMPORTS`). Counts are 64-bit integers, arrays 32-bit addresses of numbers in the memory.
+
+numba writes the functions of all variants in one go, so that what variants share is in the file once.
+
+    python -m tetherfmu.libraries.webassembly plain|fast FILE     run by `browser_file`
+"""
+
+import re
+import sys
+import tempfile
+from hashlib import sha256
+from pathlib import Path
+
+from tetherfmu.runtime.variants import VARIANTS
+
+from . import ahead_of_time, ready
+from .ahead_of_time import Target
+from .linking import MATHEMATICS, zig
+from .sources import digest
+
+FILE = "tetherfmu.wasm"
+INSTRUCTIONS = {"sqrt", "ceil"}  # of WebAssembly itself
+IMPORTS = tuple(name for name in MATHEMATICS if name not in INSTRUCTIONS)
+TARGET = Target("wasm32-unknown-unknown", "generic")
+FEATURES = "+bulk-memory,+bulk-memory-opt,+sign-ext,+nontrapping-fptoint"
+LANES = "+simd128"  # two numbers in one instruction
+OVERFLOW = "llvm.umul.with.overflow.i64"
+# LLVM asks before some loops whether a product is too large for 64 bits; WebAssembly would ask for a product of 128 bits
+CHECKED_PRODUCT = """
+define internal {i64, i1} @checked_product(i64 %a, i64 %b) {
+  %product = mul i64 %a, %b
+  %divisor = call i64 @llvm.umax.i64(i64 %a, i64 1)
+  %largest = udiv i64 -1, %divisor
+  %overflows = icmp ugt i64 %b, %largest
+  %first = insertvalue {i64, i1} poison, i64 %product, 0
+  %both = insertvalue {i64, i1} %first, i1 %overflows, 1
+  ret {i64, i1} %both
+}
+"""
+
+
+def browser_file():
+    """Path of the WebAssembly file of all variants, in lanes; compiled if it is missing, in some 80 s.
+
+    RuntimeError if compiling fails, or what compiles is missing.
+    """
+    path = place_of("webassembly", FILE, VARIANTS, [__file__])
+    if not path.exists():
+        print("compiling the kernels for the browser, once, about 80 s:", file=sys.stderr, flush=True)
+        ready.run("webassembly", [ready.fitting_way(), str(path)], path.parents[1])
+    return path
+
+
+def place_of(name, file, variants, recipe):
+    """Path of a file that is made of the kernels of variants: in the wheel, or else where it is to be kept.
+
+    Its folder has a name with a hash of what it is made from; recipe : paths of the modules that make it.
+    """
+    texts = [*map(digest, variants), *(Path(each).read_text(encoding="utf-8") for each in recipe)]
+    folder = f"{name}_{sha256(''.join(texts).encode('utf-8')).hexdigest()[:12]}"
+    in_wheel = ready.IN_WHEEL / folder / file
+    return in_wheel if in_wheel.exists() else ready.cache_folder() / folder / file
+
+
+def webassembly(text, exported, features=FEATURES, stack=65536):
+    """Bytes of a WebAssembly file; text : of a module as `ahead_of_time` keeps it.  exported : names of functions.
+
+    stack : its size, in bytes.
+    """
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    machine = llvm.Target.from_triple(TARGET.triple).create_target_machine(
+        cpu=TARGET.cpu, features=features, opt=3, reloc="static", codemodel="default"
+    )
+    module = ahead_of_time._for_target(_with_instructions(text), TARGET, machine)
+    ahead_of_time.optimize(module, machine, level=3, vectors=LANES in features)
+    ahead_of_time._check_names(module, exported)
+    module = llvm.parse_assembly(_without_large_products(str(module)))
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        (folder / "kernels.o").write_bytes(machine.emit_object(module))
+        (folder / "imports").write_text("\n".join(IMPORTS))
+        options = ["--no-entry", "--import-memory", "--allow-undefined-file=imports", "--strip-all", "--gc-sections"]
+        options += [f"--export={name}" for name in (*exported, "__heap_base")]
+        zig(folder, "wasm-ld", *options, "-z", f"stack-size={stack}", "-o", FILE, "kernels.o")
+        return (folder / FILE).read_bytes()
+
+
+def _with_instructions(text):
+    """Intermediate code with instructions in place of functions of mathematics."""
+    for name in INSTRUCTIONS:
+        text = re.sub(rf"^declare double @{name}\(.*$", f"declare double @llvm.{name}.f64(double)", text, flags=re.MULTILINE)
+        text = text.replace(f"@{name}(", f"@llvm.{name}.f64(")
+    return _declared_once(text)
+
+
+def _without_large_products(text):
+    """Intermediate code in which no product has 128 bits."""
+    if f"@{OVERFLOW}(" not in text:
+        return text
+    text = re.sub(rf"^declare .*@{re.escape(OVERFLOW)}\(.*$", "", text, flags=re.MULTILINE)
+    text = text.replace(f"@{OVERFLOW}(", "@checked_product(")
+    return _declared_once(f"{text}{CHECKED_PRODUCT}declare i64 @llvm.umax.i64(i64, i64)\n")
+
+
+def _declared_once(text):
+    """Intermediate code without the repeated declarations of a function."""
+    declared = set()
+
+    def first(found):
+        repeated = found[1] in declared
+        declared.add(found[1])
+        return "" if repeated else found[0]
+
+    return re.sub(r"^declare [^@]*@([\w.]+)\(.*$", first, text, flags=re.MULTILINE)
+
+
+def code_of_all(way):
+    """`intermediate_code.Code` of all variants; what they share is there once."""
+    from . import intermediate_code
+
+    if way == "fast":
+        intermediate_code.write_only()
+    each = [intermediate_code.code_of(variant, way == "fast") for variant in VARIANTS]
+    texts = dict.fromkeys(text for code in each for text in code.texts)
+    return intermediate_code.Code(list(texts), {name: verb for code in each for name, verb in code.names.items()})
+
+
+def main(arguments):
+    """Write the file for browsers."""
+    import llvmlite.binding as llvm
+
+    way, path = arguments
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    text = str(ahead_of_time._first_round(code_of_all(way)))
+    exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant)]
+    content = webassembly(text, exported, f"{FEATURES},{LANES}")
+    Path(path).parent.mkdir(exist_ok=True)
+    ahead_of_time._write(Path(path), content)
+    print(f"{len(content) // 1000} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
