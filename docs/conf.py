@@ -3,7 +3,9 @@
 import inspect
 import os
 import re
+import shutil
 import sys
+import tempfile
 from importlib.metadata import distribution
 from itertools import groupby
 from pathlib import Path
@@ -15,7 +17,9 @@ os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that the
 DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
 
+from tetherfmu.libraries import webassembly  # noqa: E402
 from tetherfmu.runtime import __version__ as release  # noqa: E402
+from tetherfmu.web import page  # noqa: E402
 
 project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
 version = release
@@ -28,7 +32,7 @@ extensions = [
     "sphinx_design",
     "links_to_functions",
 ]
-exclude_patterns = ["data", "make", "site_files"]
+exclude_patterns = ["data", "make", "publishing", "site_files"]
 
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
@@ -49,6 +53,14 @@ MATHJAX = DOCS / distribution("sphinx-mathjax-offline").locate_file("sphinx-math
 html_static_path = ["site_files", str(MATHJAX)]  # formulas without the web: this one file has all that MathJax needs
 mathjax_path = MATHJAX.name
 html_css_files = ["wide.css"]
+FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`
+html_extra_path = [str(FLOWN)]
+KERNELS = webassembly.place_of("webassembly", webassembly.FILE, webassembly.VARIANTS, [webassembly.__file__])
+if KERNELS.exists():
+    page.write(FLOWN / "fly", KERNELS.read_bytes())
+    tags.add("flown")  # noqa: F821 (Sphinx defines it here)
+else:
+    print("the site goes without the page of tetherfmu web: its kernels are not compiled; tetherfmu web compiles them, once")
 html_copy_source = False
 pygments_style, pygments_dark_style = "default", "monokai"
 
@@ -96,8 +108,14 @@ def tables_of_variables(app, doctree, docname):
             head.parent.parent["classes"].append("variables")
 
 
+def without_page(app, exception):
+    """Remove the folder of the page, of which the site has a copy."""
+    shutil.rmtree(FLOWN, ignore_errors=True)
+
+
 def setup(app):
     """Connect the functions above."""
+    app.connect("build-finished", without_page)
     app.connect("autodoc-process-docstring", as_written, priority=600)  # after numpydoc
     app.connect("autodoc-process-signature", for_users)
     app.connect("autodoc-skip-member", without_fields)

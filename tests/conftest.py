@@ -44,7 +44,13 @@ SHARING = {  # tests that use what one process makes once: folder or file, and t
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Let one worker run all tests of a file, or of a group of files, so that what they share is made once."""
+    """Let one worker run all tests of a file, or of a group of files, so that what they share is made once.
+
+    Kernels that are compiled just in time are not optimized: that takes longer than to run them, and changes no bit.
+    """
+    from numba.core import config
+
+    config.OPT = config._OptLevel("0")
     for item in items:
         file = item.nodeid.partition("::")[0]
         group = next((name for place, name in SHARING.items() if file.startswith(place)), file)

@@ -12,6 +12,7 @@ COMMANDS = {  # name: (module, what it does)
     "fly": ("tetherfmu.commands.fly", "fly a kite on a circle, or the flight of a CSV file, with tether FMUs"),
     "check": ("tetherfmu.check.__main__", "check FMUs on this machine"),
     "tutorial": ("tetherfmu.commands.tutorial", "list, run and copy the lessons of the tutorial"),
+    "web": ("tetherfmu.commands.web", "write a page in which one flies a tether in the browser"),
     "release": ("tetherfmu.commands.release", "make a folder with all that users download"),
     "replay": (STUDY, "fly a measured flight, and compare the tethers with its log"),
     "advise": (STUDY, "say which FMU, segments, tolerance and communication step a scene needs"),

@@ -44,15 +44,25 @@ class TetherDynamicFree(TetherModel):
     """The dynamic tether with a kite end that is a free point mass: a load comes in, its motion goes out.
 
     `kite_position` and `kite_velocity` of `initialize` are where the motion starts; afterwards they are outputs.
-    Parameters are those of `TetherModel`, and one more.
+    Parameters are those of `TetherModel`, and two more.
 
     Parameters
     ----------
     kite_mass : float
         Point mass at the kite end [kg], at least 0, beside half of the last segment. Gravity acts on it.
+    kite_start : str or int
+        "given": at `kite_position` with `kite_velocity` of `initialize`. "equilibrium": at rest where the tether, the weight
+        of the kite and the `kite_load` of `initialize` are in equilibrium; the search begins at `kite_position`.
 
     Examples
     --------
+    A load of 500 kg that hangs at a crane in wind:
+
+    >>> crane = TetherDynamicFree(initial_length=40.0, segments=8, kite_mass=500.0, kite_start="equilibrium")
+    >>> start = crane.initialize((0.0, 0.0, 10.0), ground_position=(0.0, 0.0, 50.0), wind_velocity=(15.0, 0.0, 0.0))
+    >>> start.kite_position.round(3).tolist(), (start.kite_force - (0.0, 0.0, 500.0 * 9.81)).round(6).tolist()
+    ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
+
     A kite of 10 kg on a tether of 505 m, 500 m away at the start, and a load that carries it outwards:
 
     >>> tether = TetherDynamicFree(initial_length=505.0, kite_mass=10.0)
@@ -65,8 +75,10 @@ class TetherDynamicFree(TetherModel):
 
     variant = "dynamic_free"
 
-    def __init__(self, *arguments, kite_mass: float = FreeKite.kite_mass, **options):
-        super().__init__(*arguments, **options, _free_ends=(False, True), _kite_mass=FreeKite(kite_mass).kite_mass)
+    def __init__(
+        self, *arguments, kite_mass: float = FreeKite.kite_mass, kite_start: str | int = FreeKite.kite_start, **options
+    ):
+        super().__init__(*arguments, **options, _free_ends=(False, True), _kite=FreeKite(kite_mass, kite_start))
 
     def step(
         self,
@@ -90,7 +102,7 @@ class TetherDynamicFree(TetherModel):
         step : float
             Communication step [s].
         kite_load : (3,) array
-            External force on the kite [N]: aerodynamics, control; not its weight. 0 from the start on until it is given.
+            External force on the kite [N]: aerodynamics, control; not its weight.
         """
         return self._step(
             step,

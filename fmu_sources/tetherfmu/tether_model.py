@@ -15,14 +15,16 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
+from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_WORK
 from tetherfmu.runtime.packing import pack_records
-from tetherfmu.runtime.parameters import Environment, Ground, Solver, Tether, Winch
+from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
 from . import arguments, compiled_flight, energy, states
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 
+MOST_STEPS_WITH_DRUM = 42  # of the chain in one fixed step: 40 to find the speed of the drum, and where it is held
 _MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_places")  # anew in a copy
 
 
@@ -75,7 +77,7 @@ class TetherModel:
         wind_points: int = 0,
         kernels: Kernels | None = None,
         _free_ends: tuple[bool, bool] = (False, False),
-        _kite_mass: float = 0.0,
+        _kite: FreeKite | None = None,
         **quantities: float | str,
     ):
         name, variant = type(self).__name__, BY_NAME[self.variant]
@@ -87,8 +89,8 @@ class TetherModel:
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = arguments.checked_masses(point_masses, segments)
-        if _kite_mass:
-            masses[segments] = masses.get(segments, 0.0) + _kite_mass
+        if _kite and _kite.kite_mass:
+            masses[segments] = masses.get(segments, 0.0) + _kite.kite_mass
         points = segments + 1 if shape_points is None else arguments.whole("shape_points", shape_points)
         for sentence in arguments.doubts(tethers):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
@@ -96,6 +98,7 @@ class TetherModel:
         self.wind_points: int = arguments.wind_points(wind_points)
         self._records = tethers, *records
         self._more = {"point_masses": tuple(masses.items()), "free_ends": _free_ends}
+        self._more["kite_start"] = _kite.kite_start if _kite else 0
         self._runs = False
         self._make()
 
@@ -158,6 +161,7 @@ class TetherModel:
         winch_force: float = 0.0,
         winch_length: float = 0.0,
         *,
+        kite_load: ArrayLike = ZERO,
         wind_at: ArrayLike | None = None,
         slack: float | None = None,
         positions: ArrayLike | None = None,
@@ -177,6 +181,8 @@ class TetherModel:
             Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
         winch_force : float
             Force [N] with which the winch pulls at the tether, with `winch_control` = force: from the first step on.
+        kite_load : (3,) array
+            External force [N] on a free kite end: in its equilibrium (`kite_start`), and from the first step on.
         wind_at : (wind_points, 3) array
             Wind [m/s] at the wind points of a tether that has them, and no other wind; no wind if it is not given.
         winch_length : float
@@ -207,7 +213,7 @@ class TetherModel:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": ZERO}
+            kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
             ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
             self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
             self._set(winch_force=winch_force, winch_length=winch_length)
@@ -216,14 +222,14 @@ class TetherModel:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
             if nodes is not None:
-                self._parameters[at.INITIAL_SHAPE] = at.STRAIGHT
+                self._parameters[at.INITIAL_SHAPE], self._parameters[at.KITE_START] = at.STRAIGHT, at.START_GIVEN
             problem = self._instance.start()
             if problem:
                 raise StepRefused(problem, self._instance.status)
         except ValueError:
             self._inputs[:], self._parameters[:] = inputs, parameters
             raise
-        for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE):
+        for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE, at.KITE_START):
             self._parameters[place] = parameters[place]
         if nodes is not None:
             self._motion_in_state()[:] = nodes
@@ -456,6 +462,16 @@ class TetherModel:
         """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
         places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
         return {name: int(self._state[place]) for name, place in places.items()}
+
+    @property
+    def most_factorizations(self) -> int:
+        """Bound on the factorizations for one fixed step, each of an iteration; 0 with adaptive steps, which have none."""
+        parameters = self._instance.parameters
+        if parameters[at.FIXED_STEP] == 0.0 or not self._variant.has_waves:
+            return 0
+        if parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE:
+            return MOST_STEPS_WITH_DRUM * WORST_CAREFUL
+        return WORST_CAREFUL if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER else WORST_WORK
 
     def _set(self, wind_velocity=None, **given):
         """Set those inputs that are not None, the wind as it may be given at each node; ValueError if a shape is wrong."""

@@ -74,8 +74,9 @@ def test_a_diameter_in_millimetres_is_named(tmp_path, capsys):
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("diameter", [DIAMETER.minimum, DIAMETER.maximum])
-@pytest.mark.parametrize("segments", [SEGMENTS.minimum, SEGMENTS.maximum])
+@pytest.mark.parametrize(
+    ("diameter", "segments"), [(DIAMETER.minimum, SEGMENTS.maximum), (DIAMETER.maximum, SEGMENTS.minimum)]
+)
 def test_the_ends_of_what_is_allowed_pass_their_check(tmp_path, diameter, segments):
     """All FMUs, of the most segments those that have segments; their evidence sets have digits enough."""
     names = [each for each in EVERY_VARIANT if segments == SEGMENTS.minimum or BY_NAME[each].has_nodes]

@@ -3,47 +3,22 @@
 Needs the extra `docs`, and Chromium with its driver (Debian's packages `chromium` and `chromium-driver`).
 """
 
-import http.server
-import json
-import shutil
 import subprocess
 import sys
-import threading
 import time
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import chromium
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "examples"))
-PHONE, DESK = 390, 1400  # widths of the window [px]
+PHONE, DESK = chromium.PHONE["width"], 1400  # widths of the window [px]
 PAGES = sorted(path.relative_to(ROOT / "docs").with_suffix(".html").as_posix() for path in (ROOT / "docs").rglob("*.md"))
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
-DRIVER = shutil.which("chromedriver")
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--enable-unsafe-swiftshader",  # draws in space without a graphics card
-    "--disable-quic",
-    "--disable-dev-shm-usage",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # other hosts are asked for, but not reached
-)
-pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Chromium and chromedriver")
-
-
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    """Serves files and keeps no log."""
-
-    def log_message(self, *_):
-        pass
+pytestmark = chromium.needed
 
 
 def write_flight(file):
@@ -67,35 +42,15 @@ def site(tmp_path_factory):
     done = subprocess.run([*build, ROOT / "docs", folder / "manual"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     write_flight(folder / "flight.html")
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
+    with chromium.served(folder) as address:
+        yield address
 
 
 @pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"], scope="module")
 def browser(request, tmp_path_factory):
     """Chromium with a window of one of the widths, in the dark theme."""
-    webdriver = pytest.importorskip("selenium.webdriver", reason="needs the extra docs")
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}", f"--window-size={request.param},900"):
-        options.add_argument(flag)
-    if request.param == PHONE:
-        screen = {"width": PHONE, "height": 844, "pixelRatio": 2.0, "mobile": True, "touch": True}
-        options.add_experimental_option("mobileEmulation", {"deviceMetrics": screen})
-    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
-    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
-    driver.set_script_timeout(30)
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-    yield driver
-    driver.quit()
-
-
-def messages(browser, method):
-    """Parameters of the messages of one kind since the last call."""
-    logged = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
-    return [each["params"] for each in logged if each["method"] == method]
+    with chromium.started(request.param, tmp_path_factory.mktemp("chromium")) as driver:
+        yield driver
 
 
 def opened(browser, address):
@@ -112,7 +67,7 @@ def is_phone(browser):
 def test_pages_need_no_other_host_and_fit_the_window(site, browser, page):
     browser.get_log("performance")
     opened(browser, f"{site}/{page}")
-    asked = [each["request"]["url"] for each in messages(browser, "Network.requestWillBeSent")]
+    asked = [each["request"]["url"] for each in chromium.messages(browser, "Network.requestWillBeSent")]
     assert f"{site}/{page}" in asked
     assert [url for url in asked if not url.startswith((f"{site}/", "data:", "blob:"))] == []
     wide, viewport, unshown, wrong, title = browser.execute_script(
@@ -198,5 +153,4 @@ def test_page_of_a_flight(site, browser):
     assert (width, height > 400) == (browser.execute_script("return innerWidth"), True)
     assert buttons
     assert not any("hare" in button for button in buttons)  # none sends the flight to another host
-    failed = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
-    assert [message for message in failed if "favicon.ico" not in message] == []
+    assert chromium.errors(browser) == []

@@ -1,7 +1,8 @@
-"""Count the work of a lesson: evaluations of the right-hand side by `solve_ivp`, and steps that tethers take inside."""
+"""Count the work of a lesson: evaluations of the right-hand side by `solve_ivp`, steps of tethers and of systems."""
 
 import scipy.integrate
 
+from tetherfmu import TetherSystem
 from tetherfmu.tether_model import TetherModel
 
 SPENT = {"evaluations": 0, "steps": 0}
@@ -17,12 +18,13 @@ def count():
         return solved
 
     scipy.integrate.solve_ivp = solve_ivp
-    for name in ("initialize", "step", "fly"):
-        setattr(TetherModel, name, counted(getattr(TetherModel, name)))
+    for kind in (TetherModel, TetherSystem):
+        for name in ("initialize", "step", "fly"):
+            setattr(kind, name, counted(getattr(kind, name)))
 
 
 def counted(method):
-    """A method of a tether that adds the steps and iterations which a call takes."""
+    """A method of a tether or a system that adds the steps and iterations which a call takes."""
 
     def call(tether, *arguments, **options):
         before = 0 if method.__name__ == "initialize" else sum(tether.counters.values())

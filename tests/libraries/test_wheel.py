@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tetherfmu.export.example_fmus import SLAVES as EXAMPLES
-from tetherfmu.libraries import ready
+from tetherfmu.libraries import ready, webassembly
 from tetherfmu.libraries.ahead_of_time import TARGETS, object_name
 from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
@@ -67,7 +67,7 @@ def test_one_wheel_has_small_libraries_for_all_platforms(packages):
     with zipfile.ZipFile(wheel) as archive:
         sizes = {Path(each.filename).name: each.file_size for each in archive.infolist() if "/compiled/" in each.filename}
     libraries = {file_name(variant, platform) for variant in ready.LIBRARIES for platform in TARGETS}
-    assert sizes.keys() == libraries | set(map(object_name, TARGETS))
+    assert sizes.keys() == {*libraries, *map(object_name, TARGETS), webassembly.FILE}
     assert max(sizes[name] for name in libraries) < LARGEST
 
 
@@ -126,6 +126,14 @@ def test_checks_and_advises_without_a_checkout(clean, tmp_path):
     assert "evidence set: 200 steps" in checked
     assert checked.endswith("0 problems found\n")
     assert "Scene parked: " in done(clean / "tetherfmu", "advise", "--fast", "parked.toml", cwd=tmp_path)
+
+
+def test_writes_the_page_for_browsers(clean, tmp_path):
+    """From an empty folder, with the kernels that the wheel carries."""
+    lines = done(clean / "tetherfmu", "web", cwd=tmp_path).splitlines()
+    written = [Path(line.split()[0]) for line in lines]
+    assert [path.name for path in written] == ["index.html", "page.js", webassembly.FILE]
+    assert all((tmp_path / path).stat().st_size > 10_000 for path in written)
 
 
 def test_the_wheel_says_that_it_is_typed(packages):

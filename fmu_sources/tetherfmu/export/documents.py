@@ -12,7 +12,7 @@ from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
 
-from . import evidence, osp
+from . import evidence, osp, related_files
 
 ASSETS = Path(__file__).with_name("assets")
 LICENCE = PACKAGE.parents[1] / "LICENSE"  # in a checkout; a wheel has it among its metadata
@@ -39,12 +39,18 @@ def documents(name, variant, description, options, native=None):
         tether = Tether(segments=options.segments, **dict(options.starts))
         for file, text in evidence.files(name, tether, native == 3, options.wind_points).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
+        texts[related_files.MANIFEST] = manifest_of(texts)
         texts["documentation/index.html"] = page(name, variant, description, table, texts, native)
     return {
         "terminalsAndIcons/icon.png" if native == 3 else "model.png": (ASSETS / "model.png").read_bytes(),
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
         **{path: text.encode("utf-8") for path, text in texts.items()},
     }
+
+
+def manifest_of(paths):
+    """Text of the manifest of related files for the evidence set among paths in the archive."""
+    return related_files.manifest([path for path in paths if path.startswith(EVIDENCE_FOLDER)])
 
 
 NO_PACKAGES = "No package has to be installed in it: the FMU carries its compiled\n   models."
@@ -77,6 +83,7 @@ WORDS_ON_FILES = {  # in documentation/index.html, by the end of a path in the a
     "licenses/CPPFMU.txt": "Licence of CPPFMU",
     "licenses/FMI.txt": "Licence of the headers of FMI",
     "OspModelDescription.xml": "Connections for the Open Simulation Platform",
+    related_files.MANIFEST: "The evidence set for tools, after a draft of FMI's layered standard for related files",
 }
 
 

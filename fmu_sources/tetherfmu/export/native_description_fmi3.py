@@ -91,7 +91,9 @@ def _structure(listed):
     for array in outputs:
         SubElement(element, "Output", valueReference=str(array.reference), dependencies="")
     for array in outputs:
-        places = sorted({references[name] for variable in array.variables for name in variable.depends_on})
-        dependencies = " ".join(map(str, places))
-        SubElement(element, "InitialUnknown", valueReference=str(array.reference), dependencies=dependencies)
+        unknown = SubElement(element, "InitialUnknown", valueReference=str(array.reference))
+        known = [variable.depends_on for variable in array.variables]
+        if None not in known:  # without the attribute it depends on anything
+            places = sorted({references[name] for names in known for name in names})
+            unknown.set("dependencies", " ".join(map(str, places)))
     return element

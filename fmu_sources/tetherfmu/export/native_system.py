@@ -2,10 +2,9 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime import layout, status, system_layout
-from tetherfmu.runtime import system_variables as variables
+from tetherfmu.runtime import layout, status, system_layout, system_maps, system_variables
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.system_variables import quantities_of_line
+from tetherfmu.runtime.system_maps import quantities_of_line
 from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
 
 from .native_arrays import Places
@@ -63,7 +62,8 @@ def _sizes(structure, table):
         for name, value in vars(system_layout).items()
         if name.isupper() and name != "INPUTS"
     }
-    codes = {name: getattr(status, name) for name in ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE")}
+    wanted = ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE", "NO_EQUILIBRIUM_OF_POINT")
+    codes = {name: getattr(status, name) for name in wanted}
     slope = layout.state_size(1) - layout.state_size(0)
     return [
         c_enumeration(sizes | {"PLAN_SIZE": system_layout.plan_size(lines)} | plan),
@@ -79,21 +79,23 @@ def _table(name, members, rows):
 
 
 def _maps(structure, table, references):
-    """What `system_variables` says of inputs, outputs, motion and masses, and the plan as it is given."""
-    found = [(reference, place) for reference, those in variables.outputs_of(structure, references) for place in those]
-    motion = variables.free_ends(structure, references)
-    checks = [table[references[name]] for name in variables.unpacked(structure)]
-    rows = ",\n    ".join(
-        f"{{{each.place}, {c_limit(each.quantity.minimum)}, {c_limit(each.quantity.maximum)}}}" for each in checks
-    )
-    names = [[variables.input_name(name, line) for name in INPUT_NAMES] for line in structure.lines]
-    given = variables.plan_of(structure)
+    """What `system_maps` says of inputs, outputs, motion and masses, and the plan as it is given."""
+    found = [(reference, place) for reference, those in system_maps.outputs_of(structure, references) for place in those]
+    motion = system_maps.free_ends(structure, references)
+    starts = system_maps.starts_of(structure, references)
+    checks = [table[references[name]] for name in system_maps.unpacked(structure)]
+    rows = ",\n    ".join(f"{{{each.place}, {', '.join(map(repr, limits_of(each.quantity)))}}}" for each in checks)
+    names = [[system_variables.input_name(name, line) for name in INPUT_NAMES] for line in structure.lines]
+    given = system_maps.plan_of(structure)
     plan = [given.get(place, 0) for place in range(system_layout.plan_size(len(structure.lines)))]
-    masses = [[references[f"{point}.mass"] if point else -1 for point in points] for points in variables.carried(structure)]
+    masses = [
+        [references[f"{point}.mass"] if point else -1 for point in points] for points in system_maps.carried(structure)
+    ]
     return [
-        _table("INPUT_FROM", ("place", "reference"), variables.inputs_of(structure, references)),
+        _table("INPUT_FROM", ("place", "reference"), system_maps.inputs_of(structure, references)),
         _table("OUTPUT_FROM", ("reference", "place"), found),
-        c_enumeration({"MOTIONS": len(motion), "CHECKS": len(checks)}),
+        c_enumeration({"MOTIONS": len(motion), "CHECKS": len(checks), "STARTS": len(starts)}),
+        _table("START_FROM", ("place", "reference"), starts),
         _table("MOTION", ("reference", "line", "is_end", "component"), motion),
         "static const struct { int reference; double lowest, highest; } CHECK[] = {\n    "
         + (rows or "{0, 0.0, 0.0}")
@@ -107,9 +109,11 @@ def _maps(structure, table, references):
     ]
 
 
-def c_limit(number):
-    """A limit of a quantity as a number in C; all that are checked here are finite."""
-    return repr(float(number))
+def limits_of(quantity):
+    """Smallest and largest number that a quantity allows, those of an enumeration without gaps; all here are finite."""
+    if quantity.choices:
+        return 1.0, float(len(quantity.choices))
+    return float(quantity.minimum), float(quantity.maximum)
 
 
 def _quantities(structure, references):

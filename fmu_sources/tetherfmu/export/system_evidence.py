@@ -25,15 +25,15 @@ _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
-def files(name, found, positions, arrays=False):
+def files(name, found, arrays=False):
     """Texts of the evidence set, dict of their path in the archive; empty if the reference cannot be flown.
 
-    name : of the FMU.  found : `systems.files.SystemFile`.  positions : of all points at the start [m], dict.
+    name : of the FMU.  found : `systems.files.SystemFile`.
     arrays : whether a vector is one variable, as in FMI 3.
     """
-    scene = [inputs_at(k * STEP, found, positions) for k in range(STEPS + 1)]
+    scene = [inputs_at(k * STEP, found) for k in range(STEPS + 1)]
     try:
-        rows = reference(found, positions, scene)
+        rows = reference(found, scene)
     except ValueError:
         return {}
     facts = {"step": STEP, "stop": STEP * STEPS, "tolerance": TOLERANCE, "allowed": DYNAMIC.evidence_deviation}
@@ -47,16 +47,14 @@ def files(name, found, positions, arrays=False):
     return {f"{EVIDENCE_FOLDER}/{file}": text for file, text in texts.items()}
 
 
-def inputs_at(time, found, positions):
+def inputs_at(time, found):
     """Inputs at a time [s] with the digits of their file, as a dict of arguments of `TetherSystem.step` (SI units)."""
     share, rate, _ = rise(time, _RISES)
     length = _SWAY * sum(line.tether.initial_length for line in found.lines) / len(found.lines)
     sway = length * share * sin(_RATE * time)
     speed = length * (rate * sin(_RATE * time) + share * _RATE * cos(_RATE * time))
     driven = [point for point in found.points if point.is_driven]
-    moved = {
-        point.name: (positions[point.name][0], positions[point.name][1] + sway, positions[point.name][2]) for point in driven
-    }
+    moved = {point.name: (point.position[0], point.position[1] + sway, point.position[2]) for point in driven}
     reeling = {line.name: share * _PAID_OUT * line.tether.initial_length for line in found.lines}
     return {
         "positions": {name: _rounded(place) for name, place in moved.items()},
@@ -81,7 +79,7 @@ def _flat(given):
     return flat | dict(zip(components("wind_velocity", 3), given["wind_velocity"], strict=True))
 
 
-def reference(found, positions, scene):
+def reference(found, scene):
     """Recorded outputs of the Python API at the start and after each step: list of dicts of FMI name to number.
 
     ValueError if the system does not start, or a step is refused.
@@ -89,8 +87,7 @@ def reference(found, positions, scene):
     solver = replace(found.solver, relative_tolerance=REFERENCE_TOLERANCE)
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # the FMU says it itself
         system = TetherSystem(found.points, found.lines, found.environment, solver, found.ground)
-        first = {**scene[0], "positions": {**positions, **scene[0]["positions"]}}
-        rows = [system.initialize(**first)]
+        rows = [system.initialize(**scene[0])]
         rows += [system.step(STEP, **given) for given in scene[:-1]]
     return [_recorded(found, row) for row in rows]
 

@@ -7,7 +7,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from tetherfmu.runtime import __version__
+from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
+from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
@@ -16,9 +18,9 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import native_system, osp, system_evidence
+from . import native_system, osp, related_files, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
-from .documents import ASSETS, OSP_FOLDER, filled, listed, of_every_fmu, style_and_tables
+from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
 from .native import TERMINALS, complete, kernels_of, widths_of, writer_of
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
@@ -40,7 +42,7 @@ def build(path, folder, platforms, shape_points=None, native=None):
     about = (
         f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {len(structure.free)} free."
     )
-    evidence = system_evidence.files(structure.name, found, positions, native == 3)
+    evidence = system_evidence.files(structure.name, found, native == 3)
     if native:
         return write(_native(structure, about, platforms, evidence, native), folder, structure.name, None)
     options = {"system": structure.as_dict(), "about": about, "step": STEP}
@@ -67,8 +69,8 @@ def _native(structure, about, platforms, evidence, fmi):
 def read(path):
     """`SystemFile` of a file, and the positions of all points at the start [m], dict by name.
 
-    A free point without a position gets the one where it is in equilibrium without wind. ValueError says in one line what is
-    wrong.
+    A free point without a position gets the one where it is in equilibrium without wind and loads, or that of the origin if
+    there is none: the FMU seeks it anew. ValueError says in one line what is wrong.
     """
     found = files.load(path)
     if found.name.lower() in {name.lower() for name in SLAVES}:
@@ -77,16 +79,17 @@ def read(path):
     places = {point.name: point.position for point in found.points}
     if None in places.values():
         try:
-            start = system.initialize()
-        except ValueError as problem:
-            raise ValueError(f"{path}: {problem}") from None
-        places = {name: place or tuple(start.points[name].position.tolist()) for name, place in places.items()}
+            start = system.initialize().points
+            found_at = {name: tuple(start[name].position.tolist()) for name in places}
+        except ValueError:  # with other winds or loads there may be an equilibrium
+            found_at = dict.fromkeys(places, ZERO)
+        places = {name: place or found_at[name] for name, place in places.items()}
     return found, places
 
 
 def structure_from(found, positions, shape_points=None):
     """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points : as in `build`."""
-    points = tuple(Point(each.name, each.mass, positions[each.name], each.velocity) for each in found.points)
+    points = tuple(_point(each, positions[each.name]) for each in found.points)
     lines = tuple(_line(each, shape_points) for each in found.lines)
     free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
     records = (found.environment, found.solver, found.ground)
@@ -97,6 +100,12 @@ def structure_from(found, positions, shape_points=None):
         if name not in FIXED
     }
     return structure_of(Structure(found.name, points, lines, tuple(free), band, starts).as_dict())
+
+
+def _point(point, position):
+    """`system_variables.Point` of a point of a file at a position [m]; it is sought if the file has none."""
+    start = START_GIVEN if point.position else START_AT_REST
+    return Point(point.name, point.mass, position, point.velocity, start)
 
 
 def _line(line, shape_points):
@@ -114,7 +123,7 @@ def documents(structure, description, platforms, evidence, native=None):
     description : of the model.  evidence : texts of the evidence set, dict by path.  native : as in `build`.
     """
     table = table_of(structure)
-    texts = of_every_fmu(platforms, native) | evidence
+    texts = of_every_fmu(platforms, native) | evidence | {related_files.MANIFEST: manifest_of(evidence)}
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(structure.name)}"] = osp.model_description_of_system(structure, table)
     texts["documentation/index.html"] = filled(

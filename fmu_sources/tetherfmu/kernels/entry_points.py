@@ -4,7 +4,7 @@ Each variant has seven: segments, pack, work_size, initialize, advance, outputs,
 `runtime.kernel_library` has their signatures for callers, `layout.py` the arrays. They return statuses (`status.py`), `fly`
 the number of steps done.
 
-Of a variant they need the kernels work_size(n), initialize(n, parameters, state, work),
+Of a variant they need the kernels work_size(n), initialize(n, parameters, inputs, state, work),
 advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work); with nodes
 the view velocities_of(n, parameters, state, work).
 """
@@ -115,9 +115,10 @@ def entry_points(variant):
     def initialize(n, parameters, inputs, state, shape_points, outputs, work):
         """First state and its outputs (both modified) between two ends; they have no meaning on any status but OK."""
         p, s, w = chain_arrays(n, parameters, state, work)
-        status = transaction.start(n, p, inputs_array(p, inputs), s)
+        i = inputs_array(p, inputs)
+        status = transaction.start(n, p, i, s)
         if status == OK:
-            status = variant.initialize(n, p, s, w)
+            status = variant.initialize(n, p, i, s, w)
         status = transaction.commit_start(n, p, status, s)
         if status == OK:
             status = take_outputs(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)

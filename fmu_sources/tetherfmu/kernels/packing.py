@@ -1,7 +1,7 @@
 """Parameters as they are declared: checked, and packed into the `parameters` array of the other kernels.
 
 The quantities are one flat array: for each of the tethers in series, ground first, those of `Tether`, then those of
-`Environment` and `Solver`, and where there is a free kite its mass and its motion at the start: the order of
+`Environment` and `Solver`, and where there is a free kite its mass, how it starts and its motion then: the order of
 `variables.PARAMETERS`, whose limits are frozen here. A status carries the number of the wrong quantity in this array.
 """
 
@@ -45,7 +45,7 @@ PROFILE, HEIGHT = map(_NAMES.index, ("wind_profile", "wind_reference_height"))
 ROUGHNESS = _NAMES.index("surface_roughness")
 GRAVITY, CONTACT = map(_NAMES.index, ("gravity", "ground_contact"))
 SHORTEST, LONGEST = map(_NAMES.index, ("shortest_length", "longest_length"))
-KITE_MASS = _NAMES.index("kite_mass")
+KITE_MASS, KITE_START = map(_NAMES.index, ("kite_mass", "kite_start"))
 
 
 @kernel
@@ -184,5 +184,6 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
             s += 1
     if kites > 0:
         parameters[at.KITE_IS_FREE] = 1.0
+        parameters[at.KITE_START] = quantities[shift + KITE_START]
         put_point_mass(n, n, quantities[shift + KITE_MASS], parameters)
     return OK

@@ -2,7 +2,7 @@
 
 An instruction of AVX names a place of its own for the result, so that fewer numbers are moved about: a step takes some 7 %
 less. The operations and their order are the same, and so are the numbers, to the last bit. At the first call the entry
-points ask for the kind of the processor (`runtime/native/has_avx.c`).
+points ask for the kind of the processor (`runtime/native/has_avx.c`). What is called once in a run is there once, for all.
 """
 
 import re
@@ -14,6 +14,7 @@ from tetherfmu.libraries.sources import HAS_AVX
 
 ARCHITECTURE = "x86_64"
 KINDS = ("plain", "avx")
+ONCE = ("_segments", "_pack", "_work_size", "_complete", "_initialize")  # how the names of such entry points end
 ENTRY_POINT = """
 declare {returned} @{name}.plain({kinds})
 declare {returned} @{name}.avx({kinds})
@@ -29,24 +30,39 @@ define {returned} @{name}({arguments}) {{
 
 
 def for_both_kinds(module, names):
-    """A module with all functions of an optimized one twice, and with entry points that choose.
+    """A module with the functions of an optimized one twice, and with entry points that choose.
 
-    names : of the entry points, which return a number.
+    names : of the entry points, which return a number; those of `ONCE` are as they were.
     """
     import llvmlite.binding as llvm
 
     text = str(module)
+    chosen = [name for name in names if not name.endswith(ONCE)]
     target = "\n".join(re.findall(r"^target .*$", text, flags=re.MULTILINE))
-    entry_points = [_entry_point(module.get_function(name)) for name in names]
+    entry_points = [_entry_point(module.get_function(name)) for name in chosen]
     both = llvm.parse_assembly("".join([target, "\ndeclare hidden i32 @has_avx()\n", *entry_points]))
     for kind, version in zip(KINDS, (text, _with_avx(text)), strict=True):
         part = llvm.parse_assembly(version)
-        for name in names:
+        for name in chosen:
             part.get_function(name).name = f"{name}.{kind}"
+        if kind != KINDS[0]:
+            remove(part, [name for name in names if name not in chosen])
         both.link_in(part)
-        for name in names:
+        for name in chosen:
             both.get_function(f"{name}.{kind}").linkage = "internal"
     return both
+
+
+def remove(module, names):
+    """Remove functions from a module (modified), and all that nothing else needs."""
+    import llvmlite.binding as llvm
+
+    for name in names:
+        module.get_function(name).linkage = "internal"
+    machine = llvm.Target.from_triple(module.triple).create_target_machine()
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
 
 
 def _entry_point(function):

@@ -10,14 +10,16 @@ from .inputs import BY_NAME, DRIVEN_KITE, WITHOUT_EFFECT, components, wind_at_na
 POSITIONS = ("kite_position", "ground_position")
 LENGTH = ("initial_length", "winch_control", "winch_length")
 STRETCH = (*POSITIONS, *LENGTH, "axial_stiffness", "diameter", "density")
-AIR = (
-    *("kite_velocity", "ground_velocity", "wind_velocity", "end_velocities"),
-    *("diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
+AIR_AT_REST = (
+    *("wind_velocity", "diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
 )
+AIR = ("kite_velocity", "ground_velocity", "end_velocities", *AIR_AT_REST)
 GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
 FORM = (*STRETCH, *AIR, *GROUND, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
+KITE_AT_REST = ("kite_load", "kite_mass", "kite_start")  # what else counts where a free kite is in equilibrium
+WHERE_KITE_RESTS = (*STRETCH, *AIR_AT_REST, *GROUND, "gravity", "segments", "slack_stiffness_ratio", *KITE_AT_REST)
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 
@@ -31,7 +33,10 @@ def depends_on(variant, output, element, shape_points, left_out=(), wind_points=
     *point, component = element.removeprefix(output.name).strip("[]").split(",")
     declared = variant.depends_on.get(element, variant.depends_on.get(output.name, output.depends_on))
     if point:  # of the shape; its ends are those of the tether, which are given
-        declared = {shape_points: ("kite_position[*]",), 1: ("ground_position[*]",)}.get(int(point[0]), declared)
+        kite = variant.depends_on.get("kite_position", ("kite_position[*]",))
+        declared = {shape_points: kite, 1: ("ground_position[*]",)}.get(int(point[0]), declared)
+    if variant.kite_is_free and "kite_position" in declared:
+        declared = (*declared, *KITE_AT_REST)
     names = dict.fromkeys(each for name in declared for each in _components(variant, name, component))
     if wind_points and "wind_velocity" in declared:
         blown = {name for vector in WITHOUT_EFFECT for name in _components(variant, vector, component)}

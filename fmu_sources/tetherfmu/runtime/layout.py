@@ -59,7 +59,8 @@ GROUND_SINK = 28
 # parameters: one array of n numbers per property of a segment, in this order ...
 WIND_POINTS = 29  # at which the wind is an input, 0 for none
 FIXED_STEP_METHOD = 30
-PARAMETER_SCALARS = 31
+KITE_START = 31  # of a free kite, else 0
+PARAMETER_SCALARS = 32
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -81,7 +82,7 @@ SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
 # [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 12
+WARNING_KINDS = 14
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -128,6 +129,7 @@ UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
 AT_NODES = 5  # no choice of `Environment`: the wind is given at each node, or at wind points
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
+START_GIVEN, START_AT_REST = 1, 2  # of a free kite, or of a free point of a system
 LINEAR, HELD = 1, 2
 SECOND_ORDER, BACKWARD_EULER = 1, 2
 WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3

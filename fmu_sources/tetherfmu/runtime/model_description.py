@@ -144,7 +144,8 @@ def structure(table):
     for variable in table:
         if variable.causality == "output":
             index = str(positions[variable.name])
-            places = sorted(positions[name] for name in variable.depends_on)
             SubElement(outputs, "Unknown", index=index, dependencies="")
-            SubElement(unknowns, "Unknown", index=index, dependencies=" ".join(map(str, places)))
+            unknown = SubElement(unknowns, "Unknown", index=index)
+            if variable.depends_on is not None:  # without the attribute it depends on anything
+                unknown.set("dependencies", " ".join(map(str, sorted(positions[name] for name in variable.depends_on))))
     return element

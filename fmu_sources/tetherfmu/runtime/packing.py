@@ -56,15 +56,17 @@ def pack_records(
     *,
     point_masses=(),
     free_ends=(False, False),
+    kite_start=0,
 ):
     """As `pack`, of records.
 
     tethers : in series from the ground to the kite; all reel in proportion to their lengths.  point_masses : pairs
     (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends : whether the ground end and the kite end move
-    freely.
+    freely.  kite_start : of a free kite, as `parameters.FreeKite` has it.
     """
     segments, parameters = pack(kernels, numbers_of(tethers, environment, solver, winch, ground), len(tethers))
     parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE] = free_ends
+    parameters[at.KITE_START] = kite_start
     for node, mass in point_masses:
         parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass
     return segments, parameters

@@ -225,13 +225,20 @@ class Ground:
 @documented
 @dataclass(frozen=True)
 class FreeKite:
-    """The mass at a free kite end. ValueError if a number is out of range.
+    """The mass at a free kite end, and how it starts. ValueError if a number is out of range.
 
     >>> FreeKite(kite_mass=25.0).kite_mass
     25.0
     """
 
     kite_mass: float = quantity(10.0, "kg", "point mass at the kite end, in addition to half of the last segment", 0.0, 1e9)
+    kite_start: int = quantity(
+        1,
+        "",
+        "start of the kite: given (initial_kite_position, initial_kite_velocity); at rest where the tether, its weight and "
+        "kite_load are in equilibrium (sought from initial_kite_position on)",
+        choices=("given", "equilibrium"),
+    )
 
     def __post_init__(self):
         check(self)

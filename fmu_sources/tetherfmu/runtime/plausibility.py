@@ -17,10 +17,12 @@ LARGEST_EXCESS = 0.05  # of a length that the winch was told over the distance o
 SHALLOW = 0.01  # of the length: how far below the ground a tether without ground contact may hang [-]
 UNDER = 0.1  # how far below the ground a driven end may be where there is ground contact [m]
 NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
+LARGEST_PART_OF_DAMPING = 0.1  # E A h of backward Euler with fixed steps h over the damping of a segment [-]
 STATE_IMPOSSIBLE = "contains impossible numbers"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(7)
-STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG, GROUND_IGNORED, END_UNDER_GROUND = range(7, at.WARNING_KINDS)
+STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG, GROUND_IGNORED, END_UNDER_GROUND = range(7, 12)
+FIXED_STEP_DAMPS, FIXED_STEP_RESTLESS = range(12, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -65,6 +67,15 @@ SENTENCES = {
         "a driven end of the tether is {value:.3g} m below ground_height, where the ground does not hold it; check "
         "kite_position, ground_position and ground_height"
     ),
+    FIXED_STEP_DAMPS: (
+        "backward Euler with this fixed_step damps like an additional axial_damping of {value:.3g} N.s, more than {part:g} "
+        "% of what the tether has; set fixed_step_method to 1 (second_order), or use a shorter fixed_step (a winch that is "
+        "told a force has backward Euler steps only)"
+    ),
+    FIXED_STEP_RESTLESS: (
+        "a fixed step of {value:.3g} s was ended at its bound on factorizations before it converged; its result is bounded, "
+        "but may be inaccurate; check the inputs for jumps, or use a shorter fixed_step"
+    ),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
 
@@ -76,6 +87,7 @@ def facts(kind):
         "allowed": 100.0 * (LARGEST_STRETCH - 1.0),
         "stiff": STIFF,
         "excess": 100.0 * LARGEST_EXCESS,
+        "part": 100.0 * LARGEST_PART_OF_DAMPING,
     }
 
 

@@ -33,6 +33,8 @@ GROUND_WITHOUT_GRAVITY = 21
 # of a system
 NO_EQUILIBRIUM_OF_POINT = 22
 NO_POINT_IS_GIVEN = 23
+# of a free kite
+NO_EQUILIBRIUM_OF_KITE = 24
 
 SENTENCES = {
     OK: "done",
@@ -100,6 +102,11 @@ SENTENCES = {
         "initial_length and axial_stiffness of the lines, or give a position where it starts"
     ),
     NO_POINT_IS_GIVEN: "no point of the system is driven or has a position: give one where it starts",
+    NO_EQUILIBRIUM_OF_KITE: (
+        "no equilibrium was found in which the free kite is at rest; check kite_load, kite_mass, wind_velocity, the length "
+        "(tether_length {length} m) and axial_stiffness, give an initial_kite_position closer to it, or set kite_start to 1 "
+        "(given)"
+    ),
 }
 
 LIMITS = {  # in the sentences

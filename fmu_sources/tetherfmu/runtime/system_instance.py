@@ -3,14 +3,14 @@
 from array import array
 
 from . import layout as at
-from . import plausibility, status
+from . import plausibility, status, system_maps
 from . import system_layout as places
-from . import system_variables as variables
-from .instance import address, facts_of, zeros
+from .instance import address, zeros
 from .packing import pack_line
 from .quantities import NOT_WHOLE, checked
 from .saved_state import check_state
-from .variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
+from .system_refusals import sentence
+from .variables import INPUT, OUTPUT, PARAMETER
 
 
 class SystemInstance:
@@ -38,8 +38,8 @@ class SystemInstance:
         self.parameters_at = self.outputs_at + sum(each.causality == OUTPUT for each in table)
         self.places = {each.name: each.place for each in table}
         self._checked = [each for each in table if each.causality == PARAMETER]
-        self._inputs_from = variables.inputs_of(structure, self.places)
-        found = variables.outputs_of(structure, self.places)
+        self._inputs_from = system_maps.inputs_of(structure, self.places)
+        found = system_maps.outputs_of(structure, self.places)
         self._sums = [each for each in found if len(each[1]) > 1]
         self._alone = [(reference, those[0]) for reference, those in found if len(those) == 1]
         self.segments, self._counts = 0, ()
@@ -56,8 +56,8 @@ class SystemInstance:
             if each.kind != "Real" and not value.is_integer():
                 raise ValueError(NOT_WHOLE.format(name=each.name, value=value))
         found, parameters = [], array("d")
-        for line, points in zip(self.structure.lines, variables.carried(self.structure), strict=True):
-            known = variables.quantities_of_line(line, self.places)
+        for line, points in zip(self.structure.lines, system_maps.carried(self.structure), strict=True):
+            known = system_maps.quantities_of_line(line, self.places)
             numbers = [default if reference is None else values[reference] for _, reference, default in known]
             free = [point in self.structure.free for point in (line.start, line.end)]
             masses = [values[self.places[f"{point}.mass"]] if point else 0.0 for point in points]
@@ -67,10 +67,13 @@ class SystemInstance:
                 raise ValueError(f"the line {line.name}: {problem}") from None
             found.append(segments)
             parameters += own
-        return sum(found), tuple(found), parameters
+        return sum(found), tuple(found), parameters, system_maps.sought(self.structure, self.places, values)
 
-    def set_up(self, total, counts, parameters):
-        """Take segments in all and of each line, and their parameters, and make the arrays; it is to be started next."""
+    def set_up(self, total, counts, parameters, sought):
+        """Take segments in all and of each line, their parameters and which points are sought, and make the arrays.
+
+        sought : dict of place in the plan to 1 or 0.  The system is to be started next.
+        """
         self.parameters = parameters
         if counts != self._counts:
             self.segments, self._counts = total, counts
@@ -79,14 +82,16 @@ class SystemInstance:
             self.inputs = zeros(plan[places.INPUTS_SIZE])
             self.state, self.before = zeros(plan[places.STATE_SIZE]), zeros(plan[places.STATE_SIZE])
             self.outputs, self.work = zeros(plan[places.OUTPUTS_SIZE]), zeros(plan[places.WORK_SIZE])
-            self._motion = variables.motion_of(self.structure, self.places, counts, self._states_at[:-1])
+            self._motion = system_maps.motion_of(self.structure, self.places, counts, self._states_at[:-1])
             self._warned = [0] * len(counts)
+        for place, is_sought in sought.items():
+            self.plan[place] = is_sought
         self._fixed = tuple(map(address, (self.plan, self.parameters, self.inputs)))
         self._changing = tuple(map(address, (self.state, self.before, self.outputs, self.work)))
 
     def _make_plan(self):
         self.plan = array("q", bytes(8 * places.plan_size(len(self._counts))))
-        for place, number in variables.plan_of(self.structure).items():
+        for place, number in system_maps.plan_of(self.structure).items():
             self.plan[place] = number
         rows = range(places.PLAN_HEADER, len(self.plan), places.LINE_NUMBERS)
         for row, segments in zip(rows, self._counts, strict=True):
@@ -104,7 +109,7 @@ class SystemInstance:
         self._give()
         result = self.kernels.initialize(*self._fixed, *self._changing)
         if result != status.OK:
-            return self.sentence(result, 0.0, at_start=True)
+            return sentence(result, 0.0, self, self.structure.lines, self.structure.free, at_start=True)
         self._warned = [0] * len(self._counts)
         self._show()
         return None
@@ -114,7 +119,7 @@ class SystemInstance:
         self._give()
         result = self.kernels.advance(*self._fixed, step, *self._changing)
         if result != status.OK:
-            return self.sentence(result, step)
+            return sentence(result, step, self, self.structure.lines, self.structure.free)
         self._show()
         return None
 
@@ -147,28 +152,6 @@ class SystemInstance:
                 said += [f"the line {line.name}: {each}" for each in plausibility.sentences(own, self._warned[k])]
                 self._warned[k] |= plausibility.kinds(own)
         return said
-
-    def sentence(self, result, step, at_start=False):
-        """What a status says about a step [s]; at_start : whether the lines have the lengths of their start."""
-        about = self.plan[places.STATUS_LINE]
-        place = status.index(result)
-        if about == places.ALL_LINES and status.code(result) == status.INPUT_NOT_FINITE:
-            first = places.inputs_size(len(self._counts), place)
-            name, value = f"{self.structure.free[place]}.load", list(self.inputs[first : first + 3])
-            return status.sentence(result, name=name, value=value)
-        k = max(about, 0)
-        line = self.structure.lines[k]
-        inputs = self.inputs[at.INPUTS * k : at.INPUTS * (k + 1)]
-        parameters = self.parameters[self._parameters_at(k) :]
-        length = parameters[at.INITIAL_LENGTH] if at_start else self.state[self._states_at[k] + at.LENGTH]
-        name = variables.input_name(INPUT_NAMES[place], line) if place < at.INPUTS else ""
-        value = inputs[place] if place < at.INPUTS else 0.0
-        facts = facts_of(inputs, parameters, length, self._counts[k])
-        said = status.sentence(result, name=name, value=value, step=step, **facts)
-        return said if about == places.ALL_LINES else f"the line {line.name}: {said}"
-
-    def _parameters_at(self, k):
-        return self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
 
     def _parts(self):
         """First place of the state of each line, and the place behind it."""

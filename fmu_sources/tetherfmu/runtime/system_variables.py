@@ -8,11 +8,9 @@ its place in the array of all values: inputs, outputs, parameters.
 import hashlib
 import json
 from dataclasses import dataclass, fields, replace
-from itertools import count
 
 from . import inputs, outputs
 from . import layout as at
-from . import system_layout as plan
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, FREE_KITE, components
 from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
@@ -39,12 +37,16 @@ HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 let
 
 @dataclass(frozen=True)
 class Point:
-    """A point of a system: its name, whether it is free, its mass [kg] (None if driven), its start [m], [m/s]."""
+    """A point of a system: its name, its mass [kg] (None if driven), its start [m], [m/s], and of a free one how it starts.
+
+    start : START_GIVEN, or START_AT_REST where it is in equilibrium.
+    """
 
     name: str
     mass: float | None
     position: tuple
     velocity: tuple
+    start: int = at.START_GIVEN
 
     @property
     def is_free(self):
@@ -151,17 +153,22 @@ def _inputs(structure):
 
 
 _LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
+_START = (
+    "start of {}: given (initial_position); where its lines, its weight and its load are in equilibrium, all lines at rest"
+)
 
 
 def _parameters(structure):
     """Parameters: of the whole system, of free points, of lines."""
     yield from (each for each in parameters_of(OF_THE_SYSTEM, structure.starts) if each.name not in FIXED)
-    mass = dict(quantities(FreeKite))["kite_mass"]
+    mass, kind_of_start = (dict(quantities(FreeKite))[name] for name in ("kite_mass", "kite_start"))
     units = {"position": "m", "velocity": "m/s"}
     for point in structure.points:
         if point.is_free:
             meaning = "point mass, in addition to the halves of the segments that meet there"
             yield Variable(f"{point.name}.mass", PARAMETER, "Real", replace(mass, meaning=meaning), 0, point.mass)
+            declared = replace(kind_of_start, meaning=_START.format(point.name))
+            yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start)
             for what, unit in units.items():
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
                 yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, getattr(point, what))
@@ -184,18 +191,22 @@ _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name,
 
 
 def _known(structure, line, output, element, known):
-    """Names of what an output of a line depends on when initialization ends.
+    """Names of what an output of a line depends on when initialization ends; None for anything.
 
-    The start positions of the points are given, so each line has its own shape. known : names of inputs and parameters.
+    Between driven points each line has its own shape; where a free one is sought, all lines together have one. known : names
+    of inputs and parameters.
     """
     found = depends_on(DYNAMIC, output, element, line.shape_points)
+    if structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found):
+        return None
     named = (_dependency(name, structure, line) for name in found)
     return tuple(name for name in dict.fromkeys(named) if name in known)
 
 
 def _together(listed):
-    """All names in lists of them, each once."""
-    return tuple(dict.fromkeys(name for names in listed for name in names))
+    """All names in lists of them, each once; None if one of them is None."""
+    listed = tuple(listed)
+    return None if None in listed else tuple(dict.fromkeys(name for names in listed for name in names))
 
 
 def _outputs(structure, known):
@@ -205,7 +216,8 @@ def _outputs(structure, known):
             for what in ("position", "velocity"):
                 declared = replace(outputs.BY_NAME[f"kite_{what}"].quantity, meaning=f"{what} of {point.name}")
                 starts = [(name,) for name in components(f"{point.name}.initial_{what}", 3)]
-                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=starts)
+                known_of = (None, None, None) if what == "position" else starts
+                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
         at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line in structure.lines for end, name in line.ends
@@ -249,128 +261,3 @@ def table_of(structure):
     given, fixed = list(_inputs(structure)), list(_parameters(structure))
     found = _outputs(structure, {each.name for each in (*given, *fixed)})
     return tuple(replace(each, place=k) for k, each in enumerate((*given, *found, *fixed)))
-
-
-# --- where they stand
-
-
-def inputs_of(structure, places):
-    """Pairs (place in the `inputs` array, value reference) of a system.
-
-    Free points have the motion of their start there. places : dict of the names of variables to value references.
-    """
-    free = {point.name for point in structure.points if point.is_free}
-    named = {}  # place: name
-    for k, line in enumerate(structure.lines):
-        first = at.INPUTS * k
-        for end, point in line.ends:
-            for what in ("position", "velocity"):
-                own = f"{point}.{'initial_' if point in free else ''}{what}"
-                named |= dict(zip(count(first + inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
-        for name in GIVEN:
-            named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
-        named |= dict(zip(count(first + at.WIND_VELOCITY), components("wind_velocity", 3), strict=False))
-    first = plan.inputs_size(len(structure.lines), 0)
-    for k, point in enumerate(structure.free):
-        named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))
-    return [(place, places[name]) for place, name in named.items()]
-
-
-def outputs_of(structure, places):
-    """Pairs (value reference, places in the `outputs` array) of a system; its output is the sum of the numbers there.
-
-    The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
-    Positions and velocities of free points are not there, see `motion_of`. places : as of `inputs_of`.
-    """
-    firsts, first = {}, 0
-    for line in structure.lines:
-        firsts[line.name] = first
-        first += at.outputs_size(line.shape_points)
-    found = {}
-    for line in structure.lines:
-        first = firsts[line.name]
-        for end, point in line.ends:
-            for i, name in enumerate(components(f"{point}.force", 3)):
-                found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
-        for name, own in OF_A_LINE.items():
-            found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
-        for k in range(line.shape_points):
-            for i in range(3):
-                found[f"{line.name}.shape[{k + 1},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
-    for name in COUNTERS:
-        every = [first + outputs.PLACES[name] for first in firsts.values()]
-        found[name] = every if name == "solver_iterations" else every[:1]
-    return [(places[name], tuple(those)) for name, those in found.items() if name in places]
-
-
-def free_ends(structure, places):
-    """Where free points move: (value reference, number of the line, 1 at its end and 0 at its start, component from 0 to 5).
-
-    Position and velocity have three components each. Of several lines at a point the last one counts.
-    """
-    found, free = {}, set(structure.free)
-    for k, line in enumerate(structure.lines):
-        for is_end, (_, point) in enumerate(line.ends):
-            if point in free:
-                names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
-                found |= {name: (places[name], k, is_end, component) for component, name in enumerate(names)}
-    return list(found.values())
-
-
-def motion_of(structure, places, segments, states_at):
-    """Pairs (value reference, place in the `state` array) of the motion of free points.
-
-    segments, states_at : of each line its number of segments, and the place of its state.
-    """
-    found = []
-    for reference, k, is_end, component in free_ends(structure, places):
-        what, axis = divmod(component, 3)
-        node = (segments[k] + 1) * what + segments[k] * is_end
-        found.append((reference, states_at[k] + at.STATE_HEADER + 3 * node + axis))
-    return found
-
-
-def plan_of(structure):
-    """What is given of the `plan` array but for the segments: dict of place to number."""
-    given = {plan.LINES: len(structure.lines), plan.FREE_POINTS: len(structure.free), plan.BAND: structure.band}
-    for k, line in enumerate(structure.lines):
-        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
-        for place, name in ((plan.START_POINT, line.start), (plan.END_POINT, line.end)):
-            given[row + place] = structure.free.index(name) if name in structure.free else plan.DRIVEN
-        given[row + plan.SHAPE_POINTS] = line.shape_points
-    return given
-
-
-def quantities_of_line(line, places):
-    """Quantities in the order in which the kernel `pack` takes them: (name, value reference or None, default) of each.
-
-    What the system has no variable for has its default.
-    """
-    found = []
-    for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
-        for item in fields(record):
-            own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
-            found.append((item.name, places.get(own), item.default))
-    return found
-
-
-def unpacked(structure):
-    """Names of the parameters that the kernel `pack` does not check: those of free points."""
-    for point in structure.points:
-        if point.is_free:
-            yield f"{point.name}.mass"
-            for what in ("position", "velocity"):
-                yield from components(f"{point.name}.initial_{what}", 3)
-
-
-def carried(structure):
-    """Of each line the names of the free points at its start and its end whose mass it carries, None for none.
-
-    The first line at a point does.
-    """
-    free, found = set(structure.free), []
-    for line in structure.lines:
-        own = [point if point in free else None for point in (line.start, line.end)]
-        free -= set(own)
-        found.append(own)
-    return found

@@ -32,7 +32,7 @@ class Variable:
     quantity: Quantity
     place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
     start: float | None = None  # of inputs and parameters
-    depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends
+    depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends; None: on anything
 
 
 IGNORED_WITH_WIND_AT = "(ignored: the wind is that of wind_at)"

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
-from .dependencies import AIR, GROUND, LENGTH, POSITIONS, STRETCH
+from .dependencies import AIR, GROUND, LENGTH, POSITIONS, STRETCH, WHERE_KITE_RESTS
 
 
 @dataclass(frozen=True)
@@ -129,6 +129,7 @@ DYNAMIC_FREE = replace(
     kite_is_free=True,
     colour="purple",
     evidence_tolerance=1e-7,  # a free kite remembers each snap of a tether of one segment
+    depends_on={"kite_position": WHERE_KITE_RESTS, "kite_velocity": ("kite_velocity[*]", "kite_start")},
 )
 
 TABLE = (STRAIGHT, CATENARY, QUASI_STEADY, DYNAMIC, DYNAMIC_FREE)  # from coarse to fine

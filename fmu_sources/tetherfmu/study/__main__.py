@@ -67,6 +67,8 @@ def add_limits_and_costs(added):
     about = "file of finished points of another version, to compare with"
     option("--before", type=file, metavar="FILE", help=about)
     option("--also", type=file, metavar="FILE", help="file of finished points of another seed, for a table of its own")
+    about = "files of finished points with another --control or --ground, for tables of all of them"
+    option("--others", type=file, nargs="+", default=(), metavar="FILE", help=about)
     add_workers(option)
     option("--quick", action="store_true", help="smoke test: a few points and no figures")
     option("--point", type=number(0, whole=True), metavar="NUMBER", help="judge this point only and print it")

@@ -1,7 +1,7 @@
-"""The flat arrays of a system, and what moves them: the single tethers of its lines, and the kernels for all at once.
+"""The flat arrays of a system, and the kernels that move all its lines at once.
 
 The library for systems packs the parameters of each line, completes the plan (`runtime/system_layout.py`), starts, moves and
-observes all lines. The dynamic tethers beside it (`runtime.instance`), one for each line, say why something was refused.
+observes all lines.
 """
 
 import numpy as np
@@ -9,16 +9,14 @@ import numpy as np
 from tetherfmu.libraries import ready
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import status
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.inputs import PLACES
-from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.packing import pack_line
 from tetherfmu.runtime.parameters import numbers_of
 from tetherfmu.runtime.status import OK
-from tetherfmu.runtime.system_variables import ENDS, input_name
-from tetherfmu.runtime.variables import INPUT_NAMES
+from tetherfmu.runtime.system_refusals import sentence
+from tetherfmu.runtime.system_variables import ENDS
 
 from .ordering import ordered
 
@@ -28,8 +26,8 @@ class Arrays:
 
     Attributes
     ----------
-    instances : list of Instance
-        The dynamic tethers of the lines.
+    segments : list of int
+        Of the lines.
     plan, parameters, inputs, state, before, outputs, work : array
         As `system_layout.py` has them; `before` is the state before the last step.
     """
@@ -38,21 +36,23 @@ class Arrays:
         self.points, self.lines = points, lines
         self.free, band = ordered([point.name for point in points if not point.is_driven], lines)
         self._kernels = ready.kernels(SYSTEM)
-        self.instances = []
         carried = set()
-        for line in lines:
-            self.instances.append(self._instance(line, carried, environment, solver, ground))
+        packed = [self._packed(line, carried, environment, solver, ground) for line in lines]
+        self.segments = [segments for segments, _ in packed]
         self._make_plan(band)
         self.inputs = np.zeros(self.plan[places.INPUTS_SIZE])
         self.rows = [self.inputs[k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(lines))]
         self.loads = self.inputs[len(lines) * at.INPUTS :].reshape(-1, 3)
-        self.parameters = np.concatenate([each.parameters for each in self.instances])
+        self.parameters = np.concatenate([parameters for _, parameters in packed])
         self.state, self.before = np.zeros((2, self.plan[places.STATE_SIZE]))
         self.outputs = np.zeros(self.plan[places.OUTPUTS_SIZE])
         self.work = np.zeros(self.plan[places.WORK_SIZE])
 
-    def _instance(self, line, carried, environment, solver, ground):
-        """The tether of a line. A free point whose mass no other line carries is in it; carried (modified): such points."""
+    def _packed(self, line, carried, environment, solver, ground):
+        """Number of segments and parameters of a line; ValueError names it if one is not allowed.
+
+        The mass of a free point that no other line carries is in it; carried (modified): such points.
+        """
         tethers = line.tether if isinstance(line.tether, tuple | list) else (line.tether,)
         ends = [self.point(name) for name in (line.start, line.end)]
         masses = [0.0 if end.is_driven or end.name in carried else end.mass for end in ends]
@@ -60,22 +60,19 @@ class Arrays:
         free = [not end.is_driven for end in ends]
         numbers = numbers_of(tethers, environment, solver, line.winch, ground)
         try:
-            packed = pack_line(self._kernels, numbers, len(tethers), free, masses)
+            return pack_line(self._kernels, numbers, len(tethers), free, masses)
         except ValueError as problem:
             raise ValueError(f"the line {line.name}: {problem}") from None
-        instance = Instance(ready.kernels("dynamic"), packed[0] + 1)
-        instance.set_up(*packed)
-        return instance
 
     def _make_plan(self, band):
         """The plan; band : of the matrix of the free points."""
         self.plan = np.zeros(places.plan_size(len(self.lines)), dtype=np.int64)
         self.plan[[places.LINES, places.FREE_POINTS, places.BAND]] = len(self.lines), len(self.free), band
         rows = self._line_rows()
-        for row, line, instance in zip(rows, self.lines, self.instances, strict=True):
+        for row, line, segments in zip(rows, self.lines, self.segments, strict=True):
             ends = [self.free.index(name) if name in self.free else places.DRIVEN for name in (line.start, line.end)]
             given = [places.SEGMENTS, places.START_POINT, places.END_POINT, places.SHAPE_POINTS]
-            row[given] = instance.segments, *ends, instance.points
+            row[given] = segments, *ends, segments + 1
         self._kernels.complete(self.plan.ctypes.data)
         self.states_at = [*rows[:, places.STATE_AT].tolist(), int(self.plan[places.STATE_SIZE])]
         self.outputs_at = [*rows[:, places.OUTPUTS_AT].tolist(), int(self.plan[places.OUTPUTS_SIZE])]
@@ -111,7 +108,7 @@ class Arrays:
         """Positions [m] and velocities [m/s] of the nodes of line k, view (..., 2, segments + 1, 3) of its states."""
         state = self.state if state is None else state
         own = state[..., self.states_at[k] + at.STATE_HEADER : self.states_at[k + 1]]
-        return own.reshape(*own.shape[:-1], 2, self.instances[k].segments + 1, 3)
+        return own.reshape(*own.shape[:-1], 2, self.segments[k] + 1, 3)
 
     def start(self, sought):
         """Find the first shapes of all lines; StepRefused, and no array but the inputs is changed, if there are none.
@@ -122,8 +119,7 @@ class Arrays:
             row[[places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = line.start in sought, line.end in sought
         found = self._kernels.initialize(*self._addresses(self.plan, self.parameters, self.inputs), *self._results())
         if found != OK:
-            k = int(self.plan[places.STATUS_LINE])
-            raise StepRefused(self.sentence(found, 0.0, k, at_start=True), found)
+            raise StepRefused(self.problem(found, 0.0, at_start=True), found)
 
     def _line_rows(self):
         """View of what the plan says about each line, a row for each."""
@@ -161,26 +157,6 @@ class Arrays:
             raise StepRefused(self.problem(found, 0.0), found)
         return np.split(self.outputs.copy(), self.outputs_at[1:-1])
 
-    def problem(self, result, step):
-        """What a status of `advance` says about a step [s]."""
-        return self.sentence(result, step, int(self.plan[places.STATUS_LINE]))
-
-    def sentence(self, result, step, k, at_start=False):
-        """What a status says about a step [s] of line k, or of all of them; an input has the name of its point or line.
-
-        at_start : whether the lines have the lengths of their start.
-        """
-        instance = self.instances[max(k, 0)]
-        np.frombuffer(instance.values)[: at.INPUTS] = self.rows[max(k, 0)]
-        length = self.of_line(max(k, 0))[at.LENGTH]
-        instance.state[at.LENGTH] = instance.parameters[at.INITIAL_LENGTH] if at_start else length
-        if status.code(result) == status.NO_EQUILIBRIUM_OF_POINT:
-            return status.sentence(result, name=self.free[status.index(result)])
-        if status.code(result) == status.INPUT_NOT_FINITE:
-            if k == places.ALL_LINES:
-                point = status.index(result)
-                return status.sentence(result, name=f"{self.free[point]}.load", value=self.loads[point].tolist())
-            place = status.index(result)
-            return status.sentence(result, name=input_name(INPUT_NAMES[place], self.lines[k]), value=instance.values[place])
-        said = instance.sentence(result, step)
-        return said if k == places.ALL_LINES else f"the line {self.lines[k].name}: {said}"
+    def problem(self, result, step, at_start=False):
+        """What a status says about a step [s]; at_start : whether the lines have the lengths of their start."""
+        return sentence(result, step, self, self.lines, self.free, at_start)

@@ -108,7 +108,7 @@ class TetherSystem:
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
-        segments = sum(each.segments for each in self._arrays.instances)
+        segments = sum(self._arrays.segments)
         parts = [f"{len(self.points)} points ({len(self._arrays.free)} free)", f"{len(self.lines)} lines"]
         parts += [f"{segments} segments", "running" if self._runs else "not initialized"]
         return f"<TetherSystem: {', '.join(parts)}>"

@@ -99,7 +99,7 @@ def test_energy_never_grows(fixed_step, damping):
 @pytest.mark.parametrize("length", [40.0, 42.0, 50.0])
 @pytest.mark.parametrize("fixed_step", [0.002, 0.02, 0.2])
 @pytest.mark.parametrize("damping", [0.0, 473.0])
-def test_energy_of_two_stages_never_exceeds_that_of_the_start(fixed_step, damping, length):
+def test_energy_of_three_stages_never_exceeds_that_of_the_start(fixed_step, damping, length):
     """Held ends, taut and slack: a single step may trade back what the last ones lost, never more than there was."""
     total = energies(fixed_step, "second_order", damping, length)
     scale = total[0] - min(total)

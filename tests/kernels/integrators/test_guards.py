@@ -1,7 +1,8 @@
 """Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
 
 Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
-over n internal steps (adaptive) or `layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step.
+over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless it is hopeless; or `layout.ITERATION_BUDGET`
+over n iterations, plus those of one fixed step.
 """
 
 from types import SimpleNamespace
@@ -11,7 +12,7 @@ import pytest
 
 from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.equilibrium.compressed_chain import NUDGE
-from tetherfmu.kernels.integrators import backward_euler, second_order, step_control
+from tetherfmu.kernels.integrators import backward_euler, drum_in_fixed_steps, second_order, step_control
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -104,24 +105,34 @@ def test_one_segment_between_driven_ends(solver):
     assert model.counters["steps"] == 0
 
 
-@pytest.mark.parametrize("segments", [2, 20, 300])
-def test_the_adaptive_solver_tries_no_more_steps_than_its_budget(monkeypatch, segments):
-    """With a proposal that never grows, a billionth of the communication step: each internal step is one call.
-
-    A step is refused after the work of 10 000 internal steps of 20 segments.
-    """
+def steps_of_one_size(monkeypatch, segments, part):
+    """Status and number of internal steps of the adaptive solver, each of them this part of the communication step."""
     tried = []
     monkeypatch.setattr(step_control, "step", lambda *arguments: tried.append(arguments) or True)
     monkeypatch.setattr(step_control, "chain_during", lambda *arguments: None)
     monkeypatch.setattr(step_control, "error_of_step", lambda *arguments: 1.0)
     monkeypatch.setattr(step_control, "next_step", lambda h, done, *others: max(h, done))
     state, nodes = np.zeros(at.STATE_HEADER), np.zeros(3)
-    state[at.SOLVER_STEP] = 1e-9
+    state[at.SOLVER_STEP] = part
     result = step_control.integrate.py_func(
         SimpleNamespace(n=segments), 1.0, state, nodes, nodes, SimpleNamespace(x=nodes, v=nodes)
     )
-    assert result == status.STEP_BUDGET_SPENT
-    assert len(tried) == 10_000 * 20 // segments
+    return result, len(tried)
+
+
+@pytest.mark.parametrize("segments", [2, 20, 300])
+def test_a_hopeless_step_is_refused_at_its_budget(monkeypatch, segments):
+    """With a billionth of the communication step: after the work of 10 000 internal steps of 20 segments."""
+    result, tried = steps_of_one_size(monkeypatch, segments, 1e-9)
+    assert (result, tried) == (status.STEP_BUDGET_SPENT, 10_000 * 20 // segments)
+
+
+@pytest.mark.parametrize(("budgets", "expected"), [(0.5, 0.5), (19.0, 19.0), (21.0, 20.0), (99.0, 20.0), (101.0, 1.0)])
+def test_a_step_on_course_may_take_some_budgets(monkeypatch, budgets, expected):
+    """Up to MOST_BUDGETS = 20; one that would take more than HOPELESS = 100 is refused after one."""
+    result, tried = steps_of_one_size(monkeypatch, 200, 1.0 / (1000.0 * budgets))
+    assert result == (status.OK if budgets == expected else status.STEP_BUDGET_SPENT)
+    assert tried == pytest.approx(1000.0 * expected, rel=0.01)
 
 
 def test_the_adaptive_solver_stops_at_its_budget():
@@ -162,17 +173,30 @@ def test_loose_tolerances_do_not_feed_on_the_speed_of_stiff_dampers():
     np.testing.assert_allclose(largest_on_a_short_circle(1e-2), largest_on_a_short_circle(1e-6), rtol=0.02)
 
 
-def test_the_fixed_step_solver_stops_at_its_budget():
-    """More internal steps than the budget are refused; hard ones when their iterations have spent it."""
-    tether = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
-    inputs = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
-    for fixed_step in (1e-4, 1.0 / 3000.0):
-        model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=3))
-        model.initialize(**inputs)
-        before = model.get_state()
-        with pytest.raises(StepRefused, match=r"longer fixed_step or a shorter communication step"):
-            model.step(1.0, **inputs)
-        np.testing.assert_array_equal(model.get_state(), before)
+HARD = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
+IN_WIND = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
+
+
+def test_more_fixed_steps_than_the_budget_are_refused():
+    model = TetherDynamic(HARD, solver=Solver(fixed_step=1e-4, initial_shape=3))
+    model.initialize(**IN_WIND)
+    before = model.get_state()
+    with pytest.raises(StepRefused, match=r"longer fixed_step or a shorter communication step"):
+        model.step(1.0, **IN_WIND)
+    np.testing.assert_array_equal(model.get_state(), before)
+
+
+def test_fixed_steps_are_hurried_when_their_iterations_have_spent_the_budget():
+    """Not refused: each step that is left takes at most 32 iterations, and that is told."""
+    model = TetherDynamic(HARD, solver=Solver(fixed_step=1e-3, initial_shape=3))
+    model.initialize(**IN_WIND)
+    budget = limits.STAGES * (limits.ITERATION_BUDGET // HARD.segments)
+    before = model.counters["iterations"]
+    model.step(1.0, **IN_WIND)
+    spent = model.counters["iterations"] - before
+    assert model.counters["steps"] == 1000
+    assert budget < spent <= budget + limits.WORST_WORK + limits.LAST_ITERATIONS * 1000
+    assert any("was ended at its bound on factorizations" in each for each in model.implausible)
 
 
 def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
@@ -189,9 +213,9 @@ def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
     ("method", "bound"), [("backward_euler", limits.WORST_CAREFUL), ("second_order", limits.WORST_WORK)]
 )
 def test_a_fixed_step_takes_a_bounded_number_of_iterations(method, bound):
-    """The bound holds also where the iteration does not come to rest: a slack line in a hurricane.
+    """The bound holds also where the iteration does not come to rest, and that is told: a slack line in a hurricane.
 
-    Steps of order 2 that are left in the first stage spend half of what two stages may.
+    Steps of order 2 that are left in the first stage spend a third of what three stages may.
     """
     tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
     model = TetherDynamic(tether, solver=Solver(fixed_step=0.1, fixed_step_method=method, initial_shape=3))
@@ -202,7 +226,16 @@ def test_a_fixed_step_takes_a_bounded_number_of_iterations(method, bound):
         before = model.counters["iterations"]
         model.step(0.1, **inputs)
         most = max(most, model.counters["iterations"] - before)
-    assert bound - limits.MOST_ITERATIONS <= most <= bound
+    assert bound - (limits.STAGES - 1) * limits.MOST_ITERATIONS <= most <= bound == model.most_factorizations
+    assert any("a fixed step of 0.1 s was ended at its bound" in each for each in model.implausible)
+
+
+def test_a_winch_that_is_told_a_force_has_its_own_bound():
+    """A chain step where the drum may be held, those of the search for its speed, and one where it comes to rest."""
+    chain_steps = drum_in_fixed_steps.MOST_EVALUATIONS + 2
+    model = TetherDynamic(winch_control="force", fixed_step=0.01)
+    assert model.most_factorizations == chain_steps * limits.WORST_CAREFUL
+    assert TetherDynamic().most_factorizations == 0
 
 
 def test_the_most_iterations_are_what_the_refusal_says():

@@ -260,6 +260,23 @@ def test_category():
         TetherStraight(initial_length=100.0).initialize(KITE)
 
 
+@pytest.mark.parametrize(
+    ("fixed", "told"),
+    [
+        ({"fixed_step_method": "backward_euler"}, True),
+        ({"fixed_step_method": "second_order"}, False),
+        ({"winch_control": "force"}, True),  # its steps are of backward Euler
+        ({"fixed_step_method": "backward_euler", "axial_damping": 6200.0}, False),  # less than a tenth
+    ],
+)
+def test_backward_euler_that_damps_more_than_a_tenth_of_the_damping(fixed, told):
+    """E A h at the start: 614600 N and a fixed step of 1 ms are 614.6 N s beside 473 N s."""
+    tether = TetherDynamic(**{"fixed_step": 1e-3, **fixed})
+    tether.initialize(KITE)
+    assert noted(tether) == ({plausibility.FIXED_STEP_DAMPS: pytest.approx(614.6)} if told else {})
+    assert ["additional axial_damping of 615 N.s, more than 10 % of" in each for each in tether.implausible] == [True] * told
+
+
 def pulled(model, force, length, steps=20, **winch):
     """What is noted of a winch that pulls with a force [N] at a tether of some length [m]; the ends are 500 m apart."""
     tether = model(segments=6, initial_length=length, winch_control="force", **winch)

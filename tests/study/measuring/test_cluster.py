@@ -18,15 +18,16 @@ from tetherfmu.study.measuring.executors import executor_of, isolated
 from tetherfmu.study.stability.flight import judge_all
 from tetherfmu.study.stability.points import point
 
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
 KEPT = "the finished points are kept, and the same command continues from them"
 TIMEOUT = 300.0  # seconds, for what hangs
-IMPATIENT = """
+PATIENCE = 2.0  # seconds, of a command whose worker is killed; a worker that is slow to start must not cost it
+RUN = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # also in the background
 from tetherfmu.study.measuring import cluster
-cluster.PATIENCE = 2.0
+cluster.PATIENCE = float(sys.argv.pop(1))
 from tetherfmu.__main__ import main
 sys.exit(main(sys.argv[1:]))
 """
@@ -50,6 +51,8 @@ def started(folder, *options):
     how = ["--nworkers", "1", "--nthreads", "1", "--no-dashboard", *options]
     worker = subprocess.Popen([*run, "distributed.cli.dask_worker", address, *how], **quiet)
     try:
+        with distributed.Client(address, timeout=TIMEOUT, set_as_default=False) as client:
+            client.wait_for_workers(1, TIMEOUT)
         yield address, scheduler, worker
     finally:
         for process in (worker, scheduler):
@@ -73,14 +76,17 @@ def cluster(tmp_path_factory):
         yield address
 
 
-def end_of(folder, command, address, event):
-    """Status of a command, and what it said, after an event; event : function of its process, called after three points."""
+def end_of(folder, command, address, event, patience=TIMEOUT):
+    """Status of a command, and what it said, after an event.
+
+    event : function of its process, called after three points.  patience : of the command [s].
+    """
     file = folder / "points.jsonl"
     given = {
         "tradeoff": ["tradeoff", str(written(folder)), "--out", str(folder)],
         "stability": ["stability", "--points", "1000", "--out", str(folder), "--results", str(file)],
     }[command]
-    call = [sys.executable, "-c", IMPATIENT, *given, "--dask", address]
+    call = [sys.executable, "-c", RUN, str(patience), *given, "--dask", address]
     process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
     wait_for(lambda: file.exists() and file.read_bytes().count(b"\n") >= 3, process)
     event(process)
@@ -108,7 +114,8 @@ def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, com
 def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, command, lost, words):
     with started(tmp_path, "--no-nanny") as (address, scheduler, worker):
         kill = {"scheduler": scheduler, "worker": worker}[lost].kill
-        assert end_of(tmp_path, command, address, lambda _: kill()) == (1, [f"{words.format(address)}; {KEPT}"])
+        patience = PATIENCE if lost == "worker" else TIMEOUT
+        assert end_of(tmp_path, command, address, lambda _: kill(), patience) == (1, [f"{words.format(address)}; {KEPT}"])
 
 
 def end(status):

@@ -12,6 +12,7 @@ from tetherfmu.study.scenes.files import load
 
 SERIES = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "series"\nfile = "flight.csv"')
 WITHOUT_LENGTH = SERIES.replace('initial_length = "505 m"', "")
+DRUM = "\n[winch]\nmass = 2000.0\ndamping = 50.0\n"
 KITE = [f"kite_position[{i}]" for i in (1, 2, 3)]
 DUE = 0.1  # time between rows [s]
 
@@ -125,6 +126,29 @@ def test_a_tension_leads_the_winch(tmp_path, name):
         times = scene.every * np.arange(1, len(tensions) + 1)
         # within a step of h the force goes on linearly, h^2 30 N/s2; and the curve between the rows is not the sine
         np.testing.assert_allclose(tensions, 400.0 + 30.0 * np.sin(times), rtol=0, atol=0.02**2 * 30.0 + 0.05)
+
+
+def test_a_drum_turns_as_its_forces_say(tmp_path):
+    """m (u - u0) = int (T - W) dt - c (L - L0), with the drum of the table [winch], which the advised tether has, too."""
+    scene = load(scene_of(tmp_path, 5.0, text=SERIES + DRUM, winch_force=lambda time: 400.0 + 100.0 * np.sin(time)))
+    config = Config("catenary", 0, 0.0, 0.02)
+    assert [parameters_of(scene, config)[name] for name in ("winch_control", "winch_mass", "winch_damping")] == [
+        2,
+        2000.0,
+        50.0,
+    ]
+    flown = run(scene, config).flown
+    speed, length = flown.of("winch_speed"), flown.of("tether_length")
+    excess = flown.of("ground_tension") - 400.0 - 100.0 * np.sin(scene.times[1:])
+    impulse = scene.every * np.cumsum(0.5 * (excess[1:] + excess[:-1])) - 50.0 * (length[1:] - length[0])
+    assert np.ptp(speed) > 0.1
+    # the trapezoidal rule: h^2/12 times the change of the rate of the tension, some 100 N/s; the curve between the rows
+    np.testing.assert_allclose(2000.0 * (speed[1:] - speed[0]), impulse, rtol=0, atol=0.5)
+
+
+def test_a_drum_needs_a_force(tmp_path):
+    with pytest.raises(ValueError, match="a drum needs a column winch_force or ground_tension"):
+        load(scene_of(tmp_path, text=SERIES + DRUM))
 
 
 def averaged(column):

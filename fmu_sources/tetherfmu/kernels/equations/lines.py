@@ -15,7 +15,10 @@ from ..linear_algebra.vectors import add, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
 
 System = namedtuple("System", "plan parameters inputs state work")
-System.__doc__ = """The flat arrays of a system, see `system_layout.py`."""
+System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
+
+plan : whole numbers; where the system is a single tether they are floats (`variants/resting_kite.py`).
+"""
 
 Points = namedtuple("Points", "matrix pivots right mass stage_mass mass_rate change")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
@@ -31,7 +34,7 @@ CONDITIONS = 42  # numbers of `store_conditions`
 @kernel
 def number_of_line(system, k, which):
     """What the plan says about line k: `system_layout.SEGMENTS`, ..."""
-    return system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + which]
+    return int(system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + which])
 
 
 @kernel
@@ -49,19 +52,19 @@ def point_at(system, k, end):
 @kernel
 def lines_of(system):
     """Number of lines."""
-    return system.plan[places.LINES]
+    return int(system.plan[places.LINES])
 
 
 @kernel
 def free_points(system):
     """Number of free points."""
-    return system.plan[places.FREE_POINTS]
+    return int(system.plan[places.FREE_POINTS])
 
 
 @kernel
 def band_of(system):
     """Band of the matrix of the free points, see `linear_algebra.points`."""
-    return system.plan[places.BAND]
+    return int(system.plan[places.BAND])
 
 
 @view
@@ -117,7 +120,7 @@ def points_size(points, band):
 @view
 def points_of(system):
     """`Points` of a system."""
-    count, room = free_points(system), behind(system.plan[places.POINTS_WORK], system.work)
+    count, room = free_points(system), behind(int(system.plan[places.POINTS_WORK]), system.work)
     m = 3 * count
     size = m * row_size(band_of(system))
     matrix, room = part(room, 0, size), behind(size, room)

@@ -28,7 +28,7 @@ from math import ceil, inf, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STIFF
 
-from ..arrays import copy, node_arrays, shared_arrays, shared_size
+from ..arrays import behind, copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import ground, node_loads, segment
 from ..equations.assembly import longest_part, node_masses
@@ -51,8 +51,10 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, nor
 MOST_HALVINGS = 8  # of a move that does not go down
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square,
 # which in the tension is EA times it: above `STIFF`, CLOSE falls with the root of EA
+CLOSE_IN_STAGE = 1e-5  # the same in a stage of `second_order.py`
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
+WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of which the accelerations can be expected
 Attempt = namedtuple("Attempt", "conditions chain h v")
 Attempt.__doc__ = """A step that is attempted.
 
@@ -60,21 +62,22 @@ conditions : `BoundaryConditions`.  chain : `Chain` at the end of the step.  h :
 v : velocities before it [m/s].
 """
 
-Workspace = namedtuple("Workspace", "x trial old free drag slope move matrix mass modes held")
+Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held restless")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
 free : y, where the nodes would fly freely [m].  drag : half drags F of the segments [N].  slope : their slopes A [N s/m],
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
-held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.
+held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
+stage [m/s2], before it what is expected.  restless : 1, in how many steps the iteration ended before it came to rest.
 """
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 6 * 3 * (n + 1) + 9 * (n + 1) + 2 * n
+    return shared_size(n) + 7 * 3 * (n + 1) + 9 * (n + 1) + 2 * n + 1
 
 
 @view
@@ -82,8 +85,9 @@ def workspace(n, work):
     """Cut the work array into the arrays of `Workspace`."""
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
-    slope, modes, held = part(room, 0, 9 * (n + 1)), part(room, 9 * (n + 1), n), part(room, 9 * (n + 1) + n, n)
-    return Workspace(x, trial, old, free, drag, slope, move, Matrix(*blocks), mass, modes, held)
+    acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
+    modes, held, restless = part(room, 0, n), part(room, n, n), part(room, 2 * n, 1)
+    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held, restless)
 
 
 @kernel
@@ -146,8 +150,7 @@ def add_ground(attempt, x, w):
 def potential(attempt, x, w):
     """Phi [J] at the positions x [m], and its error of rounding [J]."""
     h, b = attempt.h, shrinkage(attempt)
-    total = 0.0
-    size = 0.0
+    total, size = 0.0, 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
         away = sub(get(x, i), get(w.free, i))
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
@@ -247,11 +250,11 @@ def holds(chain, x, w):
 
 
 @kernel
-def start(attempt, time, is_stage, x, w):
+def start(attempt, time, kind, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
-    No drag yet. is_stage : whether driven ends go from x with their velocity after the step, as all other nodes do, instead
-    of to where their curves are: see `second_order.py`.
+    No drag yet. kind : WHOLE, where driven ends go to where their curves are; STAGE or EXPECTED, where they go from x with
+    their velocity after the step, as all other nodes do: see `second_order.py`.
     """
     conditions, chain, h, v = attempt
     n = chain.n
@@ -263,7 +266,7 @@ def start(attempt, time, is_stage, x, w):
             put(w.old, i, get(x, i))
             put(w.free, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, falling))
         else:
-            end = add_scaled(get(x, i), h, get(w.free, i)) if is_stage else get(w.old, i)
+            end = add_scaled(get(x, i), h, get(w.free, i)) if kind != WHOLE else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
     if conditions.last == n:
@@ -274,30 +277,6 @@ def start(attempt, time, is_stage, x, w):
         w.modes[s] = segment.TAUT if taut else segment.SLACK
         put(w.drag, s, ZERO_VECTOR)
         put_matrix(w.slope, 9 * s, ZERO_MATRIX)
-
-
-@kernel
-def guess(attempt, x, w):
-    """Positions [m] to start from into w.x (modified): free flight from x [m], or carried along by the ends.
-
-    The one with the lower potential. A flight of many segment lengths in a step tears the chain; so does, where it swings,
-    a chain that keeps its shape.
-    """
-    conditions, chain, _, _ = attempt
-    n = chain.n
-    ground = sub(get(w.free, 0), get(x, 0)) if conditions.first == 1 else ZERO_VECTOR
-    kite = sub(get(w.free, n), get(x, n)) if conditions.last == n - 1 else ground
-    share = 0.0
-    for i in range(n + 1):
-        put(w.x, i, get(w.free, i))
-        put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
-        if i < n:
-            share += property_of(chain, i, at.SHARE)
-    put(w.trial, n, add(get(x, n), kite))
-    carried, _ = potential(attempt, w.trial, w)
-    flying, _ = potential(attempt, w.x, w)
-    if carried < flying:
-        copy(w.trial, w.x)
 
 
 @kernel
@@ -313,20 +292,63 @@ def add_drag(attempt, x, w):
 
 
 @kernel
-def step(conditions, time, h, is_stage, in_any_case, x, v, w):
+def carry(attempt, x, w):
+    """Positions [m] into w.trial (modified) to which the ends carry along the chain at x [m], which keeps its shape."""
+    conditions, n = attempt.conditions, attempt.chain.n
+    ground = sub(get(w.free, 0), get(x, 0)) if conditions.first == 1 else ZERO_VECTOR
+    kite = sub(get(w.free, n), get(x, n)) if conditions.last == n - 1 else ground
+    share = 0.0
+    for i in range(n):
+        put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
+        share += property_of(attempt.chain, i, at.SHARE)
+    put(w.trial, n, add(get(x, n), kite))
+
+
+@kernel
+def guess(attempt, x, w):
+    """Positions [m] to start from into w.x (modified): free flight from x [m], or carried along by the ends; Phi [J] there.
+
+    The one with the lower Phi before the drag there comes into w. A flight of many segment lengths in a step tears
+    the chain; so does, where it swings, a chain that keeps its shape.
+    """
+    carry(attempt, x, w)
+    copy(w.free, w.x)
+    carried, _ = potential(attempt, w.trial, w)
+    flying, _ = potential(attempt, w.x, w)
+    if carried < flying:
+        copy(w.trial, w.x)
+    add_drag(attempt, w.x, w)
+    phi, _ = potential(attempt, w.x, w)
+    return phi
+
+
+@kernel
+def guess_expected(attempt, x, w):
+    """As `guess`, with the accelerations that are expected, unless the chain has a lower Phi where it is carried along."""
+    conditions, _, h, v = attempt
+    copy(w.free, w.x)
+    for i in range(conditions.first, conditions.last + 1):
+        put(w.x, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, get(w.acceleration, i)))
+    add_drag(attempt, w.x, w)
+    phi, _ = potential(attempt, w.x, w)
+    carry(attempt, x, w)
+    carried, _ = potential(attempt, w.trial, w)
+    return phi if phi <= carried else guess(attempt, x, w)
+
+
+@kernel
+def step(conditions, time, h, kind, in_any_case, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    is_stage : see `start`.  in_any_case : whether to iterate longer, and to take a result that has not come to rest.
+    kind : see `start`.  in_any_case : whether to iterate longer, and to take a result that has not come to rest.
     Returns whether it was taken, and the number of iterations, negative where the matrix is singular.
     """
     attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
-    start(attempt, time, is_stage, x, w)
-    guess(attempt, x, w)
-    add_drag(attempt, w.x, w)
-    phi, _ = potential(attempt, w.x, w)
-    goal = CLOSE * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
-    iterations = 0
-    farthest = inf
+    start(attempt, time, kind, x, w)
+    phi = guess_expected(attempt, x, w) if kind == EXPECTED else guess(attempt, x, w)
+    close = CLOSE if kind == WHOLE else CLOSE_IN_STAGE
+    goal = close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
+    iterations, farthest = 0, inf
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
     while iterations < most and (farthest > goal or not holds(attempt.chain, w.x, w)):
         phi, farthest = descend(attempt, phi, w)
@@ -335,11 +357,14 @@ def step(conditions, time, h, is_stage, in_any_case, x, v, w):
             return False, -1
     if not (in_any_case or 0.0 <= farthest <= goal):
         return False, iterations
+    w.restless[0] += 1.0 if farthest > goal else 0.0
     for k in range(3 * conditions.first, 3 * conditions.last + 3):
-        v[k] = (w.x[k] - x[k]) / h
+        velocity = (w.x[k] - x[k]) / h
+        w.acceleration[k] = (velocity - v[k]) / h
+        v[k] = velocity
         x[k] = w.x[k]
     place_ends(conditions, time + h, x, v)
-    if is_stage:
+    if kind != WHOLE:
         copy(w.x, x)
     return True, iterations
 
@@ -350,12 +375,10 @@ def careful_step(conditions, time, h, x, v, w):
 
     Returns the number of iterations, at most `limits.WORST_CAREFUL`; negative where the matrix is singular.
     """
-    iterations = 0
-    done = 0  # in parts of the finest kind
-    size = FINEST
+    iterations, done, size = 0, 0, FINEST  # the last two in parts of the finest kind
     while done < FINEST:
         start = time + h * done / FINEST
-        taken, more = step(conditions, start, h * size / FINEST, False, size == 1, x, v, w)
+        taken, more = step(conditions, start, h * size / FINEST, WHOLE, size == 1, x, v, w)
         if more < 0:
             return more
         iterations += more

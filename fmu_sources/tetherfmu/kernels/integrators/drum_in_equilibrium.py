@@ -27,7 +27,8 @@ from . import secant
 
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
-MOST_PIECES = 2000  # of a communication step
+MOST_PIECES = 100_000  # of a communication step
+SHARES = 4  # of the budget of iterations
 SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 MOST_EVALUATIONS = 80  # of the tension for one length
 MOST_FAILURES = 2  # shapes that are not found, each after the whole ladder of `equilibrium.solve`, until it is given up
@@ -154,7 +155,7 @@ def drum_at(settle, tension):
         direction = HELD
         beyond = 0.0  # time at which the next event is known to be over, 0 without
         is_new, is_held = True, False
-        failures, most = 0, state[at.ITERATIONS] + at.ITERATION_BUDGET // n
+        failures, most = 0, state[at.ITERATIONS] + SHARES * at.ITERATION_BUDGET // n
         for _ in range(MOST_PIECES):
             if is_new:
                 direction = HELD if is_held else direction_of(drum, length, speed, pull, time)

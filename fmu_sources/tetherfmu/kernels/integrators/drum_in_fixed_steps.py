@@ -23,6 +23,7 @@ from .drum_step import chain_with, first_tension
 from .moving_drum import project
 
 MOST_EVALUATIONS = 40  # of the tension for one step
+SHARES = 6  # of the budget of iterations that a chain without a drum has: each evaluation is a step of the chain
 MOST_REELED = 0.1  # part of the length by which it changes between two of them
 CLOSE, ROUNDING = 1e-10, 1e-13  # of the forces; of EA and of the inertia of the length
 GOOD_ENOUGH = 1e-6  # of the forces, where the iterations of the chain allow no more
@@ -130,8 +131,8 @@ def integrate(conditions, duration, state, x, v, b):
     """Advance (x, v) (modified) over a communication step of `duration` [s] as `second_order.integrate` does, with a drum.
 
     b : `second_order.Workspace`. All steps are of order 1.
-    Its length and speed and the counters in `state` are modified. Returns a status: OK, FIXED_STEPS_TOO_MANY,
-    STATE_NOT_FINITE or NO_LENGTH.
+    Its length and speed, the counters in `state` and b.chain.restless are modified. Returns a status: OK,
+    FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
     """
     budget = at.ITERATION_BUDGET // conditions.n
     count = backward_euler.count_of_steps(conditions, duration, budget)
@@ -141,8 +142,9 @@ def integrate(conditions, duration, state, x, v, b):
     drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
     length, speed = state[at.LENGTH], state[at.REELING]
     spent = 0
+    b.chain.restless[0] = 0.0
     for i in range(count):
-        if spent > budget:
+        if spent > SHARES * budget:
             return FIXED_STEPS_TOO_MANY
         length, speed, iterations, status = step(conditions, Trial(drum, i * h, h, length, speed), x, v, b)
         if status != OK:

@@ -38,6 +38,7 @@ LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
 SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
 OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
 SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
+MOST_IDLE = 100  # pieces one after the other, in which a drum is held, that are so short that rounding keeps its tension
 AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
 MOST_CORRECTIONS = 30
 EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # of T = W, relative; what is good enough where it gets no better; of T
@@ -206,8 +207,9 @@ def integrate(conditions, duration, state, x, v, b):
     is_new = True  # whether a piece begins
     direction, piece, weight = HELD, inf, 1.0
     beyond = 0.0  # time at which the next event is known to be over, 0 without
+    idle = 0
     while time < duration:
-        if tried >= budget:
+        if step_control.is_spent(tried, budget, time, duration):
             return STEP_BUDGET_SPENT
         if h < step_control.SMALLEST_STEP * duration:
             return STEP_TOO_SMALL
@@ -248,7 +250,7 @@ def integrate(conditions, duration, state, x, v, b):
             state[at.REJECTIONS] += 1.0
             continue
         event = first_event(conditions, drum, direction, end, new_length, new_speed, w.x, w.v)
-        if event != NOTHING and h_now > SMALLEST_PIECE * duration:
+        if event != NOTHING and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
             room, _ = room_left(conditions, drum, event, time, length, speed, x, v)
             over, _ = room_left(conditions, drum, event, end, new_length, new_speed, w.x, w.v)
             piece = h_now * part_of_piece(weight * room, over)
@@ -262,8 +264,10 @@ def integrate(conditions, duration, state, x, v, b):
         length, speed, turned_back = speed_after(drum, direction, new_length, new_speed)
         if event != NOTHING:
             beyond = 0.0
+        idle = idle + 1 if direction == HELD and h_now < SMALLEST_PIECE * duration else 0
         is_new = True
-        h = step_control.next_step(h, h_now, error, last_error, rejected_before)
+        proposal = step_control.next_step(h, h_now, error, last_error, rejected_before)
+        h = step_control.step_after_event(h, h_now, proposal, duration)
         last_error = error
         rejected_before = False
         state[at.STEPS] += 1.0

@@ -1,35 +1,42 @@
-"""Fixed steps of order 2, L-stable: two stages, each a step of backward Euler, the minimum of an incremental potential.
+"""Fixed steps of order 2, L-stable: three stages, each a step of backward Euler, the minimum of an incremental potential.
 
-The diagonally implicit Runge-Kutta method with g = 1 - 1/sqrt(2), whose second stage is its result:
+A diagonally implicit Runge-Kutta method with the same g in each stage, whose last stage is its result:
 
-    x1 = x0 + g h v1,   v1 = v0 + g h a(x1, v1)                at t + g h, a: acceleration
-    x0' = x0 + (1 - g) h v1 = x0 + (x1 - x0) (1 - g)/g         and v0' from v0 and v1 alike
-    x2 = x0' + g h v2,  v2 = v0' + g h a(x2, v2)               at t + h
+    x1 = x0 + g h v1,           v1 = v0 + g h a(x1, v1)        at t + g h, a: acceleration
+    x2 = x0 + (c - g) h v1 + g h v2,  v2 alike                 at t + c h
+    x3 = x0 + h (b1 v1 + b2 v2 + g v3),  v3 alike              at t + h
 
-Both are `backward_euler.step` over g h, from (x0, v0) and from (x0', v0'). So all that bounds such a step bounds a stage. A
-driven end moves by the same formulas with its exact velocities v1 and v2, so that a chain that accelerates as a whole is not
-stretched in a stage, and is put on its curve after the step, from which x2 is O(h^3) away.
+    b1 + b2 + g = 1,   b1 g + b2 c + g = 1/2,   b1 g^2 + b2 c^2 + g = 1/3
+
+Any g from 0.1804 to 2.18 makes it L-stable; the smaller g, the smaller its error and the longer waves ring that a step does
+not resolve. The third condition is that of order 3 for forces that depend on time only. Each stage is `backward_euler.step`
+over g h, from where the stages before lead: so all that bounds such a step bounds a stage. A driven end moves by the same
+formulas with its exact velocities, so that a chain that accelerates as a whole is not stretched in a stage, and is put on
+its curve after the step, from which x3 is O(h^3) away.
+
+The accelerations of the last two stages, also of those of the step before, are continued linearly for the first guess of a
+stage: in smooth flight one iteration does.
 
 A step is taken anew by `backward_euler.careful_step` over the whole of h, and then has order 1, where
 
 - a stage does not come to rest within `limits.MOST_ITERATIONS`,
 - a node is on the ground,
 - a segment is as stiff as `limits.STIFF`: its tension would show by how little a driven end is put right after the stages,
-- a segment goes slack or taut, and the energy grows by more than ends, winch, wind and load can have put in: the start of
-  the second stage is an extrapolation, which does not know of the transition.
+- a segment goes slack or taut, or a stage takes more than two iterations, and the energy grows by more than ends, winch,
+  wind and load can have put in: the start of a stage is an extrapolation, which knows neither of the transition nor of
+  a chain that turns far in a step.
 
-Sources: Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J. Numer. Anal. 14 (1977), theorem 5;
+Sources: Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J. Numer. Anal. 14 (1977);
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See docs/models/numerics.md, "Fixed step".
 """
 
 from collections import namedtuple
-from math import sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import STIFF
+from tetherfmu.runtime.limits import STAGES, STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
-from ..arrays import behind, copy
+from ..arrays import behind, copy, split
 from ..compilation import kernel, part, view
 from ..equations import ground, node_loads, segment
 from ..equations.boundary import chain_during, load_during, place_ends
@@ -37,27 +44,38 @@ from ..equations.properties import rest_length, stiffest
 from ..linear_algebra.vectors import dot, get, norm, sub
 from . import backward_euler
 
-GAMMA = 1.0 - sqrt(0.5)  # g
-ONWARD = (1.0 - GAMMA) / GAMMA  # from (x0, v0) to (x0', v0') over the first stage
+GAMMA = 0.182  # g
+_FIRST, _SECOND = 0.5 - GAMMA - GAMMA * (1.0 - GAMMA), 1.0 / 3.0 - GAMMA - GAMMA**2 * (1.0 - GAMMA)
+MIDDLE = _SECOND / _FIRST - GAMMA  # c
+B2 = _FIRST / (MIDDLE - GAMMA)
+B1 = 1.0 - GAMMA - B2
+# parts of the moves in the first and in the second stage in the starts of the second and of the third one
+TO_SECOND, TO_THIRD, BESIDE = MIDDLE / GAMMA - 1.0, B1 / GAMMA, B2 / GAMMA
+# to continue the accelerations of two stages to the next one: time to there over the time between them
+TO_NEXT = GAMMA / (1.0 - MIDDLE), MIDDLE / GAMMA - 1.0, (1.0 - MIDDLE) / (MIDDLE - GAMMA)
 ROUNDING = 1e-9  # of energies, relative: of positions to which an iteration comes close
 
-Workspace = namedtuple("Workspace", "chain x v")
-Workspace.__doc__ = (
-    """Scratch arrays of a step. chain : `backward_euler.Workspace`.  x, v : at its start, 3 (n + 1) numbers."""
-)
+Workspace = namedtuple("Workspace", "chain x v x_onward v_onward before")
+Workspace.__doc__ = """Scratch arrays of a step, 3 (n + 1) numbers each.
+
+chain : `backward_euler.Workspace`.  x, v : at the start of the step [m, m/s].  x_onward, v_onward : the start of the third
+stage but for the result of the second one.  before : accelerations in the last stage but one [m/s2].
+"""
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return backward_euler.workspace_size(n) + 6 * (n + 1)
+    return backward_euler.workspace_size(n) + 5 * 3 * (n + 1)
 
 
 @view
 def workspace(n, work):
     """Cut the work array into the arrays of `Workspace`."""
-    room, flat = behind(backward_euler.workspace_size(n), work), 3 * (n + 1)
-    return Workspace(backward_euler.workspace(n, work), part(room, 0, flat), part(room, flat, flat))
+    flat = 3 * (n + 1)
+    x, v, before, room = split(flat, behind(backward_euler.workspace_size(n), work))
+    x_onward, v_onward = part(room, 0, flat), part(room, flat, flat)
+    return Workspace(backward_euler.workspace(n, work), x, v, x_onward, v_onward, before)
 
 
 @kernel
@@ -122,68 +140,119 @@ def is_explained(conditions, time, h, x, v, w):
 
 
 @kernel
-def two_stages(conditions, time, h, x, v, w):
-    """One step of h [s] of (x, v) (modified) at a time [s]; whether it is to be taken, and the number of iterations."""
+def stage(conditions, time, known, reach, x, v, w):
+    """A stage of g h = `reach` [s] from (x, v) (modified), the start of a stage at a time [s].
+
+    known : how many stages just before have left their accelerations.  Returns whether it came to rest, and the iterations.
+    """
+    kind = backward_euler.EXPECTED if known > 0 else backward_euler.STAGE
+    taken, iterations = backward_euler.step(conditions, time, reach, kind, False, x, v, w.chain)
+    return taken, max(iterations, 0)
+
+
+@kernel
+def expect(onward, known, w):
+    """Continue the accelerations of the last two stages to the next one, in w.chain.acceleration (modified) [m/s2].
+
+    onward : time to there over that between the two [-].  known : as for `stage`.
+    """
+    now = w.chain.acceleration
+    part_of_change = onward if known > 1 else 0.0
+    for k in range(len(now)):
+        latest = now[k]
+        now[k] = latest + part_of_change * (latest - w.before[k])
+        w.before[k] = latest
+
+
+@kernel
+def stages(conditions, time, h, known, x, v, w):
+    """One step of h [s] of (x, v) (modified) at a time [s]; whether it is to be taken, and the number of iterations.
+
+    known : as for `stage`.
+    """
+    reach = GAMMA * h
     copy(x, w.x)
     copy(v, w.v)
-    taken, iterations = backward_euler.step(conditions, time, GAMMA * h, True, False, x, v, w.chain)
+    if known > 0:
+        expect(TO_NEXT[0], known, w)
+    taken, iterations = stage(conditions, time, known, reach, x, v, w)
     if not taken:
-        return False, max(iterations, 0)
-    middle = time + GAMMA * h
-    does_cross = crosses(conditions, time, w.x, middle, x)
+        return False, iterations
+    does_cross = crosses(conditions, time, w.x, time + reach, x)
     for k in range(len(x)):
-        x[k] = w.x[k] + ONWARD * (x[k] - w.x[k])
-        v[k] = w.v[k] + ONWARD * (v[k] - w.v[k])
-    start = time + (1.0 - GAMMA) * h
-    taken, more = backward_euler.step(conditions, start, GAMMA * h, True, False, x, v, w.chain)
-    iterations += max(more, 0)
+        move, change = x[k] - w.x[k], v[k] - w.v[k]
+        x[k] = w.x[k] + TO_SECOND * move
+        v[k] = w.v[k] + TO_SECOND * change
+        w.x_onward[k] = w.x[k] + TO_THIRD * move - BESIDE * x[k]
+        w.v_onward[k] = w.v[k] + TO_THIRD * change - BESIDE * v[k]
+    expect(TO_NEXT[1], known, w)
+    taken, more = stage(conditions, time + (MIDDLE - GAMMA) * h, 1, reach, x, v, w)
+    iterations += more
+    if not taken:
+        return False, iterations
+    does_cross = does_cross or crosses(conditions, time, w.x, time + MIDDLE * h, x)
+    for k in range(len(x)):
+        x[k] = w.x_onward[k] + BESIDE * x[k]
+        v[k] = w.v_onward[k] + BESIDE * v[k]
+    expect(TO_NEXT[2], 2, w)
+    taken, more = stage(conditions, time + (1.0 - GAMMA) * h, 2, reach, x, v, w)
+    iterations += more
     if not taken or is_on_ground(conditions, x):
         return False, iterations
     place_ends(conditions, time + h, x, v)
     does_cross = does_cross or crosses(conditions, time, w.x, time + h, x)
-    return not does_cross or is_explained(conditions, time, h, x, v, w), iterations
+    is_smooth = not does_cross and iterations <= 2 * STAGES
+    return is_smooth or is_explained(conditions, time, h, x, v, w), iterations
 
 
 @kernel
-def step(conditions, time, h, x, v, w):
+def step(conditions, time, h, known, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`, negative where the matrix is
-    singular; and whether the two stages were left for backward Euler.
+    known : as for `stage`.  Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`,
+    negative where the matrix is singular; and whether it was one of three stages, 0, of backward Euler alone, 1, or of
+    backward Euler after stages that were left, 2.
     """
     has_one_stage = conditions.parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
     if has_one_stage or is_on_ground(conditions, x) or stiffest(chain_during(conditions, time)) >= STIFF:
-        return backward_euler.careful_step(conditions, time, h, x, v, w.chain), False
-    taken, iterations = two_stages(conditions, time, h, x, v, w)
+        return backward_euler.careful_step(conditions, time, h, x, v, w.chain), 1
+    taken, iterations = stages(conditions, time, h, known, x, v, w)
     if taken:
-        return iterations, False
+        return iterations, 0
     copy(w.x, x)
     copy(w.v, v)
     more = backward_euler.careful_step(conditions, time, h, x, v, w.chain)
-    return more if more < 0 else iterations + more, True
+    return more if more < 0 else iterations + more, 2
 
 
 @kernel
 def integrate(conditions, duration, state, x, v, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with steps of `fixed_step`.
 
-    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` are
-    modified. Returns a status: OK, FIXED_STEPS_TOO_MANY or STATE_NOT_FINITE.
+    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` and
+    w.chain.restless are modified. Once the budget of iterations is spent, which takes hard steps, the others are backward
+    Euler steps, taken as they are after `limits.LAST_ITERATIONS`. Returns a status: OK, FIXED_STEPS_TOO_MANY or
+    STATE_NOT_FINITE.
     """
     budget = at.ITERATION_BUDGET // conditions.n
     count = backward_euler.count_of_steps(conditions, duration, budget)
     if count == 0:
         return FIXED_STEPS_TOO_MANY
     h = duration / count
-    spent, left = 0, 0
+    w.chain.restless[0] = 0.0
+    spent, left, known = 0, 0, 0
     for i in range(count):
-        if spent > budget:
-            return FIXED_STEPS_TOO_MANY
-        iterations, is_left = step(conditions, i * h, h, x, v, w)
+        if spent > STAGES * budget:
+            _, iterations = backward_euler.step(conditions, i * h, h, backward_euler.WHOLE, True, x, v, w.chain)
+            w.chain.restless[0] += 1.0
+            way = 1
+        else:
+            iterations, way = step(conditions, i * h, h, known, x, v, w)
         if iterations < 0:
             return STATE_NOT_FINITE
+        known = 3 if way == 0 else 0
         spent += iterations
-        left += 1 if is_left else 0
+        left += 1 if way == 2 else 0
     state[at.STEPS] += count
     state[at.REJECTIONS] += left
     state[at.ITERATIONS] += spent

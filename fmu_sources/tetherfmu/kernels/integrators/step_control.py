@@ -9,7 +9,7 @@ tether that of its tension (`tension_error`), each over what is allowed (`allowe
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import STIFF
+from tetherfmu.runtime.limits import HOPELESS, MOST_BUDGETS, STIFF
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..arrays import copy
@@ -223,6 +223,25 @@ def first_step(duration, state):
 
 
 @kernel
+def step_after_event(h, done, proposal, duration):
+    """Step to try [s] where an event of a drum may have ended one of `done` [s] early, though h [s] was allowed.
+
+    The proposal [s] of `next_step`, but not what is left of a piece that an event has cut to nothing: the estimate of its
+    error says nothing, and after a rejection the next step would be no longer.
+    """
+    return h if done < h and proposal < SMALLEST_STEP * duration else proposal
+
+
+@kernel
+def is_spent(tried, budget, time, duration):
+    """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on a course to more than HOPELESS of them.
+
+    time : reached [s] within the communication step of `duration` [s].
+    """
+    return tried >= MOST_BUDGETS * budget or (tried >= budget and tried * duration >= HOPELESS * budget * time)
+
+
+@kernel
 def integrate(conditions, duration, state, x, v, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
 
@@ -234,7 +253,7 @@ def integrate(conditions, duration, state, x, v, w):
     tried = 0
     rejected_before = False
     while time < duration:
-        if tried >= budget:
+        if is_spent(tried, budget, time, duration):
             return STEP_BUDGET_SPENT
         if h < SMALLEST_STEP * duration:
             return STEP_TOO_SMALL

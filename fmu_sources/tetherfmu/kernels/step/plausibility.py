@@ -7,6 +7,8 @@
     slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
     hanging deep   ground_height - z of the lowest node, without ground contact, while both ends are above the ground
     under ground   ground_height - z of a driven end, with ground contact
+    damping        E A h of backward Euler with a fixed step h, where that is above a tenth of the axial damping
+    restless       h of a fixed step that was ended before its iteration came to rest
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
     slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
     too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
@@ -118,6 +120,26 @@ def note_stiff_and_slack(chain, x, state):
             r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
             if dot(r, r) < rest * rest:
                 note(state, limits.STIFF_AND_SLACK, stiffness * stiffness, limits.STIFF)
+
+
+@kernel
+def note_damping_of_steps(chain, parameters, state):
+    """Note E A h [N s] of backward Euler with a fixed step h above a tenth of the damping in the state (modified)."""
+    h = parameters[at.FIXED_STEP]
+    if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER or winch.follows_force(parameters):
+        largest = 0.0
+        for s in range(chain.n):
+            added = h * property_of(chain, s, at.STIFFNESS)
+            if added > limits.LARGEST_PART_OF_DAMPING * property_of(chain, s, at.DAMPING):
+                largest = max(largest, added)
+        note(state, limits.FIXED_STEP_DAMPS, largest * largest, 0.0)
+
+
+@kernel
+def note_restless(count, parameters, state):
+    """Note a fixed step [s] in the state (modified), if in any iterations were ended before they came to rest: `count`."""
+    if count > 0.0:
+        note(state, limits.FIXED_STEP_RESTLESS, parameters[at.FIXED_STEP] ** 2, 0.0)
 
 
 @kernel

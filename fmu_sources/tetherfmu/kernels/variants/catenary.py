@@ -73,7 +73,7 @@ def note_depth(parameters, state):
 
 
 @kernel
-def initialize(n, parameters, state, work):
+def initialize(n, parameters, inputs, state, work):
     """Find the tension in a new state (modified); returns a status: OK or NO_EQUILIBRIUM. n is 1."""
     status = settle(n, parameters, state, work)
     note_depth(parameters, state)

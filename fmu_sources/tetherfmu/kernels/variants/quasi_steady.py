@@ -52,7 +52,7 @@ def settle_from(n, parameters, state, warm, w):
 
 
 @kernel
-def initialize(n, parameters, state, work):
+def initialize(n, parameters, inputs, state, work):
     """Give a new state (modified) its shape; returns a status: OK or NO_EQUILIBRIUM."""
     return settle_from(n, parameters, state, False, newton.workspace(n, work))
 

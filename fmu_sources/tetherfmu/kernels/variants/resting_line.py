@@ -1,8 +1,8 @@
 """A line of a system at rest between its two points, some of which are sought: its forces on them, and their slopes.
 
-The line is in equilibrium (`dynamic.initialize`), and never holds itself up as a strut. What its forces change with the
-positions of its ends comes from the matrix of Newton's method, condensed to them (`linear_algebra.condensed`). The ground
-carries a point with its half segments as it carries a node.
+The line is in equilibrium (`dynamic_chain.initialize`), and never holds itself up as a strut. What its forces change with
+the positions of its ends comes from the matrix of Newton's method, condensed to them (`linear_algebra.condensed`). The
+ground carries a point with its half segments as it carries a node.
 """
 
 from tetherfmu.runtime import layout as at
@@ -15,6 +15,7 @@ from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
     add_at,
     band_of,
+    free_points,
     inputs_of,
     lines_of,
     motion_of,
@@ -30,11 +31,11 @@ from ..equations.properties import chain_of
 from ..equilibrium import end_tensions, newton
 from ..equilibrium.rigid_body import Body, spring
 from ..linear_algebra import condensed
-from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
-from ..linear_algebra.points import add_block
+from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
+from ..linear_algebra.points import add_block, place_in
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
 from ..step import transaction
-from . import dynamic
+from . import dynamic_chain
 
 
 @kernel
@@ -76,6 +77,24 @@ def is_point_sought(system, point):
 
 
 @kernel
+def first_sought(system):
+    """Number of the first free point whose position is sought; there is one."""
+    for point in range(free_points(system)):
+        if is_point_sought(system, point):
+            return point
+    return 0
+
+
+@kernel
+def fill_others(system, matrix):
+    """Let the rows of points that are not sought say that they do not move (matrix modified)."""
+    b = band_of(system)
+    for point in range(free_points(system)):
+        if matrix[place_in(b, 3 * point, 3 * point)] == 0.0 and not is_point_sought(system, point):
+            add_block(b, point, point, IDENTITY, matrix)
+
+
+@kernel
 def given_position(system, k, end):
     """Position [m] of an end of line k among the inputs."""
     return vector_at(inputs_of(system, k), at.KITE_POSITION if end == 1 else at.GROUND_POSITION)
@@ -99,24 +118,25 @@ def rest_line(system, k, x):
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status != OK:
         return status
+    state[at.REELING] = 0.0  # whose damper force would be no equilibrium
     nodes, v = motion_of(system, k)
     for end in range(2):
         put(nodes, n * end, position(system, k, end, x))
         put(v, n * end, ZERO_VECTOR)
     shape = parameters[at.INITIAL_SHAPE]
     parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
-    status = dynamic.initialize(n, parameters, state, room_of(system, k))
+    status = dynamic_chain.initialize(n, parameters, state, room_of(system, k))
     parameters[at.INITIAL_SHAPE] = shape
     if status == OK:
         points = number_of_line(system, k, places.SHAPE_POINTS)
-        dynamic.outputs_of(n, parameters, state, points, room_outputs(system, k), room_of(system, k))
+        dynamic_chain.outputs_of(n, parameters, state, points, room_outputs(system, k), room_of(system, k))
     return status
 
 
 @view
 def room_outputs(system, k):
     """Outputs of line k in the scratch space."""
-    found = part(system.work, system.plan[places.OUTPUTS_WORK], system.plan[places.OUTPUTS_SIZE])
+    found = part(system.work, int(system.plan[places.OUTPUTS_WORK]), int(system.plan[places.OUTPUTS_SIZE]))
     return outputs_of_line(system, k, found)
 
 

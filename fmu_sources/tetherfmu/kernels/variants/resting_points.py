@@ -2,10 +2,10 @@
 
     R_p = sum over the lines at p of their force on it + m_p g + load_p = 0
 
-Each line is in equilibrium between its two points (`dynamic.initialize`), which never holds itself up as a strut. What its
-forces change with the positions of its ends (`resting_line.py`) is added up in S = -dR/dX. But for drag, R is the fall of a
-potential. A step dX solves (a I + S) dX = R with a damping a that makes the matrix positive definite, so that the potential
-falls along dX; the step ends before it rises much.
+Each line is in equilibrium between its two points (`dynamic_chain.initialize`), which never holds itself up as a strut. What
+its forces change with the positions of its ends (`resting_line.py`) is added up in S = -dR/dX. But for drag, R is the fall
+of a potential. A step dX solves (a I + S) dX = R with a damping a that makes the matrix positive definite, so that the
+potential falls along dX; the step ends before it rises much. Where the search begins: `resting_guess.py`.
 
 The friction of the ground holds a point: what pulls it sideways counts beyond mu times the pressure only.
 
@@ -15,7 +15,7 @@ Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton
 """
 
 from collections import namedtuple
-from math import cos, inf, sin
+from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
@@ -23,8 +23,6 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN,
 
 from ..arrays import behind, copy
 from ..compilation import kernel, part, view
-from ..equations import node_loads
-from ..equations.ground import carries, under
 from ..equations.lines import (
     add_at,
     band_of,
@@ -32,7 +30,6 @@ from ..equations.lines import (
     free_points,
     inputs_of,
     lines_of,
-    load_on,
     parameters_of,
     point_at,
     points_of,
@@ -40,26 +37,26 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
-from ..equations.properties import chain_of, point_mass, property_of, rest_length
 from ..equilibrium.rigid_body import GIVE
-from ..linear_algebra.matrices import IDENTITY, scale_matrix
-from ..linear_algebra.points import add_block, factorize_band, is_positive_definite, place_in, row_size, solve_band
-from ..linear_algebra.vectors import dot, get, norm, put, put_at, scale
+from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, row_size, solve_band
+from ..linear_algebra.vectors import dot, get, norm, put, put_at
 from ..step import transaction
+from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, set_off, shortest_line
 from .resting_line import (
     add_slopes,
     add_support,
     count_sought,
+    fill_others,
+    first_sought,
     force_at,
-    given_position,
     is_any_sought,
-    is_point_sought,
     is_sought,
     rest_line,
     rounding_at,
 )
 
 ITERATIONS = 300
+BUDGET = 150000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
 ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
 STALLED = 0.5  # residual over that of the iteration before, above which it stalls
@@ -67,40 +64,37 @@ HARDER, SOFTER = 2.0, 0.2  # factor of the damping after a part of a move; after
 LARGEST_DAMPING = 60  # doublings of the damping
 OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at the start
 SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # of a move for the next trial; how many
-PULLS = (1.0, 0.3, 3.0)  # of the springs of the guesses: the weaker, the more stretched are the lines
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
 SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient continuation
-SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
-COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between the directions of two that follow each other
 
-Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding grip")
+Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding grip spent")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
 residual : R [N], m.  move : dX [m], m.  outer : load and weight of the points [N], m.
 size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
-grip : friction of the ground at the points [N], F.
+grip : friction of the ground at the points [N], F.  spent : Newton iterations for the shapes of all lines, one number.
 """
 
 
 @kernel
 def search_size(points, band):
     """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 18 * points
+    return 6 * points * row_size(band) + 18 * points + 1
 
 
 @view
 def search_of(system):
     """`Search` of a system, behind its `Points`."""
     count, band = free_points(system), band_of(system)
-    room = behind(system.plan[places.POINTS_WORK] + points_size(count, band), system.work)
+    room = behind(int(system.plan[places.POINTS_WORK]) + points_size(count, band), system.work)
     m = 3 * count
     size = m * row_size(band)
     slopes, factors, room = part(room, 0, size), part(room, size, size), behind(2 * size, room)
     x, trial, residual = part(room, 0, m), part(room, m, m), part(room, 2 * m, m)
     move, outer, room = part(room, 3 * m, m), part(room, 4 * m, m), behind(5 * m, room)
     sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Search(slopes, factors, x, trial, residual, move, outer, *sizes)
+    return Search(slopes, factors, x, trial, residual, move, outer, *sizes, part(room, 3 * count, 1))
 
 
 # --- all of them
@@ -116,7 +110,9 @@ def find_residual(system, x, search):
         search.size[point] = norm(get(search.outer, point))
     for k in range(lines_of(system)):
         if is_any_sought(system, k):
-            if rest_line(system, k, x) != OK:
+            status = rest_line(system, k, x)
+            search.spent[0] += state_of(system, k)[at.ITERATIONS]
+            if status != OK:
                 return False
             both = norm(force_at(system, k, 0)) + norm(force_at(system, k, 1))
             for end in range(2):
@@ -159,15 +155,6 @@ def find_slopes(system, search):
 
 
 @kernel
-def fill_others(system, matrix):
-    """Let the rows of points that are not sought say that they do not move (matrix modified)."""
-    b = band_of(system)
-    for point in range(free_points(system)):
-        if matrix[place_in(b, 3 * point, 3 * point)] == 0.0 and not is_point_sought(system, point):
-            add_block(b, point, point, IDENTITY, matrix)
-
-
-@kernel
 def largest_residual(search):
     """Largest residual of a point [N]."""
     largest = 0.0
@@ -192,93 +179,6 @@ def least_balanced(stalled, search):
         if not over <= most:
             worst, most = point, over
     return worst, most
-
-
-# --- the start of the search
-
-
-@kernel
-def find_outer(system, search):
-    """Weight and load of the sought points [N] into `search` (modified); the lines have their first states, see `check`."""
-    clear(search.outer)
-    for k in range(lines_of(system)):
-        n, state = segments_of(system, k), state_of(system, k)
-        chain = chain_of(n, parameters_of(system, k), state)
-        for end in range(2):
-            if is_sought(system, k, end):
-                add_at(search.outer, point_at(system, k, end), node_loads.weight(chain, point_mass(chain, n * end)))
-    for point in range(free_points(system)):
-        if is_point_sought(system, point):
-            add_at(search.outer, point, load_on(system, point))
-
-
-@kernel
-def half_weight(system, k):
-    """Half of the weight of line k [N]."""
-    n = segments_of(system, k)
-    chain = chain_of(n, parameters_of(system, k), state_of(system, k))
-    mass = 0.0
-    for s in range(n):
-        mass += 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_length(chain, s)
-    return node_loads.weight(chain, mass)
-
-
-@kernel
-def shortest_line(system):
-    """Length [m] of the shortest line at a sought point."""
-    shortest = inf
-    for k in range(lines_of(system)):
-        if is_any_sought(system, k):
-            shortest = min(shortest, state_of(system, k)[at.LENGTH])
-    return shortest
-
-
-@kernel
-def rise(system, point, x):
-    """Put a sought point of x [m] (modified) onto the ground if it is below."""
-    ground = under(parameters_of(system, 0))
-    if carries(ground, get(x, point)):
-        put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
-
-
-@kernel
-def guess(system, pull, search):
-    """Put the sought points, search.x [m] (modified), where all lines are springs without length; False if they cannot be.
-
-    They pull with `pull` times the largest outer force at their length.
-    """
-    points, b, x = points_of(system), band_of(system), search.x
-    copy(search.outer, x)
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if is_sought(system, k, end):
-                add_at(x, point_at(system, k, end), half_weight(system, k))
-    largest = 0.0
-    for point in range(free_points(system)):
-        largest = max(largest, norm(get(x, point)))
-    clear(points.matrix)
-    for k in range(lines_of(system)):
-        density = pull * (largest if largest > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
-        for end in range(2):
-            if is_sought(system, k, end):
-                point, other = point_at(system, k, end), point_at(system, k, 1 - end)
-                add_block(b, point, point, scale_matrix(density, IDENTITY), points.matrix)
-                if is_sought(system, k, 1 - end):
-                    add_block(b, point, other, scale_matrix(-density, IDENTITY), points.matrix)
-                else:
-                    add_at(x, point, scale(density, given_position(system, k, 1 - end)))
-    fill_others(system, points.matrix)
-    m = 3 * free_points(system)
-    if not factorize_band(m, b, points.matrix, points.pivots):
-        return False
-    solve_band(m, b, points.matrix, points.pivots, x)
-    apart = SPREAD * shortest_line(system)
-    along_x, along_y = apart, 0.0
-    for point in range(free_points(system)):
-        add_at(x, point, (along_x, along_y, 0.0))
-        rise(system, point, x)
-        along_x, along_y = COSINE * along_x - SINE * along_y, SINE * along_x + COSINE * along_y
-    return True
 
 
 # --- the search
@@ -359,11 +259,11 @@ def search_from(system, slowly, search):
     slowly : by pseudo-transient continuation.
     """
     limit = shortest_line(system)
-    damping, last = 0.0, inf
+    damping, last, worst = 0.0, inf, first_sought(system)
     found = find_residual(system, search.x, search)
     for _ in range(ITERATIONS):
-        if not found:
-            return 0, False
+        if not found or search.spent[0] > BUDGET * lines_of(system):
+            return worst, False
         residual = largest_residual(search)
         worst, over = least_balanced(residual > STALLED * last, search)
         last = residual
@@ -406,9 +306,10 @@ def check(system):
 
 
 @kernel
-def find(system):
+def find(system, begins_as_given):
     """Put the sought points where they are in equilibrium, into the inputs of their lines (modified); a status.
 
+    begins_as_given : whether the search begins at the positions among the inputs, before it does at guesses.
     OK, NO_POINT_IS_GIVEN, NO_EQUILIBRIUM_OF_POINT with the number of the point that is least balanced, or what the start of
     a line says; the inputs are as they were but on OK. The states of the lines at these points are modified.
     """
@@ -418,11 +319,12 @@ def find(system):
     if status != OK:
         return status
     search = search_of(system)
+    search.spent[0] = 0.0
     find_outer(system, search)
     worst, found = 0, False
     for slowly in range(2):
-        for pull in PULLS:
-            if not found and guess(system, pull, search):
+        for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
+            if not found and set_off(system, start, search):
                 worst, found = search_from(system, slowly == 1, search)
     if not found:
         return NO_EQUILIBRIUM_OF_POINT | worst << 8

@@ -20,7 +20,7 @@ work_size = no_work_size
 
 
 @kernel
-def initialize(n, parameters, state, work):
+def initialize(n, parameters, inputs, state, work):
     """A new state is complete when it has its ends; returns OK. n is 1."""
     return OK
 

@@ -1,6 +1,6 @@
 """A system of lines: its plan, first shapes, motion within a communication step and outputs, as transactions of all lines.
 
-The lines are started, and their outputs are found, one by one as dynamic tethers between their ends (`dynamic.py`).
+The lines are started, and their outputs are found, one by one as dynamic tethers between their ends (`dynamic_chain.py`).
 """
 
 from tetherfmu.runtime import layout as at
@@ -31,7 +31,7 @@ from ..integrators import system_control, system_room
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_stiff_and_slack
-from . import dynamic, resting_line, resting_points
+from . import dynamic_chain, resting_line, resting_points
 
 # --- the plan
 
@@ -83,12 +83,22 @@ def take_outputs(system, outputs):
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, found)
         points = system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.SHAPE_POINTS]
-        dynamic.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
+        dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
         status = complete(n, state, own)
         if status != OK:
             return status
     copy(found, outputs)
     return OK
+
+
+@kernel
+def with_outputs(system, status, before, outputs):
+    """Outputs of all lines (modified) if the status is OK, else the states of before (states modified); the status."""
+    if status == OK:
+        status = take_outputs(system, outputs)
+    if status != OK:
+        copy(before, system.state)
+    return status
 
 
 # --- the start
@@ -100,7 +110,7 @@ def start_line(system, k):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status == OK:
-        status = dynamic.initialize(n, parameters, state, room_of(system, k))
+        status = dynamic_chain.initialize(n, parameters, state, room_of(system, k))
     return transaction.commit_start(n, parameters, status, state)
 
 
@@ -114,16 +124,12 @@ def initialize(system, before, outputs):
     copy(system.state, before)
     status = check_loads(system)
     if status == OK:
-        status = resting_points.find(system)
+        status = resting_points.find(system, False)
     for k in range(lines_of(system)):
         if status == OK:
             system.plan[places.STATUS_LINE] = k
             status = start_line(system, k)
-    if status == OK:
-        status = take_outputs(system, outputs)
-    if status != OK:
-        copy(before, system.state)
-    return status
+    return with_outputs(system, status, before, outputs)
 
 
 # --- a communication step
@@ -217,12 +223,7 @@ def commit(system, step, before):
 @kernel
 def advance_with_outputs(system, step, before, outputs):
     """`advance`, then the outputs of all lines (modified), which are as they were on any status but OK, too."""
-    status = advance(system, step, before)
-    if status == OK:
-        status = take_outputs(system, outputs)
-        if status != OK:
-            copy(before, system.state)
-    return status
+    return with_outputs(system, advance(system, step, before), before, outputs)
 
 
 @kernel

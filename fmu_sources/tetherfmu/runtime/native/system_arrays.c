@@ -1,5 +1,5 @@
 /* The arrays of the kernels for a system of lines (system_layout.py), and the calls of the kernels. In the place of arrays.c.
-Which variable stands where is what system_variables.py says. */
+Which variable stands where is what system_maps.py says. */
 #include "arrays.h"
 
 #include <string.h>
@@ -44,6 +44,7 @@ Arrays *make_arrays(Instance *instance, const double *values)
     Arrays plan = {.segments = 0};
     double quantities[QUANTITIES];
     memcpy(plan.plan, GIVEN_PLAN, sizeof GIVEN_PLAN);
+    for (int i = 0; i < STARTS; i++) plan.plan[START_FROM[i].place] = values[START_FROM[i].reference] == AT_START_AT_REST;
     for (int k = 0; k < LINES; k++) {
         quantities_of(values, k, quantities);
         int64_t n = KERNEL(segments)(1, quantities);
@@ -85,9 +86,11 @@ static bool check_points(const double *values, char *problem)
     for (int i = 0; i < CHECKS; i++) {
         double value = values[CHECK[i].reference];
         const Parameter *declared = &PARAMETER[CHECK[i].reference - PARAMETERS_AT];
-        if (value >= CHECK[i].lowest && value <= CHECK[i].highest) continue;
+        bool is_number = declared->kind == REAL || is_integer(value);
+        if (is_number && value >= CHECK[i].lowest && value <= CHECK[i].highest) continue;
+        Fact fact = declared->kind != REAL && is_number ? whole("value", value) : real("value", value);
         fill_in(problem, LONGEST_TEXT, KERNEL_SENTENCE[PARAMETER_OUT_OF_RANGE], FACTS(
-            word("name", declared->name), word("range", declared->range), real("value", value)));
+            word("name", declared->name), word("range", declared->range), fact));
         return false;
     }
     return true;
@@ -195,6 +198,10 @@ void sentence_of(
         fill_in(said, sizeof said, "{point}.load", FACTS(word("point", FREE_POINT_NAME[place])));
         fill_in(vector, sizeof vector, "[{x}, {y}, {z}]", FACTS(real("x", load[0]), real("y", load[1]), real("z", load[2])));
         fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[INPUT_NOT_FINITE], FACTS(word("name", said), word("value", vector)));
+        return;
+    }
+    if (code_of(result) == NO_EQUILIBRIUM_OF_POINT) {
+        fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[NO_EQUILIBRIUM_OF_POINT], FACTS(word("name", FREE_POINT_NAME[place])));
         return;
     }
     const double *parameters = arrays->parameters + of_line(arrays, line, PLAN_PARAMETERS_AT);

@@ -24,6 +24,7 @@ from tetherfmu.study.scenes.standard import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
+FIXED = "fixed_step"  # row of the dynamic tether with fixed steps of order 2, whose work are iterations
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
 HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
@@ -74,7 +75,7 @@ def least_cost(scene, config):
 def parameters_of(scene, config):
     """Values of all parameters of a tether in a scene by name; the solver's others have their defaults."""
     chosen = {"segments": config.segments or 1, "relative_tolerance": config.tolerance, "initial_shape": at.QUASI_STEADY}
-    chosen |= {"end_velocities": end_velocities(scene), "winch_control": winch_control(scene)}
+    chosen |= {"end_velocities": end_velocities(scene), **winch(scene)}
     found = {**asdict(scene.tether), **asdict(scene.environment), **asdict(scene.ground), **chosen}
     if scene.kite_is_free:
         start = scene.flight.at_rest(scene.tether, scene.environment.gravity).tolist()
@@ -93,11 +94,10 @@ def end_velocities(scene):
     return at.GIVEN if scene.flight.has_velocities else at.DERIVED
 
 
-def winch_control(scene):
-    """What an importer can tell the winch: a speed, or the force or the length of a log."""
-    if scene.flight.has_force:
-        return at.WINCH_BY_FORCE
-    return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
+def winch(scene):
+    """Parameters of the winch by name: its drum, and what it is told: a speed, or the force or the length of a log."""
+    control = at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
+    return asdict(scene.winch) | {"winch_control": at.WINCH_BY_FORCE if scene.flight.has_force else control}
 
 
 def run(scene, config, exact=False):
@@ -108,7 +108,7 @@ def run(scene, config, exact=False):
     inputs, wind = scene.inputs(config.step, exact), scene.wind_at(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
-    options["winch_control"] = winch_control(scene)
+    options |= winch(scene)
     if exact and scene.flight.has_length:
         options["winch_control"] = at.WINCH_BY_SPEED
     with catch_warnings(**UNWARNED):

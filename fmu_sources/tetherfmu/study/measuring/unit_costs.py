@@ -2,6 +2,7 @@
 
 import tempfile
 from itertools import product
+from warnings import catch_warnings
 
 import numpy as np
 import pandas as pd
@@ -12,10 +13,10 @@ from tetherfmu.export.archive import build
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
-from tetherfmu.study.scenes.standard import random_scenes
+from tetherfmu.study.scenes.standard import random_scenes, tether_at_start
 
 from . import runs
-from .runs import COLUMNS, HOST, TABLE, regressors
+from .runs import COLUMNS, FIXED, HOST, TABLE, regressors
 from .through_fmpy import measured
 
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
@@ -37,6 +38,24 @@ def fitted(scenes, variant):
     return nnls(np.array(rows), np.ones(len(rows)))[0]
 
 
+def fitted_to_fixed_steps(scenes):
+    """The same of fixed steps of order 2: one, or four, in each communication step."""
+    rows = []
+    for scene, n, step, parts in product(scenes, SEGMENTS, STEPS[1:], (1, 4)):
+        inputs = scene.inputs(step)
+        options = {"segments": n, "fixed_step": step / parts, "shape_points": runs.SHAPE_POINTS}
+        with catch_warnings(**runs.UNWARNED):
+            flights = []
+            for _ in range(REPEATS):
+                model = tether_at_start(scene, 0.0, "dynamic", inputs[0], **options)
+                before = model.counters["iterations"]
+                flown = model.fly(inputs, step, every=round(scene.every / step))
+                flights.append((flown.seconds, model.counters["iterations"] - before))
+        seconds, work = min(flights)
+        rows.append(regressors(runs.Config("dynamic", n, 0.0, step), len(inputs), work) / seconds)
+    return nnls(np.array(rows), np.ones(len(rows)))[0]
+
+
 def run(_):
     """Measure all unit costs in random scenes, store and print them.
 
@@ -45,6 +64,7 @@ def run(_):
     now("measuring the unit costs")
     scenes = random_scenes(SCENES)
     rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
+    rows[FIXED] = fitted_to_fixed_steps(scenes)
     with tempfile.TemporaryDirectory() as folder:
         path = build("TetherStraight", folder)
         rows[HOST] = [sum(measured(path, HOST_STEPS, REPEATS)[1:]), 0.0, 0.0, 0.0]

@@ -10,19 +10,20 @@ from typing import Any
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse
-from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, record, require, value_of
+from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, record, require, value_of, without
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.parameters import Environment, Ground, Tether, diameter_in_doubt
+from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch, diameter_in_doubt
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
-from tetherfmu.runtime.quantities import check, quantity
+from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .flights import KINDS
 from .winds import BoxedWind, Wind, read_wind
 
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
-NOT_OF_A_SCENE = ("segments",)
+NOT_OF_A_SCENE = ("segments", "control")
+WINCH = "winch_"  # begins the names of most quantities of a `Winch`
 REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
     "tether": ("initial_length",),
@@ -43,6 +44,13 @@ def output_names(value):
     return tuple(value)
 
 
+def yes_or_no(value):
+    """True or false."""
+    if not isinstance(value, bool):
+        raise ValueError("it must be true or false")
+    return value
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What the user asks for; errors are relative, see docs/use/how_much_tether.md, "Errors and cost"."""
@@ -51,6 +59,10 @@ class Wanted:
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
     real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
+    fixed: bool = field(default=False, metadata={"read": yes_or_no})
+    time_per_step: float = quantity(
+        0.0, "s", "longest time of a communication step, with fixed = true, 0: no requirement", minimum=0.0, maximum=1.0
+    )
     __post_init__ = check
 
 
@@ -58,6 +70,7 @@ RECORDS = {  # of a scene, by section
     "tether": Tether,
     "environment": Environment,
     "ground": TABLE_OF_GROUND,
+    "winch": without(WINCH, Winch),
     "wind": Wind,
     "wanted": Wanted,
 }
@@ -73,6 +86,7 @@ class Scene:
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
     ground: Ground = field(default_factory=Ground)
+    winch: Winch = field(default_factory=Winch)  # its drum, where the flight gives the force of the winch
     wind: Any = field(default_factory=Wind)  # a function of times [s], at the reference height; or a `BoxedWind`
     wanted: Wanted = Wanted()
     digest: str = ""
@@ -191,6 +205,7 @@ def read(table, folder, name):
         if key != "wind"
     }
     records["ground"] = ground_of(records["ground"], records["environment"])
+    records["winch"] = winch_of(records["winch"], flight)
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
     records["wind"] = flight.wind or read_wind(table.get("wind", {}), folder, records["environment"])
@@ -213,6 +228,17 @@ def read(table, folder, name):
     )
     scene.wind_at(every)  # refused here rather than in a flight
     return scene
+
+
+def winch_of(table, flight):
+    """The `Winch` of a table of a file; ValueError if nothing tells it a force, without which it has no drum."""
+    names = {each.removeprefix(WINCH): each for each, _ in quantities(Winch)}
+    winch = Winch(**{names[key]: value for key, value in vars(table).items()})
+    if winch != Winch() and not flight.has_force:
+        raise ValueError(
+            "winch is given, but no series that says its force; a drum needs a column winch_force or ground_tension"
+        )
+    return winch
 
 
 def read_flight(table, folder):

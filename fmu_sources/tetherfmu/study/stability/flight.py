@@ -90,7 +90,7 @@ class Verdict(NamedTuple):
 RATIOS = ("tension_ratio", "speed_ratio", "depth_ratio")
 COLUMNS = MapPoint._fields + Verdict._fields
 ENDED = {TimeoutError: "hanging", ProcessExpired: "crashed"}  # the verdict on a point that ended its process so
-MOST_SECONDS = 120.0  # for one point with its refinement: 90 calls; beyond it the process is ended
+MOST_SECONDS = 900.0  # for one point with its refinement, 90 calls of a second at most; beyond it the process is ended
 
 
 def model_of(point, refinement):
@@ -145,6 +145,13 @@ def strain_and_speed(flown, step):
     return max(ROUND_OFF, chords.max() - 1.0), speeds.max()
 
 
+def start_strain(point):
+    """eps_slack [-]: of a tether that starts straight, as one of a single segment does whatever its shape."""
+    if point.initial_shape != at.STRAIGHT and point.segments > 1:
+        return 0.0
+    return sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
+
+
 def free_strain_and_speed(point):
     """Bounds of `strain_and_speed` of a free kite; see the head of this file."""
     mass, length = point.kite_mass, point.length
@@ -153,8 +160,7 @@ def free_strain_and_speed(point):
     way = length * (1.0 + MOST_REELED) + point.distance
     speed = norm(kite(point, 0.0)[1]) + 2.0 * abs(point.reel_out_speed) + point.wind + sqrt(2.0 * force / mass * way)
     strain = max(0.0, point.distance / length - 1.0) + force / point.axial_stiffness
-    if point.initial_shape == at.STRAIGHT:
-        strain += sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
+    strain += start_strain(point)
     return strain + speed * sqrt(whole / (point.axial_stiffness * length * (1.0 - MOST_REELED))), speed
 
 
@@ -183,8 +189,7 @@ def bounds(point, strain, end_speed, reeled=0.0, force=0.0):
     impedance = sqrt(point.axial_stiffness * LINE_DENSITY)
     motion = end_speed + point.wind + abs(point.reel_out_speed) + fall + reeled + force / impedance
     speed = motion + wave_speed * strain
-    if point.initial_shape == at.STRAIGHT:
-        speed += wave_speed * sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
+    speed += wave_speed * start_strain(point)
     damping = point.axial_damping if point.variant.startswith("dynamic") else 0.0
     impact = impedance + damping / point.segment_length
     load = load_across(point, motion)

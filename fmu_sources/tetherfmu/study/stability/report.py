@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.models import TetherDynamicFree
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.tables import markdown, page
@@ -19,6 +20,7 @@ from tetherfmu.study.scenes.standard import MODELS
 from .figure import COMPARED, DYNAMIC, FIGURES, FREE_KITE, QUANTITIES, STATIC, draw
 from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge, judge_all, read
 from .points import VARIANTS, VARIANTS_ON_GROUND, MapPoint, point
+from .requests import POSSIBLE, REQUESTS, request
 
 QUICK = 60  # points
 STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `initial_shape` 1, 2, 3
@@ -27,6 +29,7 @@ ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, *STATIC[:2]), str
 OVER = dict(zip(VARIANTS, (*DYNAMIC, *STATIC), strict=True))
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
 REGIONS = QUANTITIES.dropna(subset="bands")
+CONTROLS = dict(zip((at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH), ("speed", "force", "length"), strict=True))
 
 
 def prepared(results):
@@ -44,6 +47,57 @@ def prepared(results):
         slack_percent=100.0 * results.slack,
         frequency=np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments),
     )
+
+
+def asked(results):
+    """What each point asks for: Categorical of `REQUESTS`."""
+    points = results[list(MapPoint._fields)].itertuples(index=False, name=None)
+    return pd.Categorical([request(MapPoint(*each)) for each in points], REQUESTS)
+
+
+def kinds(*tables):
+    """Results of several maps in one table; `winch` and `ground` say which map a point is of."""
+    whole = pd.concat([table for table in tables if len(table)], ignore_index=True)
+    return whole.assign(
+        winch=pd.Categorical(whole.control.map(CONTROLS), [*CONTROLS.values()]),
+        ground=np.where(whole.ground, "flat", "none"),
+        asks=asked(whole),
+    )
+
+
+def by_map(whole):
+    """Table with a row for each winch and ground of `kinds`: verdicts, and refusals of points that ask for what can be."""
+    rows = []
+    for (winch, ground), mine in whole.groupby(["winch", "ground"], observed=True):
+        shares = mine.verdict.value_counts(normalize=True)
+        can = mine[mine.asks == POSSIBLE]
+        rows.append(
+            {"winch is told": winch, "ground": ground, "points": len(mine)}
+            | {f"{verdict} %": 100.0 * shares.get(verdict, 0.0) for verdict in VERDICTS[:3]}
+            | {verdict: int((mine.verdict == verdict).sum()) for verdict in FORBIDDEN}
+            | {"possible": len(can), "refused of these %": 100.0 * (can.verdict == "refused").mean()}
+        )
+    return pd.DataFrame(rows)
+
+
+def by_request(whole):
+    """Table with a row for each of `REQUESTS`: how many points ask for it, and how many of these are refused in each map."""
+    maps = {f"{winch}, ground {ground}": mine for (winch, ground), mine in whole.groupby(["winch", "ground"], observed=True)}
+    rows = []
+    for words in REQUESTS:
+        those = {name: mine[mine.asks == words] for name, mine in maps.items()}
+        counts = {name: f"{(mine.verdict == 'refused').sum()} of {len(mine)}" for name, mine in those.items()}
+        rows.append({"asks for": words} | counts)
+    return pd.DataFrame(rows)
+
+
+def refusals_by_map(whole):
+    """Table of refusals of all maps by their sentence, and when: a column for each winch and ground."""
+    refused = whole[whole.refusal != ""]
+    when = np.where(refused.calls == 0, "at the start", "in flight")
+    names = refused.winch.astype(str) + ", ground " + refused.ground
+    rows = [refused.variant, refused.refusal.rename("sentence"), pd.Series(when, refused.index, name="when")]
+    return pd.crosstab(rows, names).reset_index()
 
 
 def counted(results, name, *labellings):
@@ -71,14 +125,6 @@ def by_region(results, variant):
         labels = [f"{each.region} {a:g} to {b:g} {each.unit}" for a, b in pairwise(limits)]
         bands.append(pd.cut(mine[each.Index], limits, right=False, labels=labels))
     return counted(mine, "region", *bands, mine.start).replace({"region": {"damping 0 to 0.1 N s": "without damping"}})
-
-
-def refusals(results):
-    """Table of refusals by variant: when and with which sentence."""
-    refused = results[results.refusal != ""].rename(columns={"refusal": "sentence"})
-    when = np.where(refused.calls == 0, "at the start", "in flight")
-    groups = refused.assign(when=when).groupby(["variant", "sentence", "when"], observed=True)
-    return groups.size().reset_index(name="points")
 
 
 def worst(results):
@@ -116,10 +162,21 @@ def figures(results, both, folder):
     return titles | {f"Heat maps, {when}": path(when) for when in both}
 
 
-def write(results, before, also, folder, with_figures):
+def regions(whole):
+    """Table of the verdicts by region in all maps of `kinds`: of the dynamic tethers, a row for each map and region."""
+    tables = {}
+    for (winch, ground), mine in whole.groupby(["winch", "ground"], observed=True):
+        points = prepared(mine.assign(ground=ground == "flat"))
+        tables |= {(winch, ground, name): by_region(points, name) for name in DYNAMIC}
+    names = ["winch", "ground", "variant"]
+    return pd.concat(tables, names=names).reset_index(names)
+
+
+def write(results, before, also, folder, with_figures, others=()):
     """Write the page, the table by region, and if asked for the figures, to a folder (Path); returns the summary as text.
 
     results, before, also : tables of results, of now, of another version and of another seed (which may both be empty).
+    others : tables of results with other winches and grounds.
     """
     pages, data = folder / "measurements", folder / "data"
     for each in (pages, data):
@@ -127,15 +184,15 @@ def write(results, before, also, folder, with_figures):
     points, both = prepared(results), common(results, before) if len(before) else {}
     core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
     held = f"{100.0 * core.held.mean():.1f} % of {len(core)} points are converged or stable."
-    tables = {"by_variant": by_variant, "refusals": refusals, "worst": worst, "compared": compared}
+    tables = {"by_variant": by_variant, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
     drawn = figures(points, both, folder) if with_figures else {}
+    whole = kinds(results, *others)
     found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
+    found |= {"maps": by_map(whole), "requests": by_request(whole), "all_refusals": refusals_by_map(whole)}
     text = page("stability/page.md.j2", figures=drawn, **found, **tables, **bounds)
     (pages / "stability.md").write_text(text, encoding="utf-8")
-    regions = {name: by_region(points, name) for name in DYNAMIC}
-    whole = pd.concat(regions, names=["variant"]).reset_index("variant")
-    whole.to_csv(data / "stability_by_region.csv", index=False, float_format="%.3g")
+    regions(whole).to_csv(data / "stability_by_region.csv", index=False, float_format="%.3g")
     return f"{markdown(by_variant(points))}\n{held}"
 
 
@@ -156,7 +213,8 @@ def run(options):
     file = options.results or options.out / f"{name}.jsonl"
     results = judge_all(points, file, options.processes, options.dask)
     before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
-    print(write(results, before, also, options.out, with_figures=not options.quick))
+    others = [read(each) for each in options.others]
+    print(write(results, before, also, options.out, with_figures=not options.quick, others=others))
     bad = results[results.verdict.isin(FORBIDDEN)]
     for number, verdict in zip(bad.number[:20], bad.verdict, strict=False):
         print(f"point {number}: {verdict}", file=sys.stderr)

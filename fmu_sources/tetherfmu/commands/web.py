@@ -1,0 +1,73 @@
+"""Write the page in which one flies a tether in the browser, and serve it on this machine."""
+
+import errno
+import sys
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+
+from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.libraries import webassembly
+from tetherfmu.web import page
+
+HERE = "127.0.0.1"  # only this machine reaches the server
+TYPES = {".js": "text/javascript", ".wasm": "application/wasm"}  # whatever the system says of these endings
+
+
+class Handler(SimpleHTTPRequestHandler):
+    """Serves the files of a folder as they are now, and keeps no log."""
+
+    extensions_map = {**SimpleHTTPRequestHandler.extensions_map, **TYPES}  # noqa: RUF012 (as in its base)
+
+    def end_headers(self):
+        """A page that is written again is loaded again."""
+        self.send_header("Cache-Control", "no-cache")
+        super().end_headers()
+
+    def log_message(self, *_):
+        """Nothing."""
+
+
+def server_of(place, port):
+    """A server of a folder at a port of this machine, 0 for any that is free; WrongUse if the port is taken."""
+    try:
+        return ThreadingHTTPServer((HERE, port), partial(Handler, directory=place))
+    except OSError as error:
+        if error.errno not in (errno.EADDRINUSE, errno.EACCES):
+            raise
+        raise WrongUse(f"port {port} cannot be used ({error.strerror}); give another --port, or none") from None
+
+
+def serve(server):
+    """Serve until Ctrl-C."""
+    try:
+        print(f"http://{HERE}:{server.server_port}/  until Ctrl-C", flush=True)
+        server.serve_forever()
+    except KeyboardInterrupt:
+        print(file=sys.stderr)  # behind the ^C of the terminal
+    finally:
+        server.server_close()
+
+
+@command
+def main(arguments=None, prog="tetherfmu web"):
+    """Write the page; with --serve also serve it until Ctrl-C. Returns the exit status."""
+    parser = Parser(prog=prog, description="write a page in which one flies a tether in the browser")
+    option = parser.add_argument
+    option("--out", default="web", type=folder, metavar="DIR", help="folder of the page (default: web)")
+    option("--serve", action="store_true", help="also serve it on this machine, until Ctrl-C; a browser needs a server")
+    option(
+        "--port",
+        type=number(1, 65535, whole=True),
+        metavar="P",
+        help="with --serve: port of the server (default: a free one)",
+    )
+    given = parser.parse_args(arguments)
+    if given.port and not given.serve:
+        parser.error("--port goes with --serve")
+    server = server_of(given.out, given.port or 0) if given.serve else None
+    for path in page.write(given.out, webassembly.browser_file().read_bytes()):
+        print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+    if server:
+        serve(server)
+    return 0

@@ -1,0 +1,48 @@
+"""What the dynamic tether and the lines of a system share: the first shape of a chain between its ends, and its outputs."""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK
+
+from ..arrays import positions_and_velocities, shared_arrays
+from ..compilation import kernel
+from ..equations.ground import under
+from ..equations.properties import chain_of
+from ..equilibrium import end_tensions, newton, solve
+from ..equilibrium.rigid_body import Body, rigid_motion, straighten
+from ..linear_algebra.vectors import ZERO_VECTOR, get, put
+from ..step.outputs import outputs_of_chain
+
+
+@kernel
+def initialize(n, parameters, state, work):
+    """Give a new state (modified) the shape that `initial_shape` asks for; returns a status: OK or NO_EQUILIBRIUM."""
+    x, v = positions_and_velocities(n, state)
+    chain = chain_of(n, parameters, state)
+    if parameters[at.INITIAL_SHAPE] == at.STRAIGHT:
+        straighten(chain, x)
+        straighten(chain, v)
+        return OK
+    ground_velocity, kite_velocity = get(v, 0), get(v, n)
+    spin, extension_rate = ZERO_VECTOR, 0.0
+    if parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
+        spin, extension_rate = rigid_motion(n, x, v)
+    else:
+        put(v, 0, ZERO_VECTOR)
+        put(v, n, ZERO_VECTOR)
+    body = Body(chain, spin, extension_rate, x, v, under(parameters), x, False)
+    w = newton.workspace(n, work)
+    status, iterations = solve.find(body, w)
+    state[at.ITERATIONS] = iterations
+    if status == OK:
+        end_tensions.store(body, state, w)
+    put(v, 0, ground_velocity)
+    put(v, n, kite_velocity)
+    return status
+
+
+@kernel
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    x, v = positions_and_velocities(n, state)
+    _, _, mass, _ = shared_arrays(n, work)
+    outputs_of_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)

@@ -1,0 +1,141 @@
+"""Where the search for free points at rest begins (`resting_points.py`): as given, or where springs would hold them."""
+
+from math import cos, inf, sin
+
+import numpy as np
+
+from tetherfmu.runtime import layout as at
+
+from ..arrays import copy
+from ..compilation import kernel
+from ..equations import node_loads
+from ..equations.ground import carries, under
+from ..equations.lines import (
+    add_at,
+    band_of,
+    clear,
+    free_points,
+    lines_of,
+    load_on,
+    parameters_of,
+    point_at,
+    points_of,
+    segments_of,
+    state_of,
+)
+from ..equations.properties import chain_of, point_mass, property_of, rest_length
+from ..linear_algebra.matrices import IDENTITY, scale_matrix
+from ..linear_algebra.points import add_block, factorize_band, solve_band
+from ..linear_algebra.vectors import get, norm, put, scale
+from .resting_line import fill_others, given_position, is_any_sought, is_point_sought, is_sought
+
+PULLS = np.array((1.0, 0.3, 3.0))  # of the springs of the guesses: the weaker, the more stretched are the lines
+AS_GIVEN, DROPPED, GUESSED = 0, 1, 2  # where searches begin, see `set_off`; from GUESSED on with the pulls above
+SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
+COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between the directions of two that follow each other
+
+
+@kernel
+def find_outer(system, search):
+    """Weight and load of the sought points [N] into `search` (modified); the lines have their first states, see `check`."""
+    clear(search.outer)
+    for k in range(lines_of(system)):
+        n, state = segments_of(system, k), state_of(system, k)
+        chain = chain_of(n, parameters_of(system, k), state)
+        for end in range(2):
+            if is_sought(system, k, end):
+                add_at(search.outer, point_at(system, k, end), node_loads.weight(chain, point_mass(chain, n * end)))
+    for point in range(free_points(system)):
+        if is_point_sought(system, point):
+            add_at(search.outer, point, load_on(system, point))
+
+
+@kernel
+def half_weight(system, k):
+    """Half of the weight of line k [N]."""
+    n = segments_of(system, k)
+    chain = chain_of(n, parameters_of(system, k), state_of(system, k))
+    mass = 0.0
+    for s in range(n):
+        mass += 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_length(chain, s)
+    return node_loads.weight(chain, mass)
+
+
+@kernel
+def shortest_line(system):
+    """Length [m] of the shortest line at a sought point."""
+    shortest = inf
+    for k in range(lines_of(system)):
+        if is_any_sought(system, k):
+            shortest = min(shortest, state_of(system, k)[at.LENGTH])
+    return shortest
+
+
+@kernel
+def rise(system, point, x):
+    """Put a sought point of x [m] (modified) onto the ground if it is below."""
+    ground = under(parameters_of(system, 0))
+    if carries(ground, get(x, point)):
+        put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
+
+
+@kernel
+def guess(system, pull, search):
+    """Put the sought points, search.x [m] (modified), where all lines are springs without length; False if they cannot be.
+
+    They pull with `pull` times the largest outer force at their length.
+    """
+    points, b, x = points_of(system), band_of(system), search.x
+    copy(search.outer, x)
+    for k in range(lines_of(system)):
+        for end in range(2):
+            if is_sought(system, k, end):
+                add_at(x, point_at(system, k, end), half_weight(system, k))
+    largest = 0.0
+    for point in range(free_points(system)):
+        largest = max(largest, norm(get(x, point)))
+    clear(points.matrix)
+    for k in range(lines_of(system)):
+        density = pull * (largest if largest > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
+        for end in range(2):
+            if is_sought(system, k, end):
+                point, other = point_at(system, k, end), point_at(system, k, 1 - end)
+                add_block(b, point, point, scale_matrix(density, IDENTITY), points.matrix)
+                if is_sought(system, k, 1 - end):
+                    add_block(b, point, other, scale_matrix(-density, IDENTITY), points.matrix)
+                else:
+                    add_at(x, point, scale(density, given_position(system, k, 1 - end)))
+    fill_others(system, points.matrix)
+    m = 3 * free_points(system)
+    if not factorize_band(m, b, points.matrix, points.pivots):
+        return False
+    solve_band(m, b, points.matrix, points.pivots, x)
+    apart = SPREAD * shortest_line(system)
+    along_x, along_y = apart, 0.0
+    for point in range(free_points(system)):
+        add_at(x, point, (along_x, along_y, 0.0))
+        rise(system, point, x)
+        along_x, along_y = COSINE * along_x - SINE * along_y, SINE * along_x + COSINE * along_y
+    return True
+
+
+@kernel
+def set_off(system, start, search):
+    """Put the sought points, search.x [m] (modified), where search number `start` begins; False if that cannot be.
+
+    AS_GIVEN : where the inputs of their lines say.  DROPPED : below or above that, where the ground carries their weight.
+    GUESSED and those behind it : at a `guess`.
+    """
+    if start >= GUESSED:
+        return guess(system, PULLS[start - GUESSED], search)
+    parameters = parameters_of(system, 0)
+    ground = under(parameters)
+    if start == DROPPED and ground.hardness == 0.0:
+        return False
+    for k in range(lines_of(system)):
+        for end in range(2):
+            if is_sought(system, k, end):
+                x, y, z = given_position(system, k, end)
+                height = ground.height - parameters[at.GROUND_SINK] if start == DROPPED else z
+                put(search.x, point_at(system, k, end), (x, y, height))
+    return True

@@ -1,0 +1,71 @@
+"""Where a free kite is at rest: its tether is a system of one line, whose free point is sought (`resting_points.py`)."""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_KITE, OK
+
+from ..arrays import behind, copy, outputs_size, positions_and_velocities
+from ..compilation import kernel, part
+from ..equations.lines import System, points_size
+from ..linear_algebra.vectors import ZERO_VECTOR, get, put, put_at, vector_at
+from . import resting_line, resting_points
+
+PLAN = places.plan_size(1)
+INPUTS = places.inputs_size(1, 1)
+BAND = 2  # of the matrix of one point, see `systems/ordering.py`
+ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # place of the scratch space of the system, behind its plan and its inputs
+
+
+@kernel
+def line_work_size(n):
+    """Length of what the line needs of `work`."""
+    return resting_line.line_work_size(n)
+
+
+@kernel
+def points_work_size():
+    """Length of what the point needs of `work`."""
+    return points_size(1, BAND) + resting_points.search_size(1, BAND)
+
+
+@kernel
+def work_size(n):
+    """Length of the work array: the plan and the inputs of the system, then its own scratch space."""
+    return ROOM_AT + line_work_size(n) + points_work_size() + outputs_size(0)
+
+
+@kernel
+def write_plan(n, plan):
+    """Plan (modified) of a system of one line of n segments from a driven point to one that is sought."""
+    for k in range(PLAN):
+        plan[k] = 0.0
+    plan[places.LINES], plan[places.FREE_POINTS], plan[places.BAND] = 1.0, 1.0, BAND
+    plan[places.POINTS_WORK] = line_work_size(n)
+    plan[places.OUTPUTS_WORK] = line_work_size(n) + points_work_size()
+    plan[places.OUTPUTS_SIZE] = outputs_size(0)
+    row = part(plan, places.PLAN_HEADER, places.LINE_NUMBERS)
+    row[places.SEGMENTS] = n
+    row[places.START_POINT] = places.DRIVEN
+    row[places.END_IS_SOUGHT] = 1.0
+
+
+@kernel
+def find(n, parameters, inputs, state, work):
+    """Put the kite end of a new state (modified) where it is in equilibrium, at rest; OK or NO_EQUILIBRIUM_OF_KITE.
+
+    The search begins at the position among the inputs.  The winds of wind points are those at the nodes already.
+    """
+    plan, given = part(work, 0, PLAN), part(work, PLAN, INPUTS)
+    write_plan(n, plan)
+    copy(part(inputs, 0, at.INPUTS), given)
+    put_at(given, at.INPUTS, vector_at(inputs, at.KITE_LOAD))
+    x, v = positions_and_velocities(n, state)
+    ground_velocity, reeling, points = get(v, 0), state[at.REELING], parameters[at.WIND_POINTS]
+    parameters[at.WIND_POINTS] = 0.0
+    status = resting_points.find(System(plan, parameters, given, state, behind(ROOM_AT, work)), True)
+    parameters[at.WIND_POINTS] = points
+    put(x, n, vector_at(given, at.KITE_POSITION))
+    put(v, 0, ground_velocity)
+    put(v, n, ZERO_VECTOR)
+    state[at.REELING] = reeling
+    return OK if status == OK else NO_EQUILIBRIUM_OF_KITE

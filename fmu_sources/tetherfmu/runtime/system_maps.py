@@ -1,0 +1,153 @@
+"""Where the variables of a system of tethers stand in its flat arrays (`system_layout.py`), and what of the plan is given.
+
+References are value references by the names of variables, see `system_variables.py`.
+"""
+
+from dataclasses import fields
+from itertools import count
+
+from . import inputs, outputs
+from . import layout as at
+from . import system_layout as plan
+from .inputs import components
+from .parameters import Ground, Tether, Winch
+from .system_variables import COUNTERS, GIVEN, OF_A_LINE, OF_THE_SYSTEM
+
+
+def inputs_of(structure, places):
+    """Pairs (place in the `inputs` array, value reference) of a system.
+
+    Free points have the motion of their start there. places : dict of the names of variables to value references.
+    """
+    free = {point.name for point in structure.points if point.is_free}
+    named = {}  # place: name
+    for k, line in enumerate(structure.lines):
+        first = at.INPUTS * k
+        for end, point in line.ends:
+            for what in ("position", "velocity"):
+                own = f"{point}.{'initial_' if point in free else ''}{what}"
+                named |= dict(zip(count(first + inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
+        for name in GIVEN:
+            named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
+        named |= dict(zip(count(first + at.WIND_VELOCITY), components("wind_velocity", 3), strict=False))
+    first = plan.inputs_size(len(structure.lines), 0)
+    for k, point in enumerate(structure.free):
+        named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))
+    return [(place, places[name]) for place, name in named.items()]
+
+
+def outputs_of(structure, places):
+    """Pairs (value reference, places in the `outputs` array) of a system; its output is the sum of the numbers there.
+
+    The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
+    Positions and velocities of free points are not there, see `motion_of`. places : as of `inputs_of`.
+    """
+    firsts, first = {}, 0
+    for line in structure.lines:
+        firsts[line.name] = first
+        first += at.outputs_size(line.shape_points)
+    found = {}
+    for line in structure.lines:
+        first = firsts[line.name]
+        for end, point in line.ends:
+            for i, name in enumerate(components(f"{point}.force", 3)):
+                found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
+        for name, own in OF_A_LINE.items():
+            found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
+        for k in range(line.shape_points):
+            for i in range(3):
+                found[f"{line.name}.shape[{k + 1},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
+    for name in COUNTERS:
+        every = [first + outputs.PLACES[name] for first in firsts.values()]
+        found[name] = every if name == "solver_iterations" else every[:1]
+    return [(places[name], tuple(those)) for name, those in found.items() if name in places]
+
+
+def free_ends(structure, places):
+    """Where free points move: (value reference, number of the line, 1 at its end and 0 at its start, component from 0 to 5).
+
+    Position and velocity have three components each. Of several lines at a point the last one counts.
+    """
+    found, free = {}, set(structure.free)
+    for k, line in enumerate(structure.lines):
+        for is_end, (_, point) in enumerate(line.ends):
+            if point in free:
+                names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
+                found |= {name: (places[name], k, is_end, component) for component, name in enumerate(names)}
+    return list(found.values())
+
+
+def motion_of(structure, places, segments, states_at):
+    """Pairs (value reference, place in the `state` array) of the motion of free points.
+
+    segments, states_at : of each line its number of segments, and the place of its state.
+    """
+    found = []
+    for reference, k, is_end, component in free_ends(structure, places):
+        what, axis = divmod(component, 3)
+        node = (segments[k] + 1) * what + segments[k] * is_end
+        found.append((reference, states_at[k] + at.STATE_HEADER + 3 * node + axis))
+    return found
+
+
+def starts_of(structure, places):
+    """Pairs (place in the `plan` array, value reference of the start of the free point there) of all ends of lines."""
+    found = []
+    for k, line in enumerate(structure.lines):
+        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
+        for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
+            if name in structure.free:
+                found.append((row + place, places[f"{name}.start"]))
+    return found
+
+
+def sought(structure, places, values):
+    """Whether the free points at the ends of lines are sought: dict of place in the `plan` array to 1 or 0."""
+    return {place: int(values[reference] == at.START_AT_REST) for place, reference in starts_of(structure, places)}
+
+
+def plan_of(structure):
+    """What is given of the `plan` array but for the segments and what is sought: dict of place to number."""
+    given = {plan.LINES: len(structure.lines), plan.FREE_POINTS: len(structure.free), plan.BAND: structure.band}
+    for k, line in enumerate(structure.lines):
+        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
+        for place, name in ((plan.START_POINT, line.start), (plan.END_POINT, line.end)):
+            given[row + place] = structure.free.index(name) if name in structure.free else plan.DRIVEN
+        given[row + plan.SHAPE_POINTS] = line.shape_points
+    return given
+
+
+def quantities_of_line(line, places):
+    """Quantities in the order in which the kernel `pack` takes them: (name, value reference or None, default) of each.
+
+    What the system has no variable for has its default.
+    """
+    found = []
+    for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
+        for item in fields(record):
+            own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
+            found.append((item.name, places.get(own), item.default))
+    return found
+
+
+def unpacked(structure):
+    """Names of the parameters that the kernel `pack` does not check: those of free points."""
+    for point in structure.points:
+        if point.is_free:
+            yield f"{point.name}.mass"
+            yield f"{point.name}.start"
+            for what in ("position", "velocity"):
+                yield from components(f"{point.name}.initial_{what}", 3)
+
+
+def carried(structure):
+    """Of each line the names of the free points at its start and its end whose mass it carries, None for none.
+
+    The first line at a point does.
+    """
+    free, found = set(structure.free), []
+    for line in structure.lines:
+        own = [point if point in free else None for point in (line.start, line.end)]
+        free -= set(own)
+        found.append(own)
+    return found

@@ -1,0 +1,152 @@
+"""Fixed steps for real time: segments and step that meet an allowed error within a time for each communication step.
+
+Flown is the dynamic tether with `fixed_step`, as the importer will run it, against the finer model of `advise`. The time of
+a communication step is counted work times unit costs, as in `measuring/runs.py`, with the most iterations that a
+communication step took in the flight. What it takes at most is a bound in the code, `limits.WORST_WORK`.
+"""
+
+from math import inf
+from typing import NamedTuple
+from warnings import catch_warnings
+
+import numpy as np
+
+from tetherfmu.results import Flown, StepRefused
+from tetherfmu.runtime.limits import STAGES, WORST_WORK
+from tetherfmu.study.measuring.errors import errors, worst
+from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch
+from tetherfmu.study.measuring.tables import page
+from tetherfmu.study.scenes.standard import tether_at_start
+
+from .tradeoff import SEGMENTS, STEPS
+
+PARTS = (1, 2, 4, 8, 16)  # fixed steps in a communication step that is given
+LEAST = STAGES  # iterations of a fixed step of order 2
+BLOCK = 50  # compared outputs that are flown at once: all communication steps between them are kept meanwhile
+CLEARLY = 1.5  # what is wrong by so many times the allowed error: nothing coarser is tried
+
+
+class Fixed(NamedTuple):
+    """A dynamic tether with fixed steps."""
+
+    segments: int
+    step: float  # communication step [s]
+    parts: int  # fixed steps in it
+
+    variant, tolerance = "dynamic", 0.0  # not annotated: they are those of each
+
+    @property
+    def fixed_step(self):
+        """The parameter of that name [s]."""
+        return self.step / self.parts
+
+    def time(self, iterations):
+        """Time [s] of a communication step with so many iterations, of the machine of costs.csv."""
+        work = np.array([1.0, self.segments, iterations, iterations * self.segments])
+        return float(UNITS.loc[FIXED].to_numpy() @ work)
+
+    @property
+    def smooth_time(self):
+        """Time [s] of a communication step in smooth flight."""
+        return self.time(LEAST * self.parts)
+
+    @property
+    def cost(self):
+        """Kernel time per simulated second in smooth flight [-]."""
+        return self.smooth_time / self.step
+
+    def is_finer(self, other):
+        """Whether it is finer than another one in some respect."""
+        return self.segments > other.segments or self.step < other.step or self.fixed_step < other.fixed_step
+
+
+class Point(NamedTuple):
+    """What a flight with fixed steps gave."""
+
+    config: Fixed
+    errors: dict  # by output; empty if refused
+    iterations: int  # the most in a communication step
+    implausible: tuple  # sentences
+
+    def error(self, names):
+        """Largest error of some outputs [-]; infinite if it was refused."""
+        return worst(self.errors, names) if self.errors else inf
+
+    @property
+    def time(self):
+        """Longest time [s] of a communication step in the flight."""
+        return self.config.time(self.iterations)
+
+    @property
+    def bound(self):
+        """Factorizations and time [s] of a communication step that its code allows."""
+        most = WORST_WORK * self.config.parts
+        return most, self.config.time(most)
+
+
+class FixedAdvice(NamedTuple):
+    """What to use, and how well that is known."""
+
+    point: Point
+    expected: float  # error against the finer model, plus the finer model's own [-]
+    met: bool  # whether error and time are allowed
+    tried: int  # configurations
+    finer: object  # `errors.Reference`
+
+
+def candidates(scene):
+    """All configurations from cheap to dear that need no longer than allowed in smooth flight."""
+    step, most = scene.wanted.communication_step, scene.wanted.time_per_step or inf
+    pairs = [(step, parts) for parts in PARTS] if step else [(each, 1) for each in STEPS]
+    found = [Fixed(n, each, parts) for n in SEGMENTS for each, parts in pairs]
+    possible = [each for each in found if each.smooth_time <= most]
+    return sorted(possible or found[:1], key=lambda each: each.cost)
+
+
+def fly(scene, config, reference):
+    """`Point` of a configuration in a scene against a reference, a `Flown`."""
+    inputs, wind, every = scene.inputs(config.step), scene.wind_at(config.step), round(scene.every / config.step)
+    outputs, peaks, most = [], [], 0
+    options = {"segments": config.segments, "fixed_step": config.fixed_step, "shape_points": SHAPE_POINTS}
+    options |= {"end_velocities": end_velocities(scene), **winch(scene)}
+    with catch_warnings(**UNWARNED):
+        try:
+            model = tether_at_start(scene, 0.0, "dynamic", inputs[0], None if wind is None else wind[0], **options)
+            for start in range(0, len(inputs), BLOCK * every):
+                rows, before = slice(start, start + BLOCK * every), model.counters["iterations"]
+                flown = model.fly(inputs[rows], config.step, wind_at=None if wind is None else wind[rows])
+                most = max(most, np.diff(flown.of("solver_iterations"), prepend=before).max())
+                outputs.append(flown.outputs[every - 1 :: every])
+                peaks.append(flown.peak.reshape(-1, every).max(axis=1))
+        except StepRefused as refusal:
+            return Point(config, {}, 0, (str(refusal),))
+    compared = Flown(np.concatenate(outputs), np.concatenate(peaks), None, 0.0)
+    return Point(config, errors(scene, compared, reference), int(most), tuple(model.implausible))
+
+
+def advise_fixed(scene, finer, budget):
+    """`FixedAdvice` for a scene: the cheapest that does against a finer model, a `Reference`.
+
+    budget : what the flights may cost together [s].
+    """
+    names, allowed, most = scene.wanted.outputs, scene.wanted.allowed_error, scene.wanted.time_per_step or inf
+    own, left, points = finer.own_error(names), budget, []
+    for config in candidates(scene):
+        if points and config.cost * scene.duration > left:
+            continue
+        if any(done.error(names) + own > CLEARLY * allowed and not config.is_finer(done.config) for done in points):
+            continue
+        points.append(fly(scene, config, finer.run.flown))
+        left -= points[-1].config.cost * scene.duration
+        if points[-1].error(names) + own <= allowed and points[-1].time <= most:
+            break
+    in_time = [each for each in points if each.time <= most] or points
+    best = min(in_time, key=lambda each: each.error(names))
+    error = best.error(names) + own
+    return FixedAdvice(best, error, error <= allowed and best.time <= most, len(points), finer)
+
+
+def explain_fixed(scene, advice):
+    """Lines for people: what to use, which error and time to expect, and what is guaranteed."""
+    facts = {"own_error": advice.finer.own_error(scene.wanted.outputs), "fmu": fmu_of(scene, advice.point.config)}
+    return page("advice/fixed.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")

@@ -1,0 +1,268 @@
+"""What the page knows of the tethers, a dict for JSON, made of the same declarations as the FMU.
+
+Parameters, inputs and outputs with units and limits, their places in the flat arrays, what a status or a warning says, the
+variants, the flights and scenes, and the wing of the kite that flies free.
+"""
+
+import tomllib
+from dataclasses import fields
+from math import inf, pi
+
+from tetherfmu.console.colours import COLOUR, GROUND, REFERENCE
+from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
+from tetherfmu.libraries.examples import EXAMPLES, example
+from tetherfmu.runtime import __version__, inputs, outputs, parameters, plausibility, quantities, status
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.quantities import Quantity
+from tetherfmu.runtime.variables import PARAMETERS, records_of
+from tetherfmu.runtime.variants import TABLE, class_name, library_of
+from tetherfmu.study.scenes import files
+from tetherfmu.study.scenes.flights import KINDS
+from tetherfmu.study.scenes.winds import Wind
+
+from . import own_flights
+
+# between what a slider runs; where it is not said, from a tenth of the default to ten times as much
+USUAL = {
+    "segments": (1, 100),
+    "initial_length": (10.0, 2000.0),
+    "density": (500.0, 8000.0),
+    "slack_stiffness_ratio": (0.0, 1.0),
+    "slack_damping_ratio": (0.0, 1.0),
+    "drag_coefficient": (0.0, 2.0),
+    "air_density": (0.0, 2.0),
+    "air_density_scale_height": (0.0, 20000.0),
+    "gravity": (0.0, 20.0),
+    "wind_exponent": (0.0, 0.5),
+    "relative_tolerance": (0.0, 0.01),
+    "fixed_step": (0.0, 0.02),
+    "winch_mass": (0.0, 1000.0),
+    "winch_damping": (0.0, 1000.0),
+    "winch_friction": (0.0, 1000.0),
+    "shortest_length": (0.0, 1000.0),
+    "longest_length": (0.0, 2000.0),
+    "ground_height": (-50.0, 50.0),
+    "ground_friction": (0.0, 2.0),
+    "kite_mass": (1.0, 1000.0),
+    "half_angle": (0.0, 1.0),
+    "axis_elevation": (-1.5, 1.5),
+    "elevation": (0.0, 0.5 * pi),
+    "final_elevation": (0.0, 0.5 * pi),
+    "weave": (0.0, 0.5),
+    "rate": (-0.5, 0.5),
+    "speed": (-20.0, 60.0),
+    "sway": (0.0, 50.0),
+    "heave": (0.0, 10.0),
+    "radius": (0.0, 50.0),
+    "height": (0.0, 300.0),
+    "pull": (0.0, 1000.0),
+    "flatness": (0.0, 1.0),
+    "gust": (0.0, 2.0),
+    "reel_out_speed": (-10.0, 10.0),
+    "winch_force": (0.0, 10000.0),
+    "steering": (-1.0, 1.0),
+    "depower": (0.0, 1.0),
+    "direction": (-pi, pi),
+    "initial_elevation": (0.0, 1.5),
+    "initial_heading": (-pi, pi),
+    "downwind": (-pi, pi),
+    "winch_length": (0.0, 2000.0),
+}
+DEGREES = {"rad": ["deg", quantities.DEGREES[1]], "rad/s": ["deg/s", quantities.DEGREES[1]]}  # as people read angles
+TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes whose title is not their name
+FIRST = ("figure_of_eight", "circle", "reel")  # scenes at the head of the list
+
+
+def usual(name, start, declared):
+    """Between what a slider runs: minimum, maximum and whether it is logarithmic, a list, within what is allowed."""
+    lower, upper = sorted(USUAL.get(name, (0.1 * start, 10.0 * start)))
+    lower, upper = max(lower, declared.minimum), min(upper, declared.maximum)
+    return [lower, upper, lower > 0.0 and upper / lower >= 50.0]
+
+
+def described(name, start, declared, kind="Real"):
+    """One quantity, a dict; limits that are none are None, as JSON has no infinity."""
+    found = {
+        "name": name,
+        "kind": kind,
+        "unit": declared.unit,
+        "meaning": declared.meaning,
+        "minimum": None if declared.minimum == -inf else declared.minimum,
+        "maximum": None if declared.maximum == inf else declared.maximum,
+        "range": declared.range(),
+        "start": start,
+        "display": list(declared.display) or DEGREES.get(declared.unit),
+    }
+    if declared.choices:
+        return {**found, "choices": list(declared.choices)}
+    return {**found, "usual": usual(name, start, declared)}
+
+
+def of_record(kind, left_out=()):
+    """The quantities of a record with defaults, a list of dicts."""
+    defaults = {item.name: item.default for item in fields(kind)}
+    return [
+        described(name, defaults[name], declared) for name, declared in quantities.quantities(kind) if name not in left_out
+    ]
+
+
+def of_parameters():
+    """The parameters of all tethers in the order in which the kernel `pack` takes them, each with its group."""
+    groups = {item.name: kind.__name__ for kind in records_of("dynamic_free") for item in fields(kind)}
+    return [
+        {**described(each.name, each.start, each.quantity, each.kind), "group": groups[each.name]}
+        for each in PARAMETERS
+        if each.name in groups
+    ]
+
+
+def of_inputs():
+    """The inputs, each with its place in the array and its start."""
+    limits = -at.LARGEST_INPUT, at.LARGEST_INPUT
+    return [
+        {
+            **described(each.name, each.start[0], Quantity(each.unit, each.meaning, *limits)),
+            "place": inputs.PLACES[each.name],
+            "start": list(each.start),
+        }
+        for each in inputs.INPUT_TABLE
+    ]
+
+
+def of_outputs():
+    """The outputs, each with its place in the array."""
+    return [
+        {
+            "name": each.name,
+            "kind": each.kind,
+            "unit": each.quantity.unit,
+            "meaning": each.quantity.meaning,
+            "place": outputs.PLACES[each.name],
+        }
+        for each in outputs.OUTPUT_TABLE
+    ]
+
+
+def of_variants():
+    """The variants from coarse to fine."""
+    return [
+        {
+            "name": each.name,
+            "class": class_name(each.name),
+            "library": library_of(each.name),
+            "nodes": each.has_nodes,
+            "waves": each.has_waves,
+            "free": each.kite_is_free,
+            "colour": COLOUR[each.name],
+            "ignored": each.ignored,
+            "meanings": each.meanings,
+        }
+        for each in TABLE
+    ]
+
+
+def of_arrays():
+    """Sizes of the flat arrays and the places in them that the page reads, see `runtime.layout`."""
+    wanted = ("PARAMETER_SCALARS", "SEGMENT_PROPERTIES", "INPUTS", "SHAPE", "STATE_HEADER", "LENGTH", "WARNINGS")
+    wanted += ("WARNED_VALUES", "WINCH_FRICTION", "SHORTEST_LENGTH", "LONGEST_LENGTH", "RELATIVE_TOLERANCE", "FIXED_STEP")
+    return {name: getattr(at, name) for name in (*wanted, "NO_STOP", "ITERATION_BUDGET")}
+
+
+def of_sentences():
+    """What a status says by its code, and a warning by its kind, with what it says whatever the value is."""
+    return {
+        "status": {str(code): sentence for code, sentence in status.SENTENCES.items()},
+        "limits": status.LIMITS,
+        "warnings": [
+            {"sentence": sentence, "facts": plausibility.facts(kind)} for kind, sentence in plausibility.SENTENCES.items()
+        ],
+        "out_of_range": quantities.OUT_OF_RANGE,
+        "not_whole": quantities.NOT_WHOLE,
+        "thick": {"sentence": parameters.THICK_DIAMETER, "most": parameters.THICK},
+    }
+
+
+def of_flights():
+    """The kinds of flights: what they are and their quantities. That of a free kite has its wing and its controller, too."""
+    found = {
+        name: {"about": kind.__doc__.partition("\n")[0], "free": kind.kite_is_free, "quantities": of_record(kind)}
+        for name, kind in KINDS.items()
+    }
+    for name, kind in own_flights.KINDS.items():
+        found[name] = {"about": kind.__doc__, "free": name == "free", "quantities": of_record(kind)}
+    wing, controller = example("fmus.aerodynamics").Wing, example("fmus.flight_controller").Flight
+    of_wing = [name for name, _ in quantities.quantities(wing)]
+    groups = ("Wing", of_record(wing)), ("Controller", of_record(controller, of_wing))  # both have the turn rate law
+    found["free"]["quantities"] += [{**each, "group": group} for group, listed in groups for each in listed]
+    return found
+
+
+def scene_of(path):
+    """A scene file as the page takes it: its first comment, its duration and what differs from the defaults, in SI units."""
+    text = path.read_text(encoding="utf-8")
+    table = tomllib.loads(text)
+    head = {
+        "title": TITLES.get(path.stem, path.stem.replace("_", " ")),
+        "about": text.partition("\n")[0].removeprefix("# "),
+    }
+    if table["flight"]["kind"] == "series":
+        return {**head, **scene_of_log(path.parent / table["flight"]["file"], table)}
+    scene = files.read(table, path.parent, path.stem)
+
+    def given(section, found, prefix=""):
+        return {prefix + key: getattr(found, key) for key in table.get(section, {}) if key != "kind"}
+
+    ground = TABLE_OF_GROUND(**{key: getattr(scene.ground, f"ground_{key}") for key in table.get("ground", {})})
+    return {
+        **head,
+        "duration": scene.duration,
+        "kind": table["flight"]["kind"],
+        "flight": given("flight", scene.flight),
+        "parameters": {
+            **given("tether", scene.tether),
+            **given("environment", scene.environment),
+            **given("ground", ground, "ground_"),
+        },
+        "wind": given("wind", scene.wind),
+    }
+
+
+def scene_of_log(path, table):
+    """The flight of a log, which the page makes smooth itself; of the scene it takes the tether.  path : of the CSV file."""
+    tether = record(Tether, table["tether"], "tether")
+    return {
+        "duration": value_of(files.Scene, "duration", table["duration"], ""),
+        "kind": "log",
+        "flight": {},
+        "parameters": {key: getattr(tether, key) for key in table["tether"]},
+        "wind": {},
+        "file": path.name,
+        "log": path.read_text(encoding="utf-8"),
+    }
+
+
+def of_scenes():
+    """The scenes of the examples by name."""
+    paths = {path.stem: path for path in sorted((EXAMPLES / "scenes").glob("*.toml"))}
+    found = {name: scene_of(paths[name]) for name in (*FIRST, *(each for each in paths if each not in FIRST))}
+    return found | own_flights.SCENES
+
+
+def declarations():
+    """All of it."""
+    return {
+        "version": __version__,
+        "arrays": of_arrays(),
+        "parameters": of_parameters(),
+        "inputs": of_inputs(),
+        "outputs": of_outputs(),
+        "variants": of_variants(),
+        "sentences": of_sentences(),
+        "flights": of_flights(),
+        "scenes": of_scenes(),
+        "wind": of_record(Wind),
+        "wind_velocity": of_record(own_flights.WindVelocity),
+        "hand": of_record(own_flights.Hand),
+        "colours": {"ground": GROUND, "reference": REFERENCE},
+    }

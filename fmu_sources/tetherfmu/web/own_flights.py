@@ -1,0 +1,90 @@
+"""What the page flies besides the scenes of files: a kite that follows the pointer, one that flies free, a hanging load.
+
+And what a person sets by hand while it flies.
+"""
+
+from dataclasses import dataclass
+from math import pi, radians
+
+from tetherfmu.runtime.inputs import BY_NAME
+from tetherfmu.runtime.quantities import DEGREES, quantity
+
+
+@dataclass(frozen=True)
+class Pointer:
+    """The kite follows the pointer on a sphere around the ground station."""
+
+    distance: float = quantity(100.0, "m", "of the kite from the ground station", 1.0, 1e4)
+    elevation: float = quantity(radians(40.0), "rad", "of the kite at the start", 0.0, 1.5, display=DEGREES)
+    speed: float = quantity(30.0, "m/s", "of the kite at most", 0.1, 200.0)
+    response_time: float = quantity(1.5, "s", "in which the kite comes to the pointer, about", 0.1, 60.0)
+
+
+@dataclass(frozen=True)
+class FreeFlight:
+    """The kite flies free: the tether moves it under lift and drag of a soft wing, which a person or a controller steers."""
+
+    autopilot: int = quantity(
+        2,
+        "",
+        "who steers: a person, figures of eight at constant reel-out speed, or pumping cycles",
+        choices=("by_hand", "figures_of_eight", "pumping_cycles"),
+    )
+    initial_elevation: float = quantity(radians(30.0), "rad", "of the kite at the start", 0.0, 1.5, display=DEGREES)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """What a person sets while it flies."""
+
+    steering: float = quantity(0.0, "", "of the free kite; positive turns right as seen from the ground station", -1.0, 1.0)
+    depower: float = quantity(0.0, "", "of the free kite, 0: full lift, 1: depowered", 0.0, 1.0)
+    reel_out_speed: float = quantity(0.0, "m/s", BY_NAME["reel_out_speed"].meaning, -20.0, 20.0)
+    winch_force: float = quantity(2000.0, "N", BY_NAME["winch_force"].meaning, -1e9, 1e9)
+
+
+@dataclass(frozen=True)
+class WindVelocity:
+    """The horizontal wind by speed and direction."""
+
+    speed: float = quantity(8.0, "m/s", "of the wind at wind_reference_height", 0.0, 200.0)
+    direction: float = quantity(
+        0.0, "rad", "to which the wind blows, anti-clockwise from the x axis", -pi, pi, display=DEGREES
+    )
+
+
+@dataclass(frozen=True)
+class Log:
+    """The ends move as in a log: positions of the kite over time, and what else it has of motion, winch and wind."""
+
+
+KINDS = {"pointer": Pointer, "free": FreeFlight, "log": Log}
+SCENES = {
+    "pointer": {
+        "title": "follows the pointer",
+        "about": "The kite follows your pointer; turn the view with the shift key or two fingers.",
+        "duration": None,
+        "kind": "pointer",
+        "flight": {},
+        "parameters": {"initial_length": 101.0, "ground_contact": 2},
+        "wind": {"velocity": [8.0, 0.0, 0.0]},
+    },
+    "free": {
+        "title": "free flight",
+        "about": "A soft kite of 20 m2 flies free under lift and drag; the tether moves it, you or a controller steer it.",
+        "duration": None,
+        "kind": "free",
+        "flight": {},
+        "parameters": {"initial_length": 250.0, "kite_mass": 19.6, "ground_contact": 2, "segments": 10},
+        "wind": {"velocity": [9.0, 0.0, 0.0]},
+    },
+    "hanging_load": {
+        "title": "hanging load",
+        "about": "A load of 100 kg hangs from a crane on 60 m of rope and swings while the crane slews.",
+        "duration": 60.0,
+        "kind": "free_end",
+        "flight": {"kite_mass": 100.0, "height": 80.0, "radius": 30.0, "rate": 0.1},
+        "parameters": {"initial_length": 60.0},
+        "wind": {"velocity": [5.0, 0.0, 0.0]},
+    },
+}

@@ -1,0 +1,85 @@
+"""Chromium for tests of pages: whether it is there, how it is started, what it asked for."""
+
+import http.server
+import json
+import shutil
+import threading
+from contextlib import contextmanager
+from functools import partial
+from importlib.util import find_spec
+
+import pytest
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+PHONE = {"width": 390, "height": 844, "pixelRatio": 2.0, "mobile": True, "touch": True}
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",  # draws in space without a graphics card
+    "--disable-quic",
+    "--disable-dev-shm-usage",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # other hosts are asked for, but not reached
+)
+needed = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER and find_spec("selenium")), reason="needs Chromium, chromedriver and the extra docs"
+)
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """Serves files and keeps no log."""
+
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".js": "text/javascript"}  # noqa: RUF012
+
+    def log_message(self, *_):
+        pass
+
+
+@contextmanager
+def served(folder):
+    """Address of a folder that is served on this machine."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+@contextmanager
+def started(width, profile):
+    """Chromium with a window of a width [px] in the dark theme; the width of `PHONE` is a phone.  profile : a new folder."""
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*FLAGS, f"--user-data-dir={profile}", f"--window-size={width},900"):
+        options.add_argument(flag)
+    if width == PHONE["width"]:
+        options.add_experimental_option("mobileEmulation", {"deviceMetrics": PHONE})
+    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    driver.set_script_timeout(30)
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+    try:
+        yield driver
+    finally:
+        driver.quit()
+
+
+def messages(browser, method):
+    """Parameters of the messages of one kind since the last call."""
+    logged = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
+    return [each["params"] for each in logged if each["method"] == method]
+
+
+def errors(browser):
+    """What the console has of errors since the last call, but for the icon that a browser looks for."""
+    logged = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    return [message for message in logged if "favicon.ico" not in message]
