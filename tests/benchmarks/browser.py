@@ -25,7 +25,7 @@ from tetherfmu.runtime.parameters import Solver  # noqa: E402
 from tetherfmu.runtime.variants import VARIANTS  # noqa: E402
 from tetherfmu.study.scenes import files  # noqa: E402
 
-STEPS, STEP, ROUNDS, WIDTH = 1000, 0.02, 7, 1400
+STEPS, STEP, ROUNDS, WIDTH = 1000, 0.02, 40, 1400
 IN_THE_PAGE = """
 const [name, rows, step] = arguments;
 const { simulation } = tetherfmu;

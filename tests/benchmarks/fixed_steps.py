@@ -1,6 +1,7 @@
 """What do fixed steps cost in accuracy and time? Both methods and the adaptive solver, in random scenes; printed as tables.
 
     python tests/benchmarks/fixed_steps.py --scenes 300
+    python tests/benchmarks/fixed_steps.py --scenes 30 --fixed-steps 20 10 5 2 1 0.5 --tolerances 1e-2 1e-3 1e-4 1e-5
 
 The scenes of `tolerance.py`, 60 of each of its five families, for 20 s with communication steps of 20 ms, against the
 adaptive solver with a tolerance of 1e-9. Error: root mean square of the difference of the forces at both ends over that of
@@ -10,7 +11,7 @@ core.
 """
 
 import argparse
-from itertools import cycle, islice
+from itertools import chain, cycle, islice
 from time import process_time
 
 import numpy as np
@@ -20,16 +21,17 @@ from tolerance import KINDS, REFERENCE, SEGMENTS, STEP, UNWARNED, catch_warnings
 from tetherfmu.results import StepRefused
 from tetherfmu.study.measuring.tables import circumstances, markdown
 
-FIXED_STEPS = (5e-3, 1e-3)  # [s]
 METHODS = ("second_order", "backward_euler")
-SOLVERS = {
-    **{
-        (method, f"{1e3 * h:g} ms"): {"fixed_step": h, "fixed_step_method": method}
-        for h in FIXED_STEPS
+
+
+def solvers(fixed_steps, tolerances):
+    """Options of all solvers by method and step [ms] or tolerance."""
+    fixed = {
+        (method, f"{h:g} ms"): {"fixed_step": 1e-3 * h, "fixed_step_method": method}
         for method in METHODS
-    },
-    ("adaptive", "1e-4"): {},
-}
+        for h in fixed_steps
+    }
+    return fixed | {("adaptive", f"{each:g}"): {"relative_tolerance": each} for each in tolerances}
 
 
 def flown(scene, segments, duration, **solver):
@@ -50,14 +52,14 @@ def largest(forces):
     return np.linalg.norm(forces.reshape(-1, 3), axis=1).max()
 
 
-def measured(kind, number, seed, duration):
-    """Rows of one scene, one for each solver; none if the scene is refused."""
+def measured(kind, number, seed, duration, of_solvers):
+    """Rows of one scene, one for each of `solvers`; none if the scene is refused."""
     random = np.random.default_rng((seed, number))
     scene, n = KINDS[kind](random), int(random.choice(SEGMENTS))
     rows = []
     try:
         right, _, _ = flown(scene, n, duration, relative_tolerance=REFERENCE)
-        for (method, step), solver in SOLVERS.items():
+        for (method, step), solver in of_solvers.items():
             forces, seconds, counters = flown(scene, n, duration, **solver)
             each = {"scene": number, "kind": kind, "segments": n, "method": method, "step or tolerance": step}
             each |= {"error": difference(forces, right), "largest": abs(largest(forces) / largest(right) - 1.0)}
@@ -90,23 +92,34 @@ def summary(found):
     return pd.DataFrame(rows)
 
 
+def by_segments(found):
+    """Median of the error [%] and time of a step [us] of each solver, a pair of columns for each number of segments."""
+    sums = found.groupby(["method", "step or tolerance", "segments"], sort=False)
+    values = pd.DataFrame({"error": 100.0 * sums["error"].median(), "us": 1e6 * sums["seconds"].sum() / sums["steps"].sum()})
+    table = values.unstack("segments").swaplevel(axis=1).sort_index(axis=1)
+    table.columns = [f"{n} segments: {what}" for n, what in table.columns]
+    return table.reset_index()
+
+
 def main():
     """Fly the scenes and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--fixed-steps", type=float, nargs="+", default=[5.0, 1.0], help="[ms]")
+    parser.add_argument("--tolerances", type=float, nargs="+", default=[1e-4], help="of the adaptive solver")
     parser.add_argument("--duration", type=float, default=20.0, help="of a scene [s]")
     options = parser.parse_args()
-    kinds = islice(cycle(KINDS), options.scenes)
-    found = pd.DataFrame(
-        [row for number, kind in enumerate(kinds) for row in measured(kind, number, options.seed, options.duration)]
-    )
+    kinds, all_solvers = islice(cycle(KINDS), options.scenes), solvers(options.fixed_steps, options.tolerances)
+    rows = (measured(kind, k, options.seed, options.duration, all_solvers) for k, kind in enumerate(kinds))
+    found = pd.DataFrame(list(chain.from_iterable(rows)))
     print(f"{circumstances()}\n\n{found.scene.nunique()} of {options.scenes} scenes, the others refused\n")
     print(markdown(summary(found)))
     found["within"] = 100.0 * (found.error < 0.01)
     table = found.pivot_table(index="kind", columns=["method", "step or tolerance"], values="within", sort=False)
     table.columns = [" ".join(each) for each in table.columns]
     print(f"\nScenes of a kind within 1 % [%]\n\n{markdown(table.reset_index())}")
+    print(f"\nBy segments: median of the error [%], time of a step [us]\n\n{markdown(by_segments(found))}")
 
 
 if __name__ == "__main__":

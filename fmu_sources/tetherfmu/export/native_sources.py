@@ -11,7 +11,7 @@ from tetherfmu.libraries.c_kernels import c_kernels
 from tetherfmu.libraries.native_shell import PARTS, SHELL
 from tetherfmu.runtime.limits import MAX_SEGMENTS
 
-from .documents import ASSETS, filled
+from .documents import filled
 from .native_tables import most_room
 from .xml_text import xml_text
 

@@ -13,10 +13,10 @@ from pathlib import Path
 
 from tetherfmu.runtime.kernel_library import this_platform
 
-from . import ahead_of_time, c_code, ready, wasm_file, webassembly
+from . import ahead_of_time, c_code, c_function, c_helpers, c_operations, ready, wasm_file, webassembly
 
 FILE = "kernels.c"
-RECIPE = [module.__file__ for module in (c_code, wasm_file, webassembly)]
+RECIPE = [module.__file__ for module in (c_code, c_function, c_helpers, c_operations, wasm_file, webassembly)]
 VERBS = ("segments", "pack", "work_size", "initialize", "advance", "outputs")  # that FMUs call
 ALIGNED = 16
 

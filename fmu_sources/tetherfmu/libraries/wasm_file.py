@@ -37,7 +37,7 @@ class Function(NamedTuple):
 
     signature: Signature
     variables: tuple  # types of those beside the arguments
-    body: list  # of (code, operand)
+    body: list  # of (code, operand); the operand of loads and stores is (offset, alignment) in bytes
 
 
 class File(NamedTuple):
@@ -58,10 +58,12 @@ class Reader:
         self.content, self.place, self.end = content, place, len(content) if end is None else end
 
     def byte(self):
+        """One byte."""
         self.place += 1
         return self.content[self.place - 1]
 
     def bytes(self, count):
+        """So many bytes."""
         self.place += count
         return self.content[self.place - count : self.place]
 
@@ -86,9 +88,11 @@ class Reader:
                 return number - (1 << shift) if byte & 0x40 else number
 
     def name(self):
+        """A name in UTF-8."""
         return self.bytes(self.whole()).decode("utf-8")
 
     def types(self):
+        """A list of types."""
         return tuple(TYPES[self.byte()] for _ in range(self.whole()))
 
     def constant(self):
@@ -188,8 +192,8 @@ def _instruction(reader):
     if kind == INDEX:
         return code, reader.whole()
     if kind == PLACE:
-        reader.whole()
-        return code, reader.whole()
+        aligned = 1 << reader.whole()
+        return code, (reader.whole(), aligned)
     if kind == BLOCK:
         found = reader.byte()
         assert found == EMPTY or found in TYPES, "a block with several results"

@@ -173,17 +173,30 @@ def test_loose_tolerances_do_not_feed_on_the_speed_of_stiff_dampers():
     np.testing.assert_allclose(largest_on_a_short_circle(1e-2), largest_on_a_short_circle(1e-6), rtol=0.02)
 
 
-def test_the_fixed_step_solver_stops_at_its_budget():
-    """More internal steps than the budget are refused; hard ones when their iterations have spent it."""
-    tether = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
-    inputs = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
-    for fixed_step in (1e-4, 1.0 / 3000.0):
-        model = TetherDynamic(tether, solver=Solver(fixed_step=fixed_step, initial_shape=3))
-        model.initialize(**inputs)
-        before = model.get_state()
-        with pytest.raises(StepRefused, match=r"longer fixed_step or a shorter communication step"):
-            model.step(1.0, **inputs)
-        np.testing.assert_array_equal(model.get_state(), before)
+HARD = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
+IN_WIND = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (20.0, 0.0, 0.0)}
+
+
+def test_more_fixed_steps_than_the_budget_are_refused():
+    model = TetherDynamic(HARD, solver=Solver(fixed_step=1e-4, initial_shape=3))
+    model.initialize(**IN_WIND)
+    before = model.get_state()
+    with pytest.raises(StepRefused, match=r"longer fixed_step or a shorter communication step"):
+        model.step(1.0, **IN_WIND)
+    np.testing.assert_array_equal(model.get_state(), before)
+
+
+def test_fixed_steps_are_hurried_when_their_iterations_have_spent_the_budget():
+    """Not refused: each step that is left takes at most 32 iterations, and that is told."""
+    model = TetherDynamic(HARD, solver=Solver(fixed_step=1e-3, initial_shape=3))
+    model.initialize(**IN_WIND)
+    budget = limits.STAGES * (limits.ITERATION_BUDGET // HARD.segments)
+    before = model.counters["iterations"]
+    model.step(1.0, **IN_WIND)
+    spent = model.counters["iterations"] - before
+    assert model.counters["steps"] == 1000
+    assert budget < spent <= budget + limits.WORST_WORK + limits.LAST_ITERATIONS * 1000
+    assert any("was ended at its bound on factorizations" in each for each in model.implausible)
 
 
 def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):

@@ -16,7 +16,14 @@ room than that for $segments segments. */
 #include <string.h>
 
 #define KERNELS_IN_C 1
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wstrict-prototypes" /* in the header of FMI 3 */
+#endif
 #include "fmi${fmi}Functions.h"
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 #if defined(FMI2_FUNCTION_PREFIX)
 #undef fmi2FullName
 #define PREFIXED(prefix, name) prefix##name

@@ -151,17 +151,21 @@ def explain(scene, advice):
     return page("advice/advice.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")
 
 
+def advise_in_words(scene, budget=BUDGET):
+    """`Advice` for a scene, or `FixedAdvice` where fixed steps are wanted, and its lines for people."""
+    if not scene.wanted.fixed:
+        advice = advise(scene, budget)
+        return advice, explain(scene, advice)
+    finer = finer_model(scene, PART_OF_FINER * budget)
+    advice = advise_fixed(scene, finer, budget - finer.spent)
+    return advice, explain_fixed(scene, advice)
+
+
 def run(options):
     """Print the advice for a scene file; returns 1 if nothing meets what it asks for."""
     scene = load(options.scene)
     if not options.fast:
         now(f"flying {scene.name} with what may do, and with a finer model")
-    budget = FAST_BUDGET if options.fast else BUDGET
-    if scene.wanted.fixed:
-        finer = finer_model(scene, PART_OF_FINER * budget)
-        advice = advise_fixed(scene, finer, budget - finer.spent)
-        print(explain_fixed(scene, advice))
-    else:
-        advice = advise(scene, budget)
-        print(explain(scene, advice))
+    advice, text = advise_in_words(scene, FAST_BUDGET if options.fast else BUDGET)
+    print(text)
     return 0 if advice.met else 1

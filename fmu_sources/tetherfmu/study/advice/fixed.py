@@ -13,9 +13,8 @@ import numpy as np
 
 from tetherfmu.results import Flown, StepRefused
 from tetherfmu.runtime.limits import STAGES, WORST_WORK
-from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name
 from tetherfmu.study.measuring.errors import errors, worst
-from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, winch
+from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.standard import tether_at_start
 
@@ -33,6 +32,8 @@ class Fixed(NamedTuple):
     segments: int
     step: float  # communication step [s]
     parts: int  # fixed steps in it
+
+    variant, tolerance = "dynamic", 0.0  # not annotated: they are those of each
 
     @property
     def fixed_step(self):
@@ -147,6 +148,5 @@ def advise_fixed(scene, finer, budget):
 
 def explain_fixed(scene, advice):
     """Lines for people: what to use, which error and time to expect, and what is guaranteed."""
-    name = DYNAMIC_FREE.name if scene.kite_is_free else "dynamic"
-    facts = {"own_error": advice.finer.own_error(scene.wanted.outputs), "fmu": class_name(name)}
+    facts = {"own_error": advice.finer.own_error(scene.wanted.outputs), "fmu": fmu_of(scene, advice.point.config)}
     return page("advice/fixed.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")

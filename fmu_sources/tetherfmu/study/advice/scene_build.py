@@ -8,7 +8,7 @@ from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import inputs_of
 from tetherfmu.study.scenes.files import SceneError, load
 
-from .advise import advise, explain
+from .advise import advise_in_words
 from .scene_report import html
 
 VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name
@@ -50,10 +50,10 @@ def advised(path, shape_points, platforms):
     """
     scene = load(path)
     try:
-        advice = advise(scene)
+        advice, text = advise_in_words(scene)
     except StepRefused as refusal:
         raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
-    config, text = advice.point.config, explain(scene, advice)
+    config = advice.point.config
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = inputs_of(scene, config.step)
     no_inputs, no_outputs = left_out(scene, inputs, points)
@@ -63,7 +63,8 @@ def advised(path, shape_points, platforms):
         f"the scene ({vectors_in_words(no_inputs)}); outputs that it does not ask for ({vectors_in_words(no_outputs)})."
     )
     page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
-    starts = tuple((inputs.iloc[0].to_dict() | parameters_of(scene, config)).items())
+    fixed = {"fixed_step": config.fixed_step} if scene.wanted.fixed else {}
+    starts = tuple((inputs.iloc[0].to_dict() | parameters_of(scene, config) | fixed).items())
     purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, page)
     options = BuildOptions(config.segments or 1, points, platforms, starts, purpose, scene.wind_points)
     return text, advice.met, fmu_of(scene, config), options

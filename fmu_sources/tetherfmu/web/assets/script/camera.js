@@ -3,7 +3,8 @@
 import { add, clamp, cross, dot, norm, scale, sub, unit } from "./vectors.js";
 
 const ANGLE = (38 * Math.PI) / 180; // of the view, across the smaller side of the window
-const LOWEST = -0.3, STEEPEST = 1.55; // rad
+const LOWEST = -0.3,
+  STEEPEST = 1.55; // rad
 const NEAR = 0.01; // of the distance: what is nearer is not drawn
 
 export class Camera {

@@ -11,7 +11,9 @@ const STRIPS = [
   { channel: "slack", title: "part of the segments that is slack", unit: "%", factor: 100, most: 100 },
   { channel: "error", title: "error of the force on the kite", unit: "N", logarithmic: true },
 ];
-const LEFT = 52, TOP = 18, BOTTOM = 14; // px
+const LEFT = 52,
+  TOP = 18,
+  BOTTOM = 14; // px
 
 export class Charts {
   /** place : element that gets a canvas for each strip. */
@@ -43,7 +45,9 @@ export class Charts {
     context.setTransform(dots, 0, 0, dots, 0, 0);
     context.clearRect(0, 0, width, height);
     const style = getComputedStyle(canvas);
-    const ink = style.getPropertyValue("--ink"), faint = style.getPropertyValue("--faint"), line = style.getPropertyValue("--line");
+    const ink = style.getPropertyValue("--ink"),
+      faint = style.getPropertyValue("--faint"),
+      line = style.getPropertyValue("--line");
     context.font = "12px system-ui, sans-serif";
     const [begin, end] = record.span();
     const shown = flown.filter((each) => strip.channel !== "error" || each.name !== REFERENCE);
@@ -110,7 +114,8 @@ function linearScale(series, { most }) {
 function logarithmicScale(series) {
   let top = 1e-6;
   for (const values of series) for (const each of values) if (each > top) top = each;
-  const high = Math.ceil(Math.log10(top)), low = high - 5;
+  const high = Math.ceil(Math.log10(top)),
+    low = high - 5;
   const ticks = [high, high - 2, high - 4].map((power) => 10 ** power);
   return { ticks, part: (value) => (Math.log10(value) - low) / (high - low), least: 10 ** low };
 }

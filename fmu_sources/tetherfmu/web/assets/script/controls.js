@@ -5,7 +5,8 @@ import { problemWith } from "./settings.js";
 import { filled, repr, shownUnit, shownValue, words } from "./text.js";
 
 const TICKS = 1000; // of a slider
-const GROUPS = [ // title, records of the parameters, open at first
+const GROUPS = [
+  // title, records of the parameters, open at first
   ["Tether", "Tether", true],
   ["Air and gravity", "Environment", false],
   ["Ground", "Ground", false],
@@ -41,7 +42,12 @@ function slider(declared, value, ignored, sentences, changed) {
   const problem = element("p", { className: "problem", hidden: true });
   const text = (x) => String(Number(shownValue(declared, x).toPrecision(6)));
   const range = element("input", { type: "range", id, min: 0, max: TICKS, value: Math.round(TICKS * scale.part(value)) });
-  const number = element("input", { type: "text", inputMode: "decimal", value: text(value), ariaLabel: `${words(declared.name)} [${unit}]` });
+  const number = element("input", {
+    type: "text",
+    inputMode: "decimal",
+    value: text(value),
+    ariaLabel: `${words(declared.name)} [${unit}]`,
+  });
   const tell = (sentence) => {
     problem.textContent = sentence ?? "";
     problem.hidden = !sentence;
@@ -66,8 +72,16 @@ function slider(declared, value, ignored, sentences, changed) {
     changed(next);
   });
   const label = element("label", { htmlFor: id, title: titleOf(declared, ignored) }, words(declared.name));
-  if (ignored.length) label.append(element("small", {}, `no effect: ${ignored.map((each) => each.replace("Tether", "")).join(", ")}`));
-  return element("div", { className: "quantity" }, label, range, element("span", { className: "value" }, number, unit), problem);
+  if (ignored.length)
+    label.append(element("small", {}, `no effect: ${ignored.map((each) => each.replace("Tether", "")).join(", ")}`));
+  return element(
+    "div",
+    { className: "quantity" },
+    label,
+    range,
+    element("span", { className: "value" }, number, unit),
+    problem,
+  );
 }
 
 function titleOf(declared, ignored) {
@@ -79,7 +93,8 @@ function titleOf(declared, ignored) {
 function list(declared, value, ignored, changed) {
   const options = declared.choices.map((name, k) => ({ name, number: k + 1 })).filter(({ name }) => name);
   const select = element("select", { ariaLabel: words(declared.name) });
-  for (const { name, number } of options) select.append(element("option", { value: number, selected: number === value }, words(name)));
+  for (const { name, number } of options)
+    select.append(element("option", { value: number, selected: number === value }, words(name)));
   select.addEventListener("change", () => changed(Number(select.value)));
   const label = element("label", { title: titleOf(declared, ignored) }, words(declared.name), select);
   return element("div", { className: "quantity choice" }, label);
@@ -88,7 +103,12 @@ function list(declared, value, ignored, changed) {
 export class Controls {
   /** place : element of the panel.  changed(restart) : called after a setting was changed. */
   constructor(place, declared, changed) {
-    Object.assign(this, { place, declared, changed, open: new Set(GROUPS.filter((each) => each[2]).map((each) => each[0])) });
+    Object.assign(this, {
+      place,
+      declared,
+      changed,
+      open: new Set(GROUPS.filter((each) => each[2]).map((each) => each[0])),
+    });
     this.open.add("Flight").add("Wind");
   }
 
@@ -98,14 +118,36 @@ export class Controls {
     const kind = declared.flights[settings.kind];
     place.replaceChildren();
     const parts = new Set(kind.quantities.map((each) => each.group ?? "Flight"));
-    for (const part of parts) this.group(part, kind.quantities.filter((each) => (each.group ?? "Flight") === part), settings.flight, true);
-    const hand = this.group("By hand, at once", declared.hand.filter((each) => usedByHand(each, settings)), settings.hand, false);
+    for (const part of parts)
+      this.group(
+        part,
+        kind.quantities.filter((each) => (each.group ?? "Flight") === part),
+        settings.flight,
+        true,
+      );
+    const hand = this.group(
+      "By hand, at once",
+      declared.hand.filter((each) => usedByHand(each, settings)),
+      settings.hand,
+      false,
+    );
     if (hand) hand.open = true;
     if (!hasOwnWind(settings)) this.wind(settings);
     for (const [title, record] of GROUPS) {
-      this.group(title, declared.parameters.filter((each) => each.group === record), settings.values, true);
+      this.group(
+        title,
+        declared.parameters.filter((each) => each.group === record),
+        settings.values,
+        true,
+      );
     }
-    if (settings.kind === "free") this.group("Kite", declared.parameters.filter((each) => each.group === "FreeKite"), settings.values, true);
+    if (settings.kind === "free")
+      this.group(
+        "Kite",
+        declared.parameters.filter((each) => each.group === "FreeKite"),
+        settings.values,
+        true,
+      );
     this.settings = settings;
   }
 
@@ -119,9 +161,11 @@ export class Controls {
         values[each.name] = value;
         this.changed(restart);
       };
-      details.append(each.choices
-        ? list(each, values[each.name], ignored, set)
-        : slider(each, values[each.name], ignored, this.declared.sentences, set));
+      details.append(
+        each.choices
+          ? list(each, values[each.name], ignored, set)
+          : slider(each, values[each.name], ignored, this.declared.sentences, set),
+      );
     }
     this.place.append(details);
     return details;
@@ -135,14 +179,19 @@ export class Controls {
   /** Speed and direction of the wind instead of its components, and gusts. */
   wind(settings) {
     const { wind } = settings;
-    const polar = { speed: Math.hypot(wind.velocity[0], wind.velocity[1]), direction: Math.atan2(wind.velocity[1], wind.velocity[0]) };
+    const polar = {
+      speed: Math.hypot(wind.velocity[0], wind.velocity[1]),
+      direction: Math.atan2(wind.velocity[1], wind.velocity[0]),
+    };
     const declared = this.declared.wind_velocity;
     const details = this.group("Wind", this.declared.wind, wind, false);
-    const rows = declared.map((each) => slider(each, polar[each.name], [], this.declared.sentences, (value) => {
-      polar[each.name] = value;
-      wind.velocity = [polar.speed * Math.cos(polar.direction), polar.speed * Math.sin(polar.direction), wind.velocity[2]];
-      this.changed(false);
-    }));
+    const rows = declared.map((each) =>
+      slider(each, polar[each.name], [], this.declared.sentences, (value) => {
+        polar[each.name] = value;
+        wind.velocity = [polar.speed * Math.cos(polar.direction), polar.speed * Math.sin(polar.direction), wind.velocity[2]];
+        this.changed(false);
+      }),
+    );
     details.querySelector("summary").after(...rows);
   }
 }
@@ -153,6 +202,7 @@ function usedByHand({ name }, { kind, values, flight }) {
   const ownWinch = kind === "pointer" || kind === "free";
   const steered = kind === "free" && flight.autopilot === 1;
   if (name === "winch_force") return values.winch_control === byForce;
-  if (name === "reel_out_speed") return ownWinch && values.winch_control !== byForce && !(kind === "free" && flight.autopilot === 3);
+  if (name === "reel_out_speed")
+    return ownWinch && values.winch_control !== byForce && !(kind === "free" && flight.autopilot === 3);
   return name === "depower" ? kind === "free" && flight.autopilot !== 3 : steered;
 }

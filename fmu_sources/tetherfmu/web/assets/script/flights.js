@@ -75,7 +75,11 @@ const KINDS = {
   },
   reel(f) {
     const r = f.ramp_time;
-    const turns = [[1, 0], [-2, f.phase_time - 0.5 * r], [1, 2 * f.phase_time - r]];
+    const turns = [
+      [1, 0],
+      [-2, f.phase_time - 0.5 * r],
+      [1, 2 * f.phase_time - r],
+    ];
     const cycle = (time) => turns.reduce((sum, [factor, begin]) => sum + factor * rampIntegral((time - begin) / r), 0);
     // one cycle in the scene file; the page flies it again and again
     const reeled = (time) => f.speed * r * cycle(time - 2 * f.phase_time * Math.floor(time / (2 * f.phase_time)));
@@ -128,7 +132,9 @@ export function atRest(f, tether, gravity) {
   const tension = Math.hypot(...force);
   const along = tension ? force.map((each) => each / tension) : [0, 0, -1];
   const length = tether.initial_length * (1 + tension / tether.axial_stiffness);
-  return KINDS.free_end(f).ground(0).map((each, i) => each + length * along[i]);
+  return KINDS.free_end(f)
+    .ground(0)
+    .map((each, i) => each + length * along[i]);
 }
 
 /** Constant force on that mass besides its weight [N]. */

@@ -4,7 +4,8 @@ const TURN = 0.008; // rad for a pixel
 const KEY_TURN = 0.06; // rad for a key
 const STEERING_RATE = 0.12; // for a key
 
-/** Listen to a canvas.  on : { turn(azimuth, elevation), closer(factor), lead(x, y) -> boolean, steer(change) -> boolean }. */
+/** Listen to a canvas.  on : functions turn(azimuth, elevation), closer(factor), lead(x, y), steer(change); the last two say
+ * whether they did anything. */
 export function listen(canvas, on) {
   const fingers = new Map();
   let spread = 0;
@@ -39,13 +40,18 @@ export function listen(canvas, on) {
       on.turn(TURN * (before[0] - now[0]), TURN * (now[1] - before[1]));
     }
   });
-  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+  for (const name of ["pointerup", "pointercancel"])
+    canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  canvas.addEventListener("wheel", (event) => {
-    if (window.self !== window.top && document.activeElement !== canvas) return; // the wheel moves the page around this frame
-    event.preventDefault();
-    on.closer(Math.exp(-0.0015 * event.deltaY));
-  }, { passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      if (window.self !== window.top && document.activeElement !== canvas) return; // it moves the page around
+      event.preventDefault();
+      on.closer(Math.exp(-0.0015 * event.deltaY));
+    },
+    { passive: false },
+  );
   canvas.addEventListener("keydown", (event) => {
     const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     const action = {

@@ -36,10 +36,16 @@ export function parametersToSet(declared, simulation) {
   const free = simulation.driver.free;
   const lines = declared.parameters
     .filter((each) => (each.group !== "FreeKite" || free) && !same(values[each.name], starts[each.name]))
-    .map((each) => `${each.name} = ${number(each, values[each.name])}${each.choices ? `  # ${each.choices[values[each.name] - 1]}` : ""}`);
+    .map(
+      (each) =>
+        `${each.name} = ${number(each, values[each.name])}${each.choices ? `  # ${each.choices[values[each.name] - 1]}` : ""}`,
+    );
   if (free) {
     const { position, velocity } = simulation.driver.start();
-    for (const [name, vector] of [["position", position], ["velocity", velocity]]) {
+    for (const [name, vector] of [
+      ["position", position],
+      ["velocity", velocity],
+    ]) {
       vector.forEach((each, i) => lines.push(`initial_kite_${name}[${i + 1}] = ${repr(each)}`));
     }
   } else if (kind !== "pointer") {
@@ -64,18 +70,25 @@ export function sceneFile(declared, settings) {
   lines.push(...(file ? ['kind = "series"', `file = ${JSON.stringify(file)}`] : [`kind = "${kind}"`]));
   for (const each of declared.flights[kind].quantities) lines.push(`${each.name} = ${number(each, flight[each.name])}`);
   for (const [group, section] of Object.entries(SECTIONS)) {
-    const changed = declared.parameters.filter((each) =>
-      each.group === group && each.name !== "segments" && (each.name === "initial_length" || values[each.name] !== each.start));
+    const changed = declared.parameters.filter(
+      (each) =>
+        each.group === group &&
+        each.name !== "segments" &&
+        (each.name === "initial_length" || values[each.name] !== each.start),
+    );
     const listed = section === "ground" && values.ground_contact === 1 ? [] : changed;
     if (listed.length) lines.push("", `[${section}]`);
     for (const each of listed) {
       const key = section === "ground" ? each.name.slice("ground_".length) : each.name;
-      lines.push(each.choices ? `${key} = "${each.choices[values[each.name] - 1]}"` : `${key} = ${number(each, values[each.name])}`);
+      lines.push(
+        each.choices ? `${key} = "${each.choices[values[each.name] - 1]}"` : `${key} = ${number(each, values[each.name])}`,
+      );
     }
   }
   if (!hasOwnWind(settings)) {
     lines.push("", "[wind]", `velocity = [${wind.velocity.map(repr).join(", ")}]`);
-    for (const each of declared.wind) if (wind[each.name] !== each.start) lines.push(`${each.name} = ${repr(wind[each.name])}`);
+    for (const each of declared.wind)
+      if (wind[each.name] !== each.start) lines.push(`${each.name} = ${repr(wind[each.name])}`);
   }
   lines.push("", "[wanted]", 'outputs = ["kite_force"]', "allowed_error = 0.05", "");
   return lines.join("\n");

@@ -102,7 +102,13 @@ export class Tether {
   /** Find the first shape; `Refused` says why there is none. */
   start() {
     const status = this.entry("initialize")(
-      this.n, this.parameters, this.inputs, this.state, BigInt(this.points), this.outputs, this.work,
+      this.n,
+      this.parameters,
+      this.inputs,
+      this.state,
+      BigInt(this.points),
+      this.outputs,
+      this.work,
     );
     if (status !== 0) throw new Refused(this.sentence(status, 0));
   }
@@ -112,7 +118,15 @@ export class Tether {
     this.advanceEntry ??= this.entry("advance");
     this.count ??= BigInt(this.points);
     const status = this.advanceEntry(
-      this.n, this.parameters, this.inputs, step, this.state, this.before, this.count, this.outputs, this.work,
+      this.n,
+      this.parameters,
+      this.inputs,
+      step,
+      this.state,
+      this.before,
+      this.count,
+      this.outputs,
+      this.work,
     );
     if (status !== 0) throw new Refused(this.sentence(status, step));
   }
@@ -136,7 +150,8 @@ export class Tether {
   /** State and outputs for `take`. */
   saved() {
     return [this.state, this.outputs].map((address, k) =>
-      Array.from(this.library.view(address, k ? this.sizes.outputs : this.sizes.state)));
+      Array.from(this.library.view(address, k ? this.sizes.outputs : this.sizes.state)),
+    );
   }
 
   /** Continue from what `saved` gave, bit for bit. */

@@ -1,4 +1,4 @@
-// A flight from a CSV file, made smooth as `study/scenes/series.py` does: C2 splines of positions, monotonic ones of the rest.
+// A flight from a CSV file, made smooth as `study/scenes/series.py` does: C2 splines of positions, monotonic others.
 
 import { Refused } from "./library.js";
 
@@ -10,7 +10,10 @@ const FEWEST_ROWS = 4; // that a C2 spline needs
 
 /** Columns of a CSV file with a header row, numbers by name; `Refused` says what is wrong with it. */
 export function columnsOf(text) {
-  const [head, ...rows] = text.trim().split(/\r?\n/).map((line) => line.split(",").map((each) => each.trim()));
+  const [head, ...rows] = text
+    .trim()
+    .split(/\r?\n/)
+    .map((line) => line.split(",").map((each) => each.trim()));
   for (const name of head) {
     if (!COLUMNS.includes(name)) throw new Refused(`unknown column '${name.slice(0, 40)}'; known are ${COLUMNS.join(", ")}`);
   }
@@ -70,14 +73,16 @@ function monotonicSlopes(x, y) {
 /** A cubic through values with slopes: functions `at`, `rate` and `integral` (from the first time on) of the time. */
 function cubic(x, y, slopes) {
   const piece = (k) => {
-    const h = x[k + 1] - x[k], s = (y[k + 1] - y[k]) / h;
+    const h = x[k + 1] - x[k],
+      s = (y[k + 1] - y[k]) / h;
     return [y[k], slopes[k], (3 * s - 2 * slopes[k] - slopes[k + 1]) / h, (slopes[k] + slopes[k + 1] - 2 * s) / h ** 2];
   };
   const whole = ([a, b, c, d], u) => u * (a + u * (b / 2 + u * (c / 3 + (u * d) / 4)));
   const sums = [0];
   for (let k = 0; k < x.length - 1; k++) sums.push(sums[k] + whole(piece(k), x[k + 1] - x[k]));
   const found = (time) => {
-    let low = 0, high = x.length - 2;
+    let low = 0,
+      high = x.length - 2;
     while (low < high) {
       const middle = (low + high + 1) >> 1;
       if (x[middle] <= time) low = middle;
@@ -103,19 +108,25 @@ function cubic(x, y, slopes) {
 /** Motion of a log: a function of time [s] as `motionOf`, and its wind, or null; beyond its end all stays. */
 export function flightOf(text) {
   const columns = columnsOf(text);
-  const x = columns.time, end = x.at(-1);
-  const curves = (name, slopes) => name in columns ? cubic(x, columns[name], slopes(name)) : { at: () => 0, rate: () => 0, integral: () => 0 };
-  const ends = ENDS.map((which) => [1, 2, 3].map((i) => {
-    const velocity = columns[`${which}_velocity[${i}]`];
-    return curves(`${which}_position[${i}]`, (name) => velocity ?? smoothSlopes(x, columns[name]));
-  }));
+  const x = columns.time,
+    end = x.at(-1);
+  const curves = (name, slopes) =>
+    name in columns ? cubic(x, columns[name], slopes(name)) : { at: () => 0, rate: () => 0, integral: () => 0 };
+  const ends = ENDS.map((which) =>
+    [1, 2, 3].map((i) => {
+      const velocity = columns[`${which}_velocity[${i}]`];
+      return curves(`${which}_position[${i}]`, (name) => velocity ?? smoothSlopes(x, columns[name]));
+    }),
+  );
   const monotonic = (name) => curves(name, () => monotonicSlopes(x, columns[name]));
   const speed = monotonic("reel_out_speed");
   const wind = "wind_velocity[1]" in columns ? vectorOf("wind_velocity").map(monotonic) : null;
   const motion = (time) => {
-    const t = Math.min(time, end), moves = time <= end ? 1 : 0;
+    const t = Math.min(time, end),
+      moves = time <= end ? 1 : 0;
     const [[kite, kiteVelocity], [ground, groundVelocity]] = ends.map((each) => [
-      each.map((curve) => curve.at(t)), each.map((curve) => moves * curve.rate(t)),
+      each.map((curve) => curve.at(t)),
+      each.map((curve) => moves * curve.rate(t)),
     ]);
     return { kite, kiteVelocity, ground, groundVelocity, reeled: speed.integral(t), reelOutSpeed: moves * speed.at(t) };
   };

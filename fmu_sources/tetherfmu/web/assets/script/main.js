@@ -3,30 +3,41 @@
 import { Charts } from "./charts.js";
 import { Controls } from "./controls.js";
 import { listen } from "./gestures.js";
-import { buildCommand, hasScene, parametersToSet, sceneFile } from "./home.js";
 import { libraryOf, Refused } from "./library.js";
 import { flightOf } from "./log.js";
 import { changesOf, settingsFrom, settingsOf } from "./settings.js";
 import { addressWith, keep, kept, pairsIn, pairsOf, savedIn } from "./sharing.js";
-import { REFERENCE, Simulation } from "./simulation.js";
+import { Simulation } from "./simulation.js";
 import { clamp, norm, sub } from "./vectors.js";
-import { short } from "./text.js";
 import { View } from "./view.js";
+import { writeNumbers, writeSettings } from "./written.js";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 const STEPS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]; // s
 const BUDGET = 12; // ms of a frame for the tethers
 const OWN = "own_log"; // scene of a log of the user's
-const LONGEST_FREE = 0.02; // communication step [s] to choose for a kite that flies free: its load is that of the start of the step
+const LONGEST_FREE = 0.02; // communication step [s] that may be chosen for a kite under the loads of a wing
 const STEERED = 0.12; // by a key
 const LONGEST_FRAME = 0.1; // s of a frame that are made up for
-const MEASURE_EVERY = 250, WORDS_EVERY = 200, CHARTS_EVERY = 80; // ms
+const MEASURE_EVERY = 250,
+  WORDS_EVERY = 200,
+  CHARTS_EVERY = 80; // ms
 
 const by = (id) => document.getElementById(id);
 
 class Page {
   constructor(declared, library) {
-    Object.assign(this, { declared, library, runs: true, behind: 0, last: performance.now(), fps: 60, spoken: 0, charted: 0, measured: 0 });
+    Object.assign(this, {
+      declared,
+      library,
+      runs: true,
+      behind: 0,
+      last: performance.now(),
+      fps: 60,
+      spoken: 0,
+      charted: 0,
+      measured: 0,
+    });
     this.view = new View(by("view"));
     this.charts = new Charts(by("strips"));
     this.controls = new Controls(by("controls"), declared, (restart) => this.changed(restart));
@@ -74,7 +85,13 @@ class Page {
       const { motion, duration } = flightOf(log);
       const { kite, ground } = motion(0);
       const initial_length = Number(norm(sub(kite, ground)).toPrecision(6));
-      const scene = { title: file.name, about: `The flight of ${file.name}, which stays on this machine.`, file: file.name, kind: "log", log };
+      const scene = {
+        title: file.name,
+        about: `The flight of ${file.name}, which stays on this machine.`,
+        file: file.name,
+        kind: "log",
+        log,
+      };
       this.declared.scenes[OWN] = { ...scene, duration, flight: {}, parameters: { initial_length }, wind: {} };
     } catch (problem) {
       if (!(problem instanceof Refused)) throw problem;
@@ -134,18 +151,31 @@ class Page {
       button.addEventListener("click", () => this.copy(by(button.dataset.copy).textContent, "copied"));
     }
     document.addEventListener("keydown", (event) => {
-      if (/INPUT|SELECT|BUTTON|TEXTAREA|SUMMARY/.test(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
-      const left = () => this.steer(-STEERED), right = () => this.steer(STEERED);
-      const action = { " ": actions.play, r: actions.restart, s: actions.save, l: actions.restore, a: left, d: right }[event.key];
+      if (
+        /INPUT|SELECT|BUTTON|TEXTAREA|SUMMARY/.test(event.target.tagName) ||
+        event.ctrlKey ||
+        event.metaKey ||
+        event.altKey
+      )
+        return;
+      const left = () => this.steer(-STEERED),
+        right = () => this.steer(STEERED);
+      const action = { " ": actions.play, r: actions.restart, s: actions.save, l: actions.restore, a: left, d: right }[
+        event.key
+      ];
       if (action) {
         event.preventDefault();
         action();
       }
     });
     by("log").addEventListener("change", () => this.flyLog(by("log").files[0]));
-    for (const [id, side] of [["left", -1], ["right", 1]]) {
+    for (const [id, side] of [
+      ["left", -1],
+      ["right", 1],
+    ]) {
       by(id).addEventListener("pointerdown", () => (this.settings.hand.steering = 0.6 * side));
-      for (const name of ["pointerup", "pointerleave", "pointercancel"]) by(id).addEventListener(name, () => (this.settings.hand.steering = 0));
+      for (const name of ["pointerup", "pointerleave", "pointercancel"])
+        by(id).addEventListener(name, () => (this.settings.hand.steering = 0));
     }
     window.addEventListener("hashchange", () => this.open(pairsIn(location.hash)));
     listen(by("view"), {
@@ -262,106 +292,18 @@ class Page {
     return ["launch", "landing", "log"].includes(kind) && this.simulation.time >= duration;
   }
 
-  /** Everything that is written and does not change while it flies. */
+  /** Write what does not change while it flies. */
   written() {
-    const { simulation, settings, declared } = this;
-    by("scene").value = settings.scene;
-    by("speed").value = settings.speed;
-    by("step").value = settings.step;
-    by("about").textContent = declared.scenes[settings.scene].about;
-    by("steer").hidden = !(settings.kind === "free" && settings.flight.autopilot === 1);
-    const finer = simulation.flown.find((each) => each.name === REFERENCE)?.tether;
-    by("finer").textContent = finer ? `${finer.segments} segments, tolerance 1e-6` : "off";
-    by("command").textContent = buildCommand(declared, simulation);
-    const lines = parametersToSet(declared, simulation);
-    by("more").hidden = lines.length === 0;
-    by("parameters").textContent = lines.join("\n");
-    by("file").hidden = !hasScene(settings);
-    by("commands").textContent = "tetherfmu build --scene scene.toml";
-    by("toml").textContent = hasScene(settings) ? sceneFile(declared, settings) : "";
-    this.rows();
-  }
-
-  /** Rows of the table, one for each tether that could fly. */
-  rows() {
-    const { simulation, settings, declared } = this;
-    const free = simulation.driver.free;
-    const body = by("tethers").tBodies[0];
-    body.replaceChildren();
-    const names = [...declared.variants.filter((each) => free || !each.free), { name: REFERENCE, class: "finer TetherDynamic", colour: declared.colours.reference }];
-    for (const { name, class: title, colour, free: master } of names) {
-      const row = body.insertRow();
-      row.dataset.tether = name;
-      const box = Object.assign(document.createElement("input"), { type: "checkbox", disabled: Boolean(master) });
-      box.checked = simulation.flown.some((each) => each.name === name);
-      box.addEventListener("change", () => {
-        if (name === REFERENCE) settings.reference = box.checked;
-        else settings.shown = box.checked ? [...settings.shown, name] : settings.shown.filter((each) => each !== name);
-        this.fly();
-      });
-      const dot = Object.assign(document.createElement("span"), { className: "dot" });
-      dot.style.background = colour;
-      const label = document.createElement("label");
-      label.append(box, dot, title);
-      row.insertCell().append(label);
-      for (const head of ["force on the kite", "largest tension", "error", "a step takes", "times real time"]) row.insertCell().dataset.head = head;
-    }
-  }
-
-  /** Everything that is written and changes while it flies. */
-  speak() {
-    const { simulation } = this;
-    by("clock").textContent = `${simulation.time.toFixed(1)} s${this.late ? ", slower than asked for" : ""}`;
-    by("legend").textContent = this.view.legend(simulation);
-    by("frames").textContent = `${this.fps.toFixed(0)} frames a second.`;
-    for (const row of by("tethers").tBodies[0].rows) {
-      const each = simulation.flown.find(({ name }) => name === row.dataset.tether);
-      const known = each?.tether && each.refusal === null;
-      const error = known && each.name !== REFERENCE ? simulation.error(each.name) : NaN;
-      const texts = known
-        ? [short(norm(each.tether.vector("kite_force")), "N"), short(each.tether.scalar("max_tension"), "N"),
-           Number.isFinite(error) ? `${short(100 * error)} %` : "–", short(each.cost / 1000, "s"), short((1000 * simulation.step) / each.cost)]
-        : [each ? "refused" : "", "", "", "", ""];
-      texts.forEach((text, k) => (row.cells[k + 1].textContent = text));
-    }
-    this.say(this.sentences());
-  }
-
-  /** What there is to say: kind, sentence, names and colours of the tethers that it is about. */
-  sentences() {
-    const { simulation, declared } = this;
-    const found = new Map();
-    const doubt = simulation.doubt();
-    if (doubt) found.set(doubt, { kind: "warning", names: [], colours: [] });
-    for (const each of simulation.flown) {
-      const said = simulation.said(each);
-      const sentence = said.map(([, text]) => text).join("; ");
-      if (!found.has(sentence)) found.set(sentence, { kind: said[0][0], names: [], colours: [] });
-      const isReference = each.name === REFERENCE;
-      found.get(sentence).names.push(isReference ? "finer" : each.variant.class);
-      found.get(sentence).colours.push(isReference ? declared.colours.reference : each.variant.colour);
-    }
-    return [...found].map(([sentence, { kind, names, colours }]) => {
-      return { kind, colours, text: names.length ? `${names.join(", ")}: ${sentence}` : sentence };
+    writeSettings(this.simulation, (change) => {
+      change(this.settings);
+      this.fly();
     });
   }
 
-  /** Write sentences where they are new. */
-  say(lines) {
-    const text = JSON.stringify(lines);
-    if (text === this.lines) return;
-    this.lines = text;
-    by("alert").textContent = lines.filter(({ kind }) => kind === "refused" || kind === "warning").map((each) => each.text).join("; ");
-    by("said").replaceChildren(...lines.map(({ kind, colours, text: sentence }) => {
-      const item = Object.assign(document.createElement("li"), { className: kind });
-      for (const colour of colours) {
-        const dot = Object.assign(document.createElement("span"), { className: "dot" });
-        dot.style.background = colour;
-        item.append(dot);
-      }
-      item.append(sentence);
-      return item;
-    }));
+  /** Write what changes while it flies. */
+  speak() {
+    const late = this.late ? ", slower than asked for" : "";
+    writeNumbers(this.simulation, `${this.simulation.time.toFixed(1)} s${late}`, this.fps, this.view);
   }
 }
 

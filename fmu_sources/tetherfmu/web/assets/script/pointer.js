@@ -28,7 +28,9 @@ export class Follower {
     const limits = [this.flight.speed, fastest, fastest / Math.max(0.1, Math.cos(now[1]))];
     for (let i = 0; i < 3; i++) {
       // exact for a goal that stays: x = (a + b t) exp(-w t)
-      const a = now[i] - goals[i], b = rate[i] + w * a, fade = Math.exp(-w * step);
+      const a = now[i] - goals[i],
+        b = rate[i] + w * a,
+        fade = Math.exp(-w * step);
       const next = clamp((b - w * (a + b * step)) * fade, -limits[i], limits[i]);
       now[i] += 0.5 * step * (rate[i] + next);
       rate[i] = next;

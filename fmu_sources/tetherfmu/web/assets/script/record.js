@@ -41,7 +41,8 @@ export class Record {
   rms(name, channel, seconds) {
     const values = this.series[name]?.[channel] ?? [];
     const first = this.times.findIndex((time) => time >= this.times.at(-1) - seconds);
-    let sum = 0, count = 0;
+    let sum = 0,
+      count = 0;
     for (let k = Math.max(first, 0); k < values.length; k++) {
       if (Number.isFinite(values[k])) {
         sum += values[k] ** 2;

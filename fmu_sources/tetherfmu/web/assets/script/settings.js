@@ -70,9 +70,10 @@ export function settingsFrom(declared, pairs) {
   return settings;
 }
 
-/** Sentence on a value that a declared quantity does not allow, in its unit; none if it is allowed. */
+/** What is wrong with a value of a declared quantity: "range", "whole", or null if it is allowed. */
 export function problemWith(declared, value) {
   const { minimum, maximum } = declared;
-  if (!Number.isFinite(value) || (minimum !== null && value < minimum) || (maximum !== null && value > maximum)) return "range";
+  if (!Number.isFinite(value) || (minimum !== null && value < minimum) || (maximum !== null && value > maximum))
+    return "range";
   return declared.kind === "Integer" && !Number.isInteger(value) ? "whole" : null;
 }

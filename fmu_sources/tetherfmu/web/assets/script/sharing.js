@@ -17,7 +17,10 @@ export function unpacked(text) {
 
 /** A saved flight as pairs of a link. */
 export function pairsOf(saved) {
-  const pairs = [["t", String(saved.count)], ["driver", JSON.stringify(saved.driver)]];
+  const pairs = [
+    ["t", String(saved.count)],
+    ["driver", JSON.stringify(saved.driver)],
+  ];
   for (const [name, [state, outputs]] of Object.entries(saved.tethers)) {
     pairs.push([`s.${name}`, packed(state)], [`o.${name}`, packed(outputs)]);
   }

@@ -13,7 +13,8 @@ const TIGHT = 1e-6; // its relative tolerance
 const JUDGED = 10; // seconds over which errors are averaged
 const MEASURED = 1.5; // ms that a measurement of the cost takes
 const MEASUREMENTS = 7; // of which the cost is the median
-const SNAP = 2; // tension over its mean of the last seconds, after slack, that is a snap load
+const SNAP = 2; // tension over its mean of the last seconds, after slack, that is a snap load ...
+const SNAP_WEIGHTS = 5; // ... and weights of the tether that it exceeds that by
 const AFTER_SLACK = 1; // s
 const MEAN_TIME = 5; // s
 const SHOWN_FOR = 5; // s, how long a snap load is told
@@ -40,7 +41,12 @@ function haveOneForm(a, b) {
   if (a === null || b === null) return true;
   if (typeof a !== "object" || typeof b !== "object") return Number.isFinite(a) && typeof b === "number";
   const keys = Object.keys({ ...a, ...b });
-  return keys.every((key) => (key in a || b[key] === null) && (key in b || Number.isFinite(a[key])) && (!(key in b) || haveOneForm(a[key] ?? null, b[key])));
+  return keys.every(
+    (key) =>
+      (key in a || b[key] === null) &&
+      (key in b || Number.isFinite(a[key])) &&
+      (!(key in b) || haveOneForm(a[key] ?? null, b[key])),
+  );
 }
 
 export class Simulation {
@@ -50,14 +56,19 @@ export class Simulation {
     Object.assign(this, { library, settings, declared, step: settings.step, count: 0 });
     library.clear();
     this.driver = driverOf(settings);
-    const wanted = declared.variants.filter((each) =>
-      each.free ? this.driver.free : settings.shown.includes(each.name) || false);
+    const wanted = declared.variants.filter((each) => (each.free ? this.driver.free : settings.shown.includes(each.name)));
     this.flown = wanted.map((variant) => this.made(variant.name, variant, settings.values));
     if (settings.reference) this.flown.unshift(this.reference());
     this.master = this.flown.find((each) => each.variant.free);
     this.start();
     this.record = new Record(this.flown.map((each) => each.name));
     this.sample();
+  }
+
+  /** Weight of the tether at the start [N]. */
+  get weight() {
+    const { density, diameter, initial_length, gravity } = this.settings.values;
+    return density * (Math.PI / 4) * diameter ** 2 * initial_length * gravity;
   }
 
   get time() {
@@ -147,7 +158,8 @@ export class Simulation {
     const { tether } = each;
     const view = (address) => this.library.view(address, tether.sizes.state);
     const began = performance.now();
-    let passed = 0, count = 0;
+    let passed = 0,
+      count = 0;
     while (passed < MEASURED) {
       tether.advance(this.step);
       view(tether.state).set(view(tether.before));
@@ -164,10 +176,9 @@ export class Simulation {
       const tension = tether.scalar("max_tension");
       if (tether.scalar("slack_segments") > 0) memory.slackAt = this.time;
       const since = this.time - memory.slackAt;
-      if (since < AFTER_SLACK && tension > SNAP * memory.mean + 10) {
-        if (!memory.snap || this.time - memory.snap.time > AFTER_SLACK || tension > memory.snap.tension) {
-          memory.snap = { time: this.time, tension };
-        }
+      if (since < AFTER_SLACK && tension > SNAP * Math.max(0, memory.mean) + SNAP_WEIGHTS * this.weight) {
+        const old = !memory.snap || this.time - memory.snap.time > SHOWN_FOR;
+        if (old || tension > memory.snap.tension) memory.snap = { time: this.time, tension };
       }
       const weight = Math.min(1, this.step / MEAN_TIME);
       memory.mean = Number.isNaN(memory.mean) ? tension : memory.mean + weight * (tension - memory.mean);
@@ -201,7 +212,8 @@ export class Simulation {
     if (flown.refusal !== null) return [["refused", flown.refusal]];
     const { tether, variant, memory } = flown;
     const found = [];
-    const slack = tether.scalar("slack_segments"), lying = tether.scalar("grounded_length");
+    const slack = tether.scalar("slack_segments"),
+      lying = tether.scalar("grounded_length");
     if (memory.snap && this.time - memory.snap.time < SHOWN_FOR) {
       found.push(["snap", `snap load of ${short(memory.snap.tension, "N")} at ${memory.snap.time.toFixed(2)} s`]);
     }

@@ -37,7 +37,15 @@ export function filled(sentence, facts) {
   return sentence.replace(/\{(\w+)(?:!r)?(?::([^}]*))?\}/g, (_, name, spec) => formatted(facts[name], spec));
 }
 
-const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+const PREFIXES = [
+  [1e9, "G"],
+  [1e6, "M"],
+  [1e3, "k"],
+  [1, ""],
+  [1e-3, "m"],
+  [1e-6, "µ"],
+  [1e-9, "n"],
+];
 
 /** A number for people: three digits and a prefix of its unit; SI prefixes only where the unit takes one. */
 export function short(x, unit = "") {

@@ -24,8 +24,18 @@ export class View {
     const { values, flight } = simulation.settings;
     const reach = Math.max(values.initial_length, flight.longest_length ?? 0);
     const high = flight.height ?? 0;
-    const points = path ?? [[0.6 * reach, 0, high], [0.3 * reach, 0.5 * reach, high], [0.3 * reach, -0.5 * reach, high + 0.6 * reach]];
-    const all = simulation.settings.kind === "free_end" ? [[0, 0, high], [0, 0, high - 1.2 * reach]] : [...points, [0, 0, 0]];
+    const points = path ?? [
+      [0.6 * reach, 0, high],
+      [0.3 * reach, 0.5 * reach, high],
+      [0.3 * reach, -0.5 * reach, high + 0.6 * reach],
+    ];
+    const all =
+      simulation.settings.kind === "free_end"
+        ? [
+            [0, 0, high],
+            [0, 0, high - 1.2 * reach],
+          ]
+        : [...points, [0, 0, 0]];
     const low = [0, 1, 2].map((i) => Math.min(...all.map((p) => p[i])));
     const top = [0, 1, 2].map((i) => Math.max(...all.map((p) => p[i])));
     const centre = scale(0.5, add(low, top));
@@ -103,16 +113,32 @@ export class View {
   drawGround(level) {
     const { camera } = this;
     const [x, y] = camera.centre;
-    const reach = 1.7 * camera.radius / Math.min(1, camera.zoom);
+    const reach = (1.7 * camera.radius) / Math.min(1, camera.zoom);
     this.spacing = nice(camera.radius / 3 / Math.max(1, camera.zoom));
     const first = (c) => Math.ceil((c - reach) / this.spacing);
     for (let i = first(x); i * this.spacing < x + reach; i++) {
-      const at = i * this.spacing, half = Math.sqrt(Math.max(0, reach ** 2 - (at - x) ** 2));
-      this.path([[at, y - half, level], [at, y + half, level]], this.ground, i === 0 ? 1.6 : 0.7);
+      const at = i * this.spacing,
+        half = Math.sqrt(Math.max(0, reach ** 2 - (at - x) ** 2));
+      this.path(
+        [
+          [at, y - half, level],
+          [at, y + half, level],
+        ],
+        this.ground,
+        i === 0 ? 1.6 : 0.7,
+      );
     }
     for (let i = first(y); i * this.spacing < y + reach; i++) {
-      const at = i * this.spacing, half = Math.sqrt(Math.max(0, reach ** 2 - (at - y) ** 2));
-      this.path([[x - half, at, level], [x + half, at, level]], this.ground, i === 0 ? 1.6 : 0.7);
+      const at = i * this.spacing,
+        half = Math.sqrt(Math.max(0, reach ** 2 - (at - y) ** 2));
+      this.path(
+        [
+          [x - half, at, level],
+          [x + half, at, level],
+        ],
+        this.ground,
+        i === 0 ? 1.6 : 0.7,
+      );
     }
   }
 
@@ -127,7 +153,12 @@ export class View {
       const z = values.ground_height + (k / HEIGHTS) * 0.9 * radius;
       const factor = windFactor(z, values);
       const start = [from[0], from[1], z];
-      this.arrow(start, add(start, scale((0.022 * radius * factor * Math.sqrt(speed)) / speed, scale(speed / Math.sqrt(speed), wind))), this.faint, 1.2);
+      this.arrow(
+        start,
+        add(start, scale((0.022 * radius * factor * Math.sqrt(speed)) / speed, scale(speed / Math.sqrt(speed), wind))),
+        this.faint,
+        1.2,
+      );
     }
   }
 
@@ -150,7 +181,11 @@ export class View {
 
   drawShadow(points, level) {
     this.context.globalAlpha = 0.5;
-    this.path(points.map(([x, y]) => [x, y, level]), this.ground, 2);
+    this.path(
+      points.map(([x, y]) => [x, y, level]),
+      this.ground,
+      2,
+    );
     const kite = points.at(-1);
     this.path([kite, [kite[0], kite[1], level]], this.ground, 0.8, [2, 4]);
     this.context.globalAlpha = 1;
@@ -163,7 +198,8 @@ export class View {
     if (!variant.nodes) this.path(points, colour, 2, tether.scalar("slack_segments") > 0 ? [5, 4] : []);
     else {
       const rest = tether.scalar("tether_length") / (points.length - 1);
-      const taut = [], slack = [];
+      const taut = [],
+        slack = [];
       for (let k = 1; k < points.length; k++) {
         (norm(sub(points[k], points[k - 1])) < rest ? slack : taut).push([points[k - 1], points[k]]);
       }
@@ -206,14 +242,16 @@ export class View {
     const along = sub(moving, scale(moving[0] * outward[0] + moving[1] * outward[1] + moving[2] * outward[2], outward));
     const ahead = norm(along) > 1e-3 ? unit(along) : unit(cross(outward, [0, 1, 0]));
     const side = cross(outward, ahead);
-    const size = SPAN * camera.radius / Math.sqrt(Math.max(1, camera.zoom));
+    const size = (SPAN * camera.radius) / Math.sqrt(Math.max(1, camera.zoom));
     const edge = (part, chord) => {
       const angle = part * 1.15;
       const place = add(scale(size * Math.sin(angle), side), scale(size * (0.9 + 0.75 * (Math.cos(angle) - 1)), outward));
-      return add(kite, add(place, scale(size * chord * (0.30 + 0.70 * Math.cos(angle)), ahead)));
+      return add(kite, add(place, scale(size * chord * (0.3 + 0.7 * Math.cos(angle)), ahead)));
     };
     const parts = Array.from({ length: 13 }, (_, k) => (k - 6) / 6);
-    const outline = [...parts.map((p) => edge(p, 0.28)), ...parts.toReversed().map((p) => edge(p, -0.28))].map((p) => camera.project(p));
+    const outline = [...parts.map((p) => edge(p, 0.28)), ...parts.toReversed().map((p) => edge(p, -0.28))].map((p) =>
+      camera.project(p),
+    );
     if (outline.some((each) => !each)) return;
     for (const part of [-1, -0.5, 0.5, 1]) this.path([kite, edge(part, 0)], this.ink, 0.6);
     context.beginPath();
@@ -245,5 +283,8 @@ function pointsOf(numbers) {
 /** Places of the kite along a prescribed flight. */
 function pathOf({ driver, settings }) {
   const duration = clamp(settings.duration ?? 30, 10, 130);
-  return Array.from({ length: 65 }, (_, k) => driver.motion((k / 64) * duration)).flatMap(({ kite, ground }) => [kite, ground]);
+  return Array.from({ length: 65 }, (_, k) => driver.motion((k / 64) * duration)).flatMap(({ kite, ground }) => [
+    kite,
+    ground,
+  ]);
 }

@@ -7,14 +7,19 @@ const SLOWEST = 1; // apparent wind below which the weight does not turn the kit
 const SLOWEST_STEERED = 3; // apparent wind for which the steering is computed at least [m/s]
 const UPWARD = (100 * Math.PI) / 180; // elevation of the target while reeling in, beyond the zenith [rad]
 const FADING = (20 * Math.PI) / 180; // below `steepest`, where reeling in becomes slower [rad]
-const BY_HAND = 1, PUMPING = 3; // choices of `autopilot`, beside figures of eight
-const TRACTION = 1, REEL_IN = 2;
+const BY_HAND = 1,
+  PUMPING = 3; // choices of `autopilot`, beside figures of eight
+const TRACTION = 1,
+  REEL_IN = 2;
 
-const UNIFORM = 1, POWER_LAW = 2, LOGARITHMIC = 3; // choices of `wind_profile`
+const UNIFORM = 1,
+  POWER_LAW = 2,
+  LOGARITHMIC = 3; // choices of `wind_profile`
 
 /** Wind at a height [m] over wind at the reference height. */
 export function windFactor(z, air) {
-  const h = air.wind_reference_height, roughness = air.surface_roughness;
+  const h = air.wind_reference_height,
+    roughness = air.surface_roughness;
   const power = z > 0 ? (z / h) ** air.wind_exponent : 0;
   const logarithm = z > roughness ? Math.log(z / roughness) / Math.log(h / roughness) : 0;
   if (air.wind_profile === UNIFORM) return 1;
@@ -100,15 +105,14 @@ export class Wing {
     else if (length >= flight.longest_length) memory.phase = REEL_IN;
     const reelingIn = memory.phase === REEL_IN;
     const change = flight.depower_rate * step;
-    const depower = pumping
-      ? clamp(reelingIn ? 1 : 0, memory.depower - change, memory.depower + change)
-      : hand.depower;
+    const depower = pumping ? clamp(reelingIn ? 1 : 0, memory.depower - change, memory.depower + change) : hand.depower;
     if (reelingIn) memory.phi = Math.PI / 2;
     let [target, rate] = pointOfEight(flight, memory.phi);
     if (reelingIn) target = direction(flight.downwind, UPWARD);
     else {
       const ahead = Math.atan2(norm(cross(r, target)), dot(r, target));
-      memory.phi = (memory.phi + Math.max(0, flight.look_ahead - ahead) / Math.max(rate, flight.half_height)) % (2 * Math.PI);
+      memory.phi =
+        (memory.phi + Math.max(0, flight.look_ahead - ahead) / Math.max(rate, flight.half_height)) % (2 * Math.PI);
       [target] = pointOfEight(flight, memory.phi);
     }
     const heading = angleOf(memory.heading, r);

@@ -1,0 +1,74 @@
+/* Flies the circle with an FMU for FMI 2 that is compiled into this program, and times each step.
+
+    host INPUTS STEPS STEP SEGMENTS FIXED_STEP [OUTPUTS]
+
+INPUTS: rows of position and velocity of the kite as doubles, begun again after the last one. OUTPUTS: file for the forces
+after each step. Prints the longest and the mean time of a step [us], of the processor. SEGMENTS_AT, FIXED_STEP_AT, KITE_AT, FORCES_AT: value
+references. */
+#define _POSIX_C_SOURCE 199309L
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "fmu.c"
+
+enum { MOTION = 6, FORCES = 6 };
+
+static void print_message(
+    fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String message, ...)
+{
+    fprintf(stderr, "%s: %s\n", category, message);
+}
+
+static void expect(int good, const char *what)
+{
+    if (good) return;
+    fprintf(stderr, "%s failed\n", what);
+    exit(1);
+}
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return 1e6 * (double)time.tv_sec + 1e-3 * (double)time.tv_nsec;
+}
+
+int main(int count, char **arguments)
+{
+    expect(count >= 6, "reading the arguments");
+    FILE *file = fopen(arguments[1], "rb"), *kept = count > 6 ? fopen(arguments[6], "wb") : NULL;
+    long steps = atol(arguments[2]);
+    double step = atof(arguments[3]), fixed_step = atof(arguments[5]), longest = 0.0, sum = 0.0;
+    int segments = atoi(arguments[4]);
+    static double rows[100000][MOTION];
+    expect(file != NULL, "opening the inputs");
+    size_t revolution = fread(rows, sizeof *rows, 100000, file);
+    fclose(file);
+    fmi2CallbackFunctions functions = {print_message, NULL, NULL, NULL, NULL};
+    fmi2Component c = fmi2Instantiate("tether", fmi2CoSimulation, TOKEN, "", &functions, fmi2False, fmi2False);
+    expect(c != NULL, "fmi2Instantiate");
+    fmi2ValueReference kite[MOTION], forces[FORCES], at_segments = SEGMENTS_AT, at_fixed_step = FIXED_STEP_AT;
+    for (unsigned i = 0; i < MOTION; i++) kite[i] = KITE_AT + i;
+    for (unsigned i = 0; i < FORCES; i++) forces[i] = FORCES_AT + i;
+    expect(fmi2SetInteger(c, &at_segments, 1, &segments) == fmi2OK, "fmi2SetInteger");
+    expect(fmi2SetReal(c, &at_fixed_step, 1, &fixed_step) == fmi2OK, "fmi2SetReal");
+    expect(fmi2SetReal(c, kite, MOTION, rows[0]) == fmi2OK, "fmi2SetReal");
+    expect(fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) == fmi2OK, "fmi2SetupExperiment");
+    expect(fmi2EnterInitializationMode(c) == fmi2OK, "fmi2EnterInitializationMode");
+    expect(fmi2ExitInitializationMode(c) <= fmi2Warning, "fmi2ExitInitializationMode");
+    for (long k = 0; k < steps; k++) {
+        double found[FORCES], began = now();
+        expect(fmi2SetReal(c, kite, MOTION, rows[(size_t)k % revolution]) == fmi2OK, "fmi2SetReal");
+        expect(fmi2DoStep(c, (double)k * step, step, fmi2True) <= fmi2Warning, "fmi2DoStep");
+        expect(fmi2GetReal(c, forces, FORCES, found) == fmi2OK, "fmi2GetReal");
+        double taken = now() - began;
+        sum += taken;
+        if (taken > longest) longest = taken;
+        if (kept) fwrite(found, sizeof found, 1, kept);
+    }
+    if (kept) fclose(kept);
+    printf("%.1f %.2f\n", longest, sum / (double)steps);
+    fmi2FreeInstance(c);
+    return 0;
+}

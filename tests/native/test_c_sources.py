@@ -1,0 +1,109 @@
+"""The C sources of a native FMU: compiled by an importer they are the FMU itself.
+
+`tests/benchmarks/c_sources.py` does this for all tethers, with FMPy and with several options of the compiler.
+"""
+
+import re
+import subprocess
+from xml.etree import ElementTree
+
+import pytest
+
+from isolation import own_process
+from libraries.test_symbols import dynamic_symbols
+from native import as_importers_do as importer
+from native.test_platforms import C_LIBRARY
+from runtime import clients
+from tetherfmu.export import native, native_sources
+from tetherfmu.export.native_tables import most_room
+
+pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
+NAME = "TetherStraight"
+IN_C = {"copysign", "fabs", "trunc", "ceil", "sqrt", "floor", "fmax", "memmove"}  # what compilers need no function for
+PROGRAM = r"""
+#include <stdlib.h>
+static int taken;
+static void *counted(size_t count, size_t size)
+{
+    taken++;
+    return calloc(count, size);
+}
+#define calloc counted
+#include "fmu.c"
+
+int main(void)
+{
+    fmi2CallbackFunctions functions = {NULL, NULL, NULL, NULL, NULL};
+    fmi2Component c = fmi2Instantiate("a", fmi2CoSimulation, TOKEN, "", &functions, fmi2False, fmi2False);
+    int at_first = taken;
+    fmi2ValueReference kite = AT_KITE_POSITION, force = OUTPUTS_AT + AT_KITE_FORCE;
+    fmi2Real taut = 320.0, one = 1.0, change = 0.0;
+    if (!c || fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) || fmi2EnterInitializationMode(c)) return 1;
+    if (fmi2SetReal(c, &kite, 1, &taut) || fmi2GetReal(c, &force, 1, &change) || fmi2ExitInitializationMode(c)) return 2;
+    for (int k = 0; k < 5; k++)
+        if (fmi2DoStep(c, 0.1 * k, 0.1, fmi2True)) return 3;
+    if (fmi2GetDirectionalDerivative(c, &force, 1, &kite, 1, &one, &change) || !(change > 0.0 || change < 0.0)) return 4;
+    if (fmi2DoStep(c, 0.5, -0.1, fmi2True) != fmi2Discard || fmi2Reset(c)) return 5;
+    if (fmi2EnterInitializationMode(c) || fmi2ExitInitializationMode(c)) return 6;
+    if (taken != at_first) return 7;
+    fmi2FreeInstance(c);
+    return 0;
+}
+"""
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def fmi(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def fmu(fmi, tmp_path_factory):
+    return native.build(NAME, tmp_path_factory.mktemp(f"fmi{fmi}"), fmi=fmi, with_sources=True)
+
+
+def test_the_numbers_of_the_native_fmu(fmu, fmi, tmp_path):
+    """To the last bit; nothing but the C library is needed, and nothing but FMI is offered."""
+    library = importer.compiled(fmu, tmp_path)
+    needed, offered = dynamic_symbols(library)
+    assert {name for name in needed if not name.startswith("_")} <= C_LIBRARY | IN_C
+    assert offered == set(native.functions_of(fmi))
+    other = importer.with_library(fmu, library, tmp_path, fmi)
+    found, expected = (own_process(importer.evidence_run, path=path) for path in (other, fmu))
+    assert clients.different(found, expected) == []
+
+
+def test_the_files_are_announced(fmu, fmi, tmp_path):
+    sources = importer.unpacked(fmu, tmp_path)
+    description = sources / "buildDescription.xml" if fmi == 3 else sources.parent / "modelDescription.xml"
+    names = [each.get("name") for each in ElementTree.parse(description).iter("SourceFile" if fmi == 3 else "File")]
+    assert names == [native_sources.FILE]
+
+
+def test_several_in_one_program(fmu, fmi, tmp_path):
+    """With a prefix all names that a linker sees are the own ones of an FMU."""
+    sources = importer.unpacked(fmu, tmp_path)
+    importer.run(["gcc", "-std=c99", f"-DFMI{fmi}_FUNCTION_PREFIX={NAME}_", "-c", "fmu.c", "-o", "fmu.o"], sources)
+    listed = subprocess.run(["nm", "-g", "--defined-only", "fmu.o"], cwd=sources, capture_output=True, text=True, check=True)
+    names = [line.split()[-1] for line in listed.stdout.splitlines()]
+    assert len(names) > len(native.functions_of(fmi))
+    assert all(name.startswith(f"{NAME}_") for name in names)
+
+
+def test_nothing_is_allocated_after_instantiation(fmu, fmi, tmp_path):
+    """From the start over steps, derivatives, a refused step and a reset to the next start; sanitizers find nothing."""
+    if fmi == 3:
+        pytest.skip("the shell is the same")
+    sources = importer.unpacked(fmu, tmp_path)
+    (sources / "program.c").write_text(PROGRAM)
+    importer.run(["gcc", "-std=c99", "-fsanitize=undefined", "program.c", "-o", "program", "-lm"], sources)
+    importer.run(["./program"], sources)
+
+
+@pytest.mark.parametrize("sizes", [[1, 3, 4, 8, 9], [5, 5, 5], [7]])
+def test_room_is_enough_for_any_number_of_segments(sizes):
+    """And not much more than that."""
+    base, slope = map(int, re.search(r"\((\d+) \+ (\d+) \* \(size_t\)", most_room(sizes)).groups())
+    room = [base + slope * n for n in range(1, len(sizes) + 1)]
+    assert all(given >= needed for given, needed in zip(room, sizes, strict=True))
+    assert min(given - needed for given, needed in zip(room, sizes, strict=True)) == 0
