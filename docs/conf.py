@@ -4,7 +4,6 @@ import inspect
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from importlib.metadata import distribution
@@ -14,19 +13,13 @@ from pathlib import Path
 from docutils import nodes
 from sphinx.util.osutil import relative_uri
 
-FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`, if its kernels can be had; they need numba as it is
-SOURCES = Path(__file__).resolve().parents[1] / "fmu_sources"
-WRITTEN = subprocess.run(
-    [sys.executable, "-m", "tetherfmu", "web", "--out", FLOWN / "fly"],
-    env={**os.environ, "PYTHONPATH": str(SOURCES)},
-    stdout=subprocess.DEVNULL,
-    check=False,
-)
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
 DOCS = Path(__file__).resolve().parent
-sys.path[:0] = [str(DOCS / "make"), str(SOURCES)]
+sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
 
+from tetherfmu.libraries import webassembly  # noqa: E402
 from tetherfmu.runtime import __version__ as release  # noqa: E402
+from tetherfmu.web import page  # noqa: E402
 
 project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
 version = release
@@ -60,9 +53,14 @@ MATHJAX = DOCS / distribution("sphinx-mathjax-offline").locate_file("sphinx-math
 html_static_path = ["site_files", str(MATHJAX)]  # formulas without the web: this one file has all that MathJax needs
 mathjax_path = MATHJAX.name
 html_css_files = ["wide.css"]
+FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`
 html_extra_path = [str(FLOWN)]
-if WRITTEN.returncode == 0:
+KERNELS = webassembly.place_of("webassembly", webassembly.FILE, webassembly.VARIANTS, [webassembly.__file__])
+if KERNELS.exists():
+    page.write(FLOWN / "fly", KERNELS.read_bytes())
     tags.add("flown")  # noqa: F821 (Sphinx defines it here)
+else:
+    print("the site goes without the page of tetherfmu web: its kernels are not compiled; tetherfmu web compiles them, once")
 html_copy_source = False
 pygments_style, pygments_dark_style = "default", "monokai"
 

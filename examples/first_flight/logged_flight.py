@@ -120,10 +120,10 @@ def parameters_of(scene, start="quasi_steady", ground=False):
 
     start : a key of `STARTS`.  ground : whether a flat ground, where the ground station is at first, carries the tether.
     """
-    from tetherfmu.study.measuring.runs import winch_control
+    from tetherfmu.study.measuring.runs import winch
 
     found = {"initial_length": scene.tether.initial_length, "initial_shape": STARTS[start]}
-    found |= {"winch_control": winch_control(scene), "end_velocities": at.GIVEN}
+    found |= {"winch_control": winch(scene)["winch_control"], "end_velocities": at.GIVEN}
     if ground:
         found |= {"ground_contact": FLAT, "ground_height": float(scene.flight.motion(0.0).ground[2])}
     return found

@@ -1,11 +1,12 @@
 """FMUs compiled by their importer: built from their C sources by FMPy, they give the numbers of the native ones.
 
-    python tests/benchmarks/c_sources.py [NAME ...]
+    python tests/benchmarks/c_sources.py [NAME ...] [--fmi 2,3] [--levels 0,2,3]
 
 All tethers and both versions of FMI: compiled with all warnings, by cmake from the files of the FMU alone; validated; flown
 with their evidence sets beside the native library, with several options of the compiler. Needs cmake and gcc.
 """
 
+import argparse
 import shutil
 import sys
 import tempfile
@@ -23,8 +24,6 @@ from tetherfmu.export import native
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.kernel_library import SUFFIXES
 
-OPTIONS = ("-O0", "-O2", "-O3")
-
 
 def compiled_by_fmpy(path, folder):
     """The library that FMPy makes of the sources of an FMU, with all warnings."""
@@ -41,18 +40,18 @@ def different(one, other):
     return sum(int((a.view(np.uint64) != b.view(np.uint64)).sum()) for a, b in pairs), sum(a.size for a, _ in pairs)
 
 
-def main(names):
-    """Print a table."""
+def main(names, versions, levels):
+    """Print a table; versions : of FMI.  levels : of optimization by gcc, which is the same for both."""
     print("FMU, FMI, compiled by, numbers of the evidence run that differ from the native FMU's, problems of validation")
     for name in names or SLAVES:
-        for fmi in (2, 3):
+        for fmi in versions:
             with tempfile.TemporaryDirectory() as temporary:
                 folder = Path(temporary) / f"fmi{fmi}"
                 path = native.build(name, folder, fmi=fmi, with_sources=True)
                 expected = importer.evidence_run(path)
                 libraries = {"FMPy (cmake)": compiled_by_fmpy(path, folder)}
-                for options in OPTIONS if fmi == 2 else ():
-                    libraries[f"gcc {options}"] = importer.compiled(path, folder, [options, "-ffp-contract=off"])
+                for level in levels if fmi == versions[0] else ():
+                    libraries[f"gcc -O{level}"] = importer.compiled(path, folder, [f"-O{level}", "-ffp-contract=off"])
                 for how, library in libraries.items():
                     place = folder / how.replace(" ", "_")
                     place.mkdir()
@@ -62,4 +61,9 @@ def main(names):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--fmi", default="2,3")
+    parser.add_argument("--levels", default="0,2,3")
+    wanted = parser.parse_args()
+    main(wanted.names, [int(each) for each in wanted.fmi.split(",")], [each for each in wanted.levels.split(",") if each])

@@ -52,51 +52,47 @@ int main(void)
 """
 
 
-@pytest.fixture(scope="module", params=[2, 3])
-def fmi(request):
-    return request.param
-
-
 @pytest.fixture(scope="module")
-def fmu(fmi, tmp_path_factory):
-    return native.build(NAME, tmp_path_factory.mktemp(f"fmi{fmi}"), fmi=fmi, with_sources=True)
+def fmus(tmp_path_factory):
+    """An FMU with sources for each version of FMI."""
+    folder = tmp_path_factory.mktemp("sources")
+    return {fmi: native.build(NAME, folder / str(fmi), fmi=fmi, with_sources=True) for fmi in (2, 3)}
 
 
-def test_the_numbers_of_the_native_fmu(fmu, fmi, tmp_path):
+def test_the_numbers_of_the_native_fmu(fmus, tmp_path):
     """To the last bit; nothing but the C library is needed, and nothing but FMI is offered."""
-    library = importer.compiled(fmu, tmp_path)
+    library = importer.compiled(fmus[3], tmp_path)
     needed, offered = dynamic_symbols(library)
     assert {name for name in needed if not name.startswith("_")} <= C_LIBRARY | IN_C
-    assert offered == set(native.functions_of(fmi))
-    other = importer.with_library(fmu, library, tmp_path, fmi)
-    found, expected = (own_process(importer.evidence_run, path=path) for path in (other, fmu))
+    assert offered == set(native.functions_of(3))
+    other = importer.with_library(fmus[3], library, tmp_path, 3)
+    found, expected = (own_process(importer.evidence_run, path=path) for path in (other, fmus[3]))
     assert clients.different(found, expected) == []
 
 
-def test_the_files_are_announced(fmu, fmi, tmp_path):
-    sources = importer.unpacked(fmu, tmp_path)
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_files_are_announced(fmus, fmi, tmp_path):
+    sources = importer.unpacked(fmus[fmi], tmp_path)
     description = sources / "buildDescription.xml" if fmi == 3 else sources.parent / "modelDescription.xml"
     names = [each.get("name") for each in ElementTree.parse(description).iter("SourceFile" if fmi == 3 else "File")]
     assert names == [native_sources.FILE]
 
 
-def test_several_in_one_program(fmu, fmi, tmp_path):
-    """With a prefix all names that a linker sees are the own ones of an FMU."""
-    sources = importer.unpacked(fmu, tmp_path)
-    importer.run(["gcc", "-std=c99", f"-DFMI{fmi}_FUNCTION_PREFIX={NAME}_", "-c", "fmu.c", "-o", "fmu.o"], sources)
-    listed = subprocess.run(["nm", "-g", "--defined-only", "fmu.o"], cwd=sources, capture_output=True, text=True, check=True)
-    names = [line.split()[-1] for line in listed.stdout.splitlines()]
-    assert len(names) > len(native.functions_of(fmi))
-    assert all(name.startswith(f"{NAME}_") for name in names)
+def test_nothing_is_allocated_after_instantiation(fmus, tmp_path):
+    """From the start over steps, derivatives, a refused step and a reset to the next start; a sanitizer finds nothing.
 
-
-def test_nothing_is_allocated_after_instantiation(fmu, fmi, tmp_path):
-    """From the start over steps, derivatives, a refused step and a reset to the next start; sanitizers find nothing."""
-    if fmi == 3:
-        pytest.skip("the shell is the same")
-    sources = importer.unpacked(fmu, tmp_path)
+    With a prefix all names that a linker sees are the own ones of the FMU, so that several can be in one program.
+    """
+    sources = importer.unpacked(fmus[2], tmp_path)
     (sources / "program.c").write_text(PROGRAM)
-    importer.run(["gcc", "-std=c99", "-fsanitize=undefined", "program.c", "-o", "program", "-lm"], sources)
+    prefix = f"-DFMI2_FUNCTION_PREFIX={NAME}_"
+    importer.run(["gcc", "-std=c99", "-fsanitize=undefined", prefix, "-c", "program.c", "-o", "program.o"], sources)
+    command = ["nm", "-g", "--defined-only", "program.o"]
+    listed = subprocess.run(command, cwd=sources, capture_output=True, text=True, check=True)
+    names = {line.split()[-1] for line in listed.stdout.splitlines()} - {"main"}
+    assert {f"{NAME}_{name}" for name in native.functions_of(2)} < names
+    assert all(name.startswith(f"{NAME}_") for name in names)
+    importer.run(["gcc", "-fsanitize=undefined", "program.o", "-o", "program", "-lm"], sources)
     importer.run(["./program"], sources)
 
 

@@ -86,7 +86,17 @@ def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
 
 
 @every_flavour
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 4096.0])
+@in_shared_process
+def test_backward_euler_that_damps_more_than_a_tenth(fmu_folder):
+    """At the start, E A h of 614600 N and 1 ms; the default method says nothing."""
+    path = fmu_folder / "TetherDynamic.fmu"
+    said = started(path, fixed_step=1e-3, fixed_step_method=2).messages
+    assert ["additional axial_damping of 615 N.s" in message for message in said] == [True]
+    assert started(path, fixed_step=1e-3).messages == []
+
+
+@every_flavour
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 2.0**14])
 @in_shared_process
 def test_a_forged_note_is_refused(fmu_folder, value):
     from tetherfmu.runtime import layout as at

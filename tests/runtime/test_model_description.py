@@ -60,6 +60,7 @@ PARAMETERS = {  # name: (start, unit), as the page says
 
 PARAMETERS_OF_A_FREE_KITE = {
     "kite_mass": ("10", "kg"),
+    "kite_start": ("1", None),
     **{f"initial_kite_position[{i}]": (start, "m") for i, start in enumerate(("300", "0", "400"), start=1)},
     **{f"initial_kite_velocity[{i}]": ("0", "m/s") for i in (1, 2, 3)},
 }

@@ -18,8 +18,11 @@ LOADS = {  # function, type, size
     0x28: ("load_32", "i32", 4),
     0x29: ("load_64", "i64", 8),
     0x2B: ("load_f64", "f64", 8),
+    0x2C: ("(uint32_t)(int8_t)load_8", "i32", 1),
     0x2D: ("load_8", "i32", 1),
+    0x30: ("(uint64_t)(int8_t)load_8", "i64", 1),
     0x31: ("load_8", "i64", 1),
+    0x34: ("(uint64_t)(int32_t)load_32", "i64", 4),
     0x35: ("load_32", "i64", 4),
 }
 STORES = {  # function, size
@@ -69,7 +72,9 @@ def _operations():
         0xBA: ("f64", "(double){0}"),
         0xBD: ("i64", "bits_of({0})"),
         0xBF: ("f64", "number_of({0})"),
+        0x9E: ("f64", "rint({0})"),
         0xC0: ("i32", "(uint32_t)(int32_t)(int8_t){0}"),
+        0xC2: ("i64", "(uint64_t)(int64_t)(int8_t){0}"),
         0xC4: ("i64", "(uint64_t)(int64_t)(int32_t){0}"),
         (PREFIX, 6): ("i64", "truncated({0})"),
     }

@@ -19,7 +19,7 @@ GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
 FORM = (*STRETCH, *AIR, *GROUND, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
 KITE_AT_REST = ("kite_load", "kite_mass", "kite_start")  # what else counts where a free kite is in equilibrium
-WHERE_KITE_RESTS = (*STRETCH, *AIR_AT_REST, *GROUND, "gravity", "segments", *KITE_AT_REST)
+WHERE_KITE_RESTS = (*STRETCH, *AIR_AT_REST, *GROUND, "gravity", "segments", "slack_stiffness_ratio", *KITE_AT_REST)
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 

@@ -30,6 +30,7 @@ from ..linear_algebra.vectors import get, norm, put, scale
 from .resting_line import fill_others, given_position, is_any_sought, is_point_sought, is_sought
 
 PULLS = np.array((1.0, 0.3, 3.0))  # of the springs of the guesses: the weaker, the more stretched are the lines
+AS_GIVEN, DROPPED, GUESSED = 0, 1, 2  # where searches begin, see `set_off`; from GUESSED on with the pulls above
 SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
 COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between the directions of two that follow each other
 
@@ -122,12 +123,19 @@ def guess(system, pull, search):
 def set_off(system, start, search):
     """Put the sought points, search.x [m] (modified), where search number `start` begins; False if that cannot be.
 
-    Number 0 begins where the inputs of their lines say, the others at a `guess`.
+    AS_GIVEN : where the inputs of their lines say.  DROPPED : below or above that, where the ground carries their weight.
+    GUESSED and those behind it : at a `guess`.
     """
-    if start > 0:
-        return guess(system, PULLS[start - 1], search)
+    if start >= GUESSED:
+        return guess(system, PULLS[start - GUESSED], search)
+    parameters = parameters_of(system, 0)
+    ground = under(parameters)
+    if start == DROPPED and ground.hardness == 0.0:
+        return False
     for k in range(lines_of(system)):
         for end in range(2):
             if is_sought(system, k, end):
-                put(search.x, point_at(system, k, end), given_position(system, k, end))
+                x, y, z = given_position(system, k, end)
+                height = ground.height - parameters[at.GROUND_SINK] if start == DROPPED else z
+                put(search.x, point_at(system, k, end), (x, y, height))
     return True

@@ -41,7 +41,7 @@ from ..equilibrium.rigid_body import GIVE
 from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, row_size, solve_band
 from ..linear_algebra.vectors import dot, get, norm, put, put_at
 from ..step import transaction
-from .resting_guess import PULLS, find_outer, set_off, shortest_line
+from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, set_off, shortest_line
 from .resting_line import (
     add_slopes,
     add_support,
@@ -56,7 +56,7 @@ from .resting_line import (
 )
 
 ITERATIONS = 300
-BUDGET = 50000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
+BUDGET = 150000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
 ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
 STALLED = 0.5  # residual over that of the iteration before, above which it stalls
@@ -323,7 +323,7 @@ def find(system, begins_as_given):
     find_outer(system, search)
     worst, found = 0, False
     for slowly in range(2):
-        for start in range(0 if begins_as_given else 1, 1 + len(PULLS)):
+        for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
             if not found and set_off(system, start, search):
                 worst, found = search_from(system, slowly == 1, search)
     if not found:
