@@ -94,10 +94,16 @@ def end_velocities(scene):
     return at.GIVEN if scene.flight.has_velocities else at.DERIVED
 
 
+def winch_control(scene):
+    """What an importer can tell the winch: a speed, or the force or the length of a log."""
+    if scene.flight.has_force:
+        return at.WINCH_BY_FORCE
+    return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
+
+
 def winch(scene):
-    """Parameters of the winch by name: its drum, and what it is told: a speed, or the force or the length of a log."""
-    control = at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
-    return asdict(scene.winch) | {"winch_control": at.WINCH_BY_FORCE if scene.flight.has_force else control}
+    """Parameters of the winch of a scene by name: what it is told, and its drum."""
+    return asdict(scene.winch) | {"winch_control": winch_control(scene)}
 
 
 def run(scene, config, exact=False):

@@ -60,7 +60,7 @@ def kinds(*tables):
     whole = pd.concat([table for table in tables if len(table)], ignore_index=True)
     return whole.assign(
         winch=pd.Categorical(whole.control.map(CONTROLS), [*CONTROLS.values()]),
-        ground=np.where(whole.ground, "flat", "none"),
+        ground=pd.Categorical(np.where(whole.ground, "flat", "none"), ("none", "flat")),
         asks=asked(whole),
     )
 
@@ -95,8 +95,12 @@ def refusals_by_map(whole):
     """Table of refusals of all maps by their sentence, and when: a column for each winch and ground."""
     refused = whole[whole.refusal != ""]
     when = np.where(refused.calls == 0, "at the start", "in flight")
-    names = refused.winch.astype(str) + ", ground " + refused.ground
-    rows = [refused.variant, refused.refusal.rename("sentence"), pd.Series(when, refused.index, name="when")]
+    names = refused.winch.astype(str) + ", ground " + refused.ground.astype(str)
+    rows = [
+        refused.variant.map(OVER | ON_GROUND),
+        refused.refusal.rename("sentence"),
+        pd.Series(when, refused.index, name="when"),
+    ]
     return pd.crosstab(rows, names).reset_index()
 
 
