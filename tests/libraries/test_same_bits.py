@@ -37,7 +37,7 @@ from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
 STEP = 0.02
 LONG_STEP = 0.1  # where Python calls each kernel
 ADAPTIVE = Solver(initial_shape="quasi_steady")
-# `cpuid`, and behind it `xchg` that restores rbx; with `xor ecx, ecx` instead the processor has none of the features asked for
+# `cpuid`, and `xchg`, which restores rbx; with `xor ecx, ecx` instead the processor has none of the features asked for
 CPUID, NOTHING = b"\x0f\xa2\x48\x87", b"\x31\xc9\x48\x87"
 
 
