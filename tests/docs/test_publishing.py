@@ -18,7 +18,8 @@ FIGURES = {  # of the paper, and the page that has them from its script
     "18 µs": "docs/measurements/benchmarks.md",
     "10.9 to 21 times faster": "docs/measurements/benchmarks.md",
     "5.76 to 6.12 times as long": "docs/measurements/benchmarks.md",
-    "20000": "docs/measurements/stability.md",
+    "1000 flights": "docs/measurements/stability.md",
+    "8000 flights": "docs/measurements/stability.md",
 }
 
 
