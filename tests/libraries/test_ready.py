@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError
 import numpy as np
 import pytest
 
-from tetherfmu import TetherCatenary
+from tetherfmu import TetherStraight
 from tetherfmu.libraries import ready
 from tetherfmu.runtime.kernel_library import file_name, load, this_platform
 
@@ -18,15 +18,15 @@ OTHER = next(platform for platform in ("aarch64-linux", "x86_64-linux") if platf
 
 @pytest.fixture(scope="session")
 def compiled(built_once):
-    """Folders of the catenary, compiled in both ways; the fast way is that of the installation, with all variants."""
-    root = built_once("plain_way", lambda folder: ready.compiled_in(folder, ["catenary"], HERE, "plain"))
-    return {"fast": ready.folders(["catenary"], HERE)["catenary"], "plain": ready.place(root, "catenary")}
+    """Folders of the straight tether, compiled in both ways; the fast way is that of the installation, with all variants."""
+    root = built_once("plain_way", lambda folder: ready.compiled_in(folder, ["straight"], HERE, "plain"))
+    return {"fast": ready.folders(["straight"], HERE)["straight"], "plain": ready.place(root, "straight")}
 
 
 def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
     """Random ends, winds and lengths, taut and slack: 200 flights of 20 steps."""
     rng = np.random.default_rng(1)
-    tethers = [TetherCatenary(kernels=load(folder, "catenary")) for folder in compiled.values()]
+    tethers = [TetherStraight(kernels=load(folder, "straight")) for folder in compiled.values()]
     for _ in range(200):
         kite, velocity = rng.uniform(0.3, 1.1) * np.array((300.0, 0.0, 400.0)), rng.normal(0.0, 10.0, 3)
         wind = rng.normal(0.0, 8.0, 3)
@@ -53,7 +53,7 @@ def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path,
 
 
 def test_what_is_there_is_not_compiled_again(compiled, capfd):
-    assert ready.compiled_in(compiled["fast"].parent, ["catenary"], HERE) == {"catenary": compiled["fast"]}
+    assert ready.compiled_in(compiled["fast"].parent, ["straight"], HERE) == {"straight": compiled["fast"]}
     assert capfd.readouterr().err == ""
 
 
@@ -72,7 +72,7 @@ def test_what_the_compiler_says_is_told(tmp_path, monkeypatch):
 def test_the_libraries_of_the_wheel_come_first(compiled, monkeypatch):
     monkeypatch.setattr(ready, "IN_WHEEL", compiled["fast"].parent)
     monkeypatch.setattr(ready, "version", lambda package: pytest.fail("what compiles was looked for"))
-    assert ready.folders(["catenary"], HERE) == {"catenary": compiled["fast"]}
+    assert ready.folders(["straight"], HERE) == {"straight": compiled["fast"]}
 
 
 def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):

@@ -66,11 +66,11 @@ def circle_inputs(step):
     return inputs
 
 
-# just in time the entry points of the others take a minute; of `dynamic` see `test_a_revolution_kernel_by_kernel`
-JUST_IN_TIME = [(variant, for_this_processor) for variant in VARIANTS if not BY_NAME[variant].has_nodes]
+# just in time the entry points of those with nodes take a minute; of `dynamic` see `test_a_revolution_kernel_by_kernel`
+JUST_IN_TIME = ("catenary", for_this_processor)
 
 
-@pytest.mark.parametrize(("variant", "other"), [*JUST_IN_TIME, *((variant, for_any_processor) for variant in VARIANTS)])
+@pytest.mark.parametrize(("variant", "other"), [JUST_IN_TIME, *((variant, for_any_processor) for variant in VARIANTS)])
 def test_a_revolution_bit_for_bit(variant, other, tmp_path):
     """Outputs, node positions, states and energies of a whole circle with reel-out in gusts."""
     inputs = circle_inputs(STEP)

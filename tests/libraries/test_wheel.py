@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tetherfmu.export.example_fmus import SLAVES as EXAMPLES
-from tetherfmu.libraries import ready, webassembly
+from tetherfmu.libraries import c_kernels, ready, webassembly
 from tetherfmu.libraries.ahead_of_time import TARGETS, object_name
 from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
@@ -67,7 +67,7 @@ def test_one_wheel_has_small_libraries_for_all_platforms(packages):
     with zipfile.ZipFile(wheel) as archive:
         sizes = {Path(each.filename).name: each.file_size for each in archive.infolist() if "/compiled/" in each.filename}
     libraries = {file_name(variant, platform) for variant in ready.LIBRARIES for platform in TARGETS}
-    assert sizes.keys() == {*libraries, *map(object_name, TARGETS), webassembly.FILE}
+    assert sizes.keys() == {*libraries, *map(object_name, TARGETS), webassembly.FILE, c_kernels.FILE}
     assert max(sizes[name] for name in libraries) < LARGEST
 
 
