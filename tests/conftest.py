@@ -31,12 +31,6 @@ def pytest_configure(config):
             pytest.exit(str(error), returncode=1)
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers():
-    """One worker more than there are processors: some tests wait for processes of theirs."""
-    return (os.cpu_count() or 1) + 1
-
-
 SHARING = {  # tests that use what one process makes once: folder or file, and the name of the group
     "tests/kernels/": "compiled just in time",
     "tests/libraries/test_same_bits.py": "compiled just in time",

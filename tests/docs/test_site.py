@@ -17,7 +17,8 @@ import chromium
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "examples"))
 PHONE, DESK = chromium.PHONE["width"], 1400  # widths of the window [px]
-PAGES = sorted(path.relative_to(ROOT / "docs").with_suffix(".html").as_posix() for path in (ROOT / "docs").rglob("*.md"))
+TEXTS = [path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")]
+PAGES = sorted(path.with_suffix(".html").as_posix() for path in TEXTS if path.parts[0] != "publishing")  # no pages
 pytestmark = chromium.needed
 
 
