@@ -67,25 +67,24 @@ class Reader:
         self.place += count
         return self.content[self.place - count : self.place]
 
-    def whole(self):
-        """An unsigned number (LEB128)."""
+    def _groups(self):
+        """Number of groups of 7 bits (LEB128), its bits, and the sign bit of the last group."""
         number, shift = 0, 0
         while True:
             byte = self.byte()
             number |= (byte & 0x7F) << shift
             shift += 7
             if byte < 0x80:
-                return number
+                return number, shift, byte & 0x40
+
+    def whole(self):
+        """An unsigned number (LEB128)."""
+        return self._groups()[0]
 
     def signed(self):
         """A signed number (LEB128)."""
-        number, shift = 0, 0
-        while True:
-            byte = self.byte()
-            number |= (byte & 0x7F) << shift
-            shift += 7
-            if byte < 0x80:
-                return number - (1 << shift) if byte & 0x40 else number
+        number, bits, is_negative = self._groups()
+        return number - (1 << bits) if is_negative else number
 
     def name(self):
         """A name in UTF-8."""
