@@ -25,3 +25,7 @@ FINEST = PARTS**2  # parts of the finest kind in a step
 WORST_CAREFUL = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations of a step and of all its parts
 STAGES = 3  # of a step of order 2
 WORST_WORK = STAGES * MOST_ITERATIONS + WORST_CAREFUL  # factorizations for one fixed step: of stages that were left, too
+# the same of a chain with the drum of a winch that is told a force: where the finest parts do not come to rest with it, the
+# chain takes them alone, see `kernels/integrators/drum_in_backward_euler.py`
+WORST_CAREFUL_WITH_DRUM = WORST_CAREFUL + LAST_ITERATIONS * FINEST
+WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_CAREFUL_WITH_DRUM

@@ -113,6 +113,13 @@ def shrinkage(attempt):
 
 
 @kernel
+def slant_of(b, length, e, r0):
+    """Direction in which the damper of a segment pulls: h/b d(its rate)/dr, from l [m], e and r before the step [m]."""
+    turned = add_scaled(r0, -dot(e, r0), e)
+    return add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
+
+
+@kernel
 def moved(s, x, w):
     """Sum of the moves [m] of the nodes of a segment that are at x [m] after the step."""
     return add(sub(get(x, s), get(w.old, s)), sub(get(x, s + 1), get(w.old, s + 1)))
@@ -180,8 +187,7 @@ def linearize(attempt, x, w):
     for s in range(n):
         length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
         w.held[s] = length - rest
-        turned = add_scaled(r0, -dot(e, r0), e)
-        slant = add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
+        slant = slant_of(b, length, e, r0)
         spring = k * (length - rest)
         across = max(spring + c * rate, 0.0) / length
         air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
@@ -220,10 +226,16 @@ def descend(attempt, before, w):
     Returns Phi [J] and the largest move of a node [m]: -1 where no part of the step goes down, inf where the matrix is
     singular.
     """
-    n = attempt.chain.n
     taken = direction(attempt, w.x, w)
     if taken == 0.0:
         return before, inf
+    return go_along(attempt, taken, before, w)
+
+
+@kernel
+def go_along(attempt, taken, before, w):
+    """Move w.x [m] (modified) by a part of w.move, halved until Phi falls; results as those of `descend`."""
+    n = attempt.chain.n
     for _ in range(MOST_HALVINGS + 1):
         for k in range(3 * (n + 1)):
             w.trial[k] = w.x[k] + taken * w.move[k]
@@ -358,6 +370,13 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     if not (in_any_case or 0.0 <= farthest <= goal):
         return False, iterations
     w.restless[0] += 1.0 if farthest > goal else 0.0
+    take(conditions, time, h, kind, x, v, w)
+    return True, iterations
+
+
+@kernel
+def take(conditions, time, h, kind, x, v, w):
+    """Write the result of a step, whose iteration has ended at w.x [m], to (x, v) and w.acceleration (modified)."""
     for k in range(3 * conditions.first, 3 * conditions.last + 3):
         velocity = (w.x[k] - x[k]) / h
         w.acceleration[k] = (velocity - v[k]) / h
@@ -366,7 +385,6 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     place_ends(conditions, time + h, x, v)
     if kind != WHOLE:
         copy(w.x, x)
-    return True, iterations
 
 
 @kernel

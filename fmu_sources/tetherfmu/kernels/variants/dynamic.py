@@ -12,7 +12,14 @@ from ..equations import winch
 from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import drum_in_fixed_steps, drum_step, moving_drum, second_order, step_control
+from ..integrators import (
+    drum_in_backward_euler,
+    drum_in_fixed_steps,
+    drum_step,
+    moving_drum,
+    second_order,
+    step_control,
+)
 from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
 from . import dynamic_chain, resting_kite
 
@@ -20,7 +27,7 @@ from . import dynamic_chain, resting_kite
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(drum_step.workspace_size(n), second_order.workspace_size(n), resting_kite.work_size(n))
+    return max(drum_step.workspace_size(n), drum_in_backward_euler.workspace_size(n), resting_kite.work_size(n))
 
 
 @kernel
@@ -53,12 +60,12 @@ def advance(n, parameters, given, before, state, work):
     has_drum = winch.follows_force(parameters)
     if conditions.first <= conditions.last or has_drum:
         if parameters[at.FIXED_STEP] > 0.0:
-            b = second_order.workspace(n, work)
+            b = drum_in_backward_euler.workspace(n, work)
             if has_drum:
                 status = drum_in_fixed_steps.integrate(conditions, given.step, state, x, v, b)
             else:
-                status = second_order.integrate(conditions, given.step, state, x, v, b)
-            note_restless(b.chain.restless[0], parameters, state)
+                status = second_order.integrate(conditions, given.step, state, x, v, b.steps)
+            note_restless(b.steps.chain.restless[0], parameters, state)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:
