@@ -220,6 +220,23 @@ def direction(attempt, x, w):
 
 
 @kernel
+def try_part(taken, w):
+    """Positions [m] after a part of the move from w.x into w.trial (modified)."""
+    for k in range(len(w.move)):
+        w.trial[k] = w.x[k] + taken * w.move[k]
+
+
+@kernel
+def largest_move(n, w):
+    """The largest move of a node [m] in w.move."""
+    square = 0.0
+    for i in range(n + 1):
+        move = get(w.move, i)
+        square = max(square, dot(move, move))
+    return sqrt(square)
+
+
+@kernel
 def descend(attempt, before, w):
     """One iteration from the positions w.x [m] (modified) whose Phi is `before` [J].
 
@@ -227,26 +244,18 @@ def descend(attempt, before, w):
     singular.
     """
     taken = direction(attempt, w.x, w)
-    if taken == 0.0:
-        return before, inf
-    return go_along(attempt, taken, before, w)
+    return (before, inf) if taken == 0.0 else go_along(attempt, taken, before, w)
 
 
 @kernel
 def go_along(attempt, taken, before, w):
-    """Move w.x [m] (modified) by a part of w.move, halved until Phi falls; results as those of `descend`."""
-    n = attempt.chain.n
+    """Move w.x [m] (modified) by this part of w.move, halved until Phi falls; results as those of `descend`."""
     for _ in range(MOST_HALVINGS + 1):
-        for k in range(3 * (n + 1)):
-            w.trial[k] = w.x[k] + taken * w.move[k]
+        try_part(taken, w)
         now, rounding = potential(attempt, w.trial, w)
         if now <= before + rounding:
-            square = 0.0
-            for i in range(n + 1):
-                move = get(w.move, i)
-                square = max(square, dot(move, move))
             copy(w.trial, w.x)
-            return now, taken * sqrt(square)
+            return now, taken * largest_move(attempt.chain.n, w)
         taken *= 0.5
     return before, -1.0
 
@@ -309,7 +318,13 @@ def carry(attempt, x, w):
     conditions, n = attempt.conditions, attempt.chain.n
     ground = sub(get(w.free, 0), get(x, 0)) if conditions.first == 1 else ZERO_VECTOR
     kite = sub(get(w.free, n), get(x, n)) if conditions.last == n - 1 else ground
-    share = 0.0
+    carry_by(attempt, ground, kite, x, w)
+
+
+@kernel
+def carry_by(attempt, ground, kite, x, w):
+    """`carry` with these moves of the ends [m]."""
+    n, share = attempt.chain.n, 0.0
     for i in range(n):
         put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
         share += property_of(attempt.chain, i, at.SHARE)
@@ -335,17 +350,63 @@ def guess(attempt, x, w):
 
 
 @kernel
-def guess_expected(attempt, x, w):
-    """As `guess`, with the accelerations that are expected, unless the chain has a lower Phi where it is carried along."""
+def fly_as_expected(attempt, x, w):
+    """Positions [m] into w.x (modified) to which nodes at x [m] come with the accelerations that are expected."""
     conditions, _, h, v = attempt
     copy(w.free, w.x)
     for i in range(conditions.first, conditions.last + 1):
         put(w.x, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, get(w.acceleration, i)))
+
+
+@kernel
+def begin_as_expected(attempt, goal, x, w):
+    """The first iteration from x [m], with the accelerations that are expected; results as those of `descend`.
+
+    Where no node moves by more than `goal` [m] Phi need not be asked. Elsewhere, if the chain has a lower Phi where it is
+    carried along, that of a new `guess` and inf.
+    """
+    fly_as_expected(attempt, x, w)
     add_drag(attempt, w.x, w)
+    taken = direction(attempt, w.x, w)
+    farthest = taken * largest_move(attempt.chain.n, w)
+    if taken > 0.0 and farthest <= goal:
+        try_part(taken, w)
+        copy(w.trial, w.x)
+        phi = 0.0 if holds(attempt.chain, w.x, w) else potential(attempt, w.x, w)[0]
+        return phi, farthest
     phi, _ = potential(attempt, w.x, w)
+    if taken > 0.0 and not is_lower_carried(attempt, phi, x, w):
+        return go_along(attempt, taken, phi, w)
+    return guess(attempt, x, w), inf
+
+
+@kernel
+def is_lower_carried(attempt, phi, x, w):
+    """Whether Phi is below `phi` [J] where the ends carry the chain at x [m] along; w.trial is modified."""
     carry(attempt, x, w)
     carried, _ = potential(attempt, w.trial, w)
-    return phi if phi <= carried else guess(attempt, x, w)
+    return carried < phi
+
+
+@kernel
+def goal_of(attempt, kind):
+    """Largest move of a node [m] with which the iteration has come to rest."""
+    conditions, close = attempt.conditions, CLOSE if kind == WHOLE else CLOSE_IN_STAGE
+    return close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
+
+
+@kernel
+def take(attempt, time, kind, x, v, w):
+    """Let (x, v) [m, m/s] (modified), at a time [s], have the result of the iteration."""
+    conditions, h = attempt.conditions, attempt.h
+    for k in range(3 * conditions.first, 3 * conditions.last + 3):
+        velocity = (w.x[k] - x[k]) / h
+        w.acceleration[k] = (velocity - v[k]) / h
+        v[k] = velocity
+        x[k] = w.x[k]
+    place_ends(conditions, time + h, x, v)
+    if kind != WHOLE:
+        copy(w.x, x)
 
 
 @kernel
@@ -357,10 +418,13 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     """
     attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
     start(attempt, time, kind, x, w)
-    phi = guess_expected(attempt, x, w) if kind == EXPECTED else guess(attempt, x, w)
-    close = CLOSE if kind == WHOLE else CLOSE_IN_STAGE
-    goal = close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
-    iterations, farthest = 0, inf
+    goal = goal_of(attempt, kind)
+    iterations, farthest, phi = 0, inf, 0.0
+    if kind == EXPECTED:
+        phi, farthest = begin_as_expected(attempt, goal, x, w)
+        iterations = 1
+    else:
+        phi = guess(attempt, x, w)
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
     while iterations < most and (farthest > goal or not holds(attempt.chain, w.x, w)):
         phi, farthest = descend(attempt, phi, w)
@@ -370,21 +434,8 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     if not (in_any_case or 0.0 <= farthest <= goal):
         return False, iterations
     w.restless[0] += 1.0 if farthest > goal else 0.0
-    take(conditions, time, h, kind, x, v, w)
+    take(attempt, time, kind, x, v, w)
     return True, iterations
-
-
-@kernel
-def take(conditions, time, h, kind, x, v, w):
-    """Write the result of a step, whose iteration has ended at w.x [m], to (x, v) and w.acceleration (modified)."""
-    for k in range(3 * conditions.first, 3 * conditions.last + 3):
-        velocity = (w.x[k] - x[k]) / h
-        w.acceleration[k] = (velocity - v[k]) / h
-        v[k] = velocity
-        x[k] = w.x[k]
-    place_ends(conditions, time + h, x, v)
-    if kind != WHOLE:
-        copy(w.x, x)
 
 
 @kernel
@@ -412,5 +463,11 @@ def careful_step(conditions, time, h, x, v, w):
 @kernel
 def count_of_steps(conditions, duration, most):
     """Number of fixed steps in a communication step of `duration` [s]; 0 if it is above `most`."""
-    wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
+    return count_in(conditions.parameters, duration, most)
+
+
+@kernel
+def count_in(parameters, duration, most):
+    """`count_of_steps` with the fixed step of these parameters."""
+    wanted = duration / parameters[at.FIXED_STEP] - 1e-6
     return max(1, ceil(wanted)) if wanted <= most else 0

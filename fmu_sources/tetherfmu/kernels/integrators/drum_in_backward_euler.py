@@ -14,17 +14,17 @@ holds, and one that is at a stop, is no case of its own. See docs/models/numeric
 """
 
 from collections import namedtuple
-from math import inf, sqrt
+from math import inf
 
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STIFF
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS
 
-from ..arrays import behind
+from ..arrays import behind, copy
 from ..compilation import kernel, part, view
 from ..equations.assembly import longest_part, node_masses
 from ..equations.boundary import hold_ends, load_during, place_ends
 from ..equations.drum import force_at
 from ..equations.node_loads import free_acceleration
-from ..equations.properties import point_mass, sees_reeling, stiffest
+from ..equations.properties import point_mass, sees_reeling
 from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
@@ -143,9 +143,9 @@ def next_speed(attempt, trial, speed, w, column):
     return speed + max(-farthest, min(farthest, change))
 
 
-@kernel
+@view
 def attempt_at(conditions, trial, speed, v):
-    """`backward_euler.Attempt` with a speed of the drum [m/s]."""
+    """`backward_euler.Attempt` with a speed of the drum [m/s]; the length of the conditions is that before the step."""
     chain = chain_with(conditions, trial.length + trial.h * speed, speed)
     return backward_euler.Attempt(conditions, chain, trial.h, v)
 
@@ -162,12 +162,45 @@ def reel(attempt, time, x, w):
 
 
 @kernel
-def longest_move(n, move):
-    """Largest move [m] of a node."""
-    square = 0.0
-    for i in range(n + 1):
-        square = max(square, dot(get(move, i), get(move, i)))
-    return sqrt(square)
+def move_on(now, is_first, goal, x, w):
+    """Move w.x [m] (modified) by w.move or a part of it; results as those of `backward_euler.descend`.
+
+    is_first : whether it is the first iteration from accelerations that were expected.  goal : a move [m] for which Phi need
+    not be asked then.
+    """
+    taken = longest_part(now.chain, w.move)
+    farthest = taken * backward_euler.largest_move(now.chain.n, w)
+    if is_first and farthest <= goal:
+        backward_euler.try_part(taken, w)
+        copy(w.trial, w.x)
+        return farthest
+    phi, _ = backward_euler.potential(now, w.x, w)
+    if is_first and backward_euler.is_lower_carried(now, phi, x, w):
+        backward_euler.guess(now, x, w)
+        return inf
+    _, farthest = backward_euler.go_along(now, taken, phi, w)
+    return farthest
+
+
+@kernel
+def iterate(conditions, trial, speed, number, is_expected, goal, x, v, b):
+    """One iteration from w.x [m] (modified) and a speed [m/s]: whether the matrix is regular, u' [m/s], largest move [m].
+
+    number : of those before.  The move is negative where no part of it goes down.  Where the first ones have not come to
+    rest the speed only changes where the chain rests with it.
+    """
+    w, column = b.steps.chain, b.column
+    now = attempt_at(conditions, trial, speed, v)
+    if not solve_both(now, trial.time, w, column):
+        return False, speed, inf
+    onward = next_speed(now, trial, speed, w, column)
+    if number >= MOST_ITERATIONS and backward_euler.largest_move(now.chain.n, w) > goal:
+        onward = speed
+    for k in range(len(w.move)):
+        w.move[k] += (onward - speed) * column[k]
+    now = attempt_at(conditions, trial, onward, v)
+    reel(now, trial.time, x, w)
+    return True, onward, move_on(now, number == 0 and is_expected, goal, x, w)
 
 
 # --- steps
@@ -175,44 +208,35 @@ def longest_move(n, move):
 
 @kernel
 def step(conditions, trial, kind, most, guess, x, v, b):
-    """One step of (x, v) (modified if it is taken); arguments of `backward_euler.step`.
+    """One step of (x, v) (modified if it is taken); kind : as for `backward_euler.start`.
 
-    most : iterations.  guess : of the speed [m/s].  Returns whether it came to rest, the number of iterations, negative where
-    the matrix is singular, and the speed of the drum [m/s].
+    most : iterations.  guess : of the speed [m/s].  Returns whether it came to rest, the number of iterations, negative
+    where the matrix is singular, and the speed of the drum [m/s].
     """
-    time, h, w, column = trial.time, trial.h, b.steps.chain, b.column
+    h, n, w = trial.h, conditions.n, b.steps.chain
     still = with_length(conditions, trial.length)
     speed = min(trial.highest, max(trial.lowest, guess))
-    now = backward_euler.Attempt(still, chain_with(still, trial.length + h * speed, speed), h, v)
-    backward_euler.start(now, time, kind, x, w)
-    is_expected = kind == backward_euler.EXPECTED
-    phi = backward_euler.guess_expected(now, x, w) if is_expected else backward_euler.guess(now, x, w)
-    close = backward_euler.CLOSE if kind == backward_euler.WHOLE else backward_euler.CLOSE_IN_STAGE
-    goal = close * sqrt(min(1.0, STIFF / stiffest(now.chain))) * trial.length / conditions.n
-    iterations, farthest, change = 0, inf, inf
-    while iterations < most and not (
-        farthest <= goal and h * change <= conditions.n * goal and backward_euler.holds(now.chain, w.x, w)
-    ):
-        if not solve_both(now, time, w, column):
+    now = attempt_at(still, trial, speed, v)
+    backward_euler.start(now, trial.time, kind, x, w)
+    goal, is_expected = backward_euler.goal_of(now, kind), kind == backward_euler.EXPECTED
+    if is_expected:
+        backward_euler.fly_as_expected(now, x, w)
+        backward_euler.add_drag(now, w.x, w)
+    else:
+        backward_euler.guess(now, x, w)
+    iterations, rests = 0, False
+    while iterations < most and not (rests and backward_euler.holds(attempt_at(still, trial, speed, v).chain, w.x, w)):
+        is_regular, onward, farthest = iterate(still, trial, speed, iterations, is_expected, goal, x, v, b)
+        if not is_regular:
             return False, -1, speed
-        onward = next_speed(now, trial, speed, w, column)
-        if iterations >= MOST_ITERATIONS and longest_move(conditions.n, w.move) > goal:
-            onward = speed
-        change = abs(onward - speed)
-        for k in range(len(w.move)):
-            w.move[k] += (onward - speed) * column[k]
+        rests = 0.0 <= farthest <= goal and h * abs(onward - speed) <= n * goal
         speed = onward
-        now = backward_euler.Attempt(still, chain_with(still, trial.length + h * speed, speed), h, v)
-        reel(now, time, x, w)
-        phi, _ = backward_euler.potential(now, w.x, w)
-        phi, farthest = backward_euler.go_along(now, longest_part(now.chain, w.move), phi, w)
         iterations += 1
         if farthest < 0.0:
             break
-    if not (0.0 <= farthest <= goal and h * change <= conditions.n * goal):
-        return False, iterations, speed
-    backward_euler.take(conditions, time, h, kind, x, v, w)
-    return True, iterations, speed
+    if rests:
+        backward_euler.take(attempt_at(still, trial, speed, v), trial.time, kind, x, v, w)
+    return rests, iterations, speed
 
 
 @kernel

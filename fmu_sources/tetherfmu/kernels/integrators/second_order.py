@@ -166,7 +166,7 @@ def expect(onward, known, w):
 
 @kernel
 def go_to_second(x, v, w):
-    """From the result of the first stage to the start of the second one in (x, v), and what the third needs in w."""
+    """Put (x, v) [m, m/s] (modified), the result of the first stage, where the second one starts."""
     for k in range(len(x)):
         move, change = x[k] - w.x[k], v[k] - w.v[k]
         x[k] = w.x[k] + TO_SECOND * move
@@ -177,7 +177,7 @@ def go_to_second(x, v, w):
 
 @kernel
 def go_to_third(x, v, w):
-    """From the result of the second stage to the start of the third one in (x, v) (modified)."""
+    """Put (x, v) [m, m/s] (modified), the result of the second stage, where the third one starts."""
     for k in range(len(x)):
         x[k] = w.x_onward[k] + BESIDE * x[k]
         v[k] = w.v_onward[k] + BESIDE * v[k]

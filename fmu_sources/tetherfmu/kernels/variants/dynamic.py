@@ -16,6 +16,7 @@ from ..integrators import (
     drum_in_backward_euler,
     drum_in_fixed_steps,
     drum_step,
+    iteration_limit,
     moving_drum,
     second_order,
     step_control,
@@ -88,4 +89,8 @@ def velocities_of(n, parameters, state, work):
     return v
 
 
-outputs_of = dynamic_chain.outputs_of
+@kernel
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    dynamic_chain.outputs_of(n, parameters, state, shape_points, outputs, work)
+    outputs[at.SOLVER_ITERATION_LIMIT] = iteration_limit.of_step(n, parameters, state[at.LAST_STEP])
