@@ -69,8 +69,7 @@ SENTENCES = {
     ),
     FIXED_STEP_DAMPS: (
         "backward Euler with this fixed_step damps like an additional axial_damping of {value:.3g} N.s, more than {part:g} "
-        "% of what the tether has; set fixed_step_method to 1 (second_order), or use a shorter fixed_step (a winch that is "
-        "told a force has backward Euler steps only)"
+        "% of what the tether has; set fixed_step_method to 1 (second_order), or use a shorter fixed_step"
     ),
     FIXED_STEP_RESTLESS: (
         "a fixed step of {value:.3g} s was ended at its bound on factorizations before it converged; its result is bounded, "

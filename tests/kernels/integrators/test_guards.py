@@ -12,7 +12,7 @@ import pytest
 
 from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.equilibrium.compressed_chain import NUDGE
-from tetherfmu.kernels.integrators import backward_euler, drum_in_fixed_steps, second_order, step_control
+from tetherfmu.kernels.integrators import backward_euler, second_order, step_control
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -210,15 +210,22 @@ def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("method", "bound"), [("backward_euler", limits.WORST_CAREFUL), ("second_order", limits.WORST_WORK)]
+    ("method", "control", "bound"),
+    [
+        ("backward_euler", "speed", limits.WORST_CAREFUL),
+        ("second_order", "speed", limits.WORST_WORK),
+        ("backward_euler", "force", limits.WORST_CAREFUL_WITH_DRUM),
+        ("second_order", "force", limits.WORST_WORK_WITH_DRUM),
+    ],
 )
-def test_a_fixed_step_takes_a_bounded_number_of_iterations(method, bound):
+def test_a_fixed_step_takes_a_bounded_number_of_iterations(method, control, bound):
     """The bound holds also where the iteration does not come to rest, and that is told: a slack line in a hurricane.
 
     Steps of order 2 that are left in the first stage spend a third of what three stages may.
     """
-    tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
-    model = TetherDynamic(tether, solver=Solver(fixed_step=0.1, fixed_step_method=method, initial_shape=3))
+    tether = {"segments": 100, "initial_length": 20.0, "axial_stiffness": 1e7, "axial_damping": 0.0}
+    solver = {"fixed_step": 0.1, "fixed_step_method": method, "initial_shape": "straight"}
+    model = TetherDynamic(**tether, **solver, winch_control=control, winch_mass=1e4)
     inputs = {"kite_position": (6.0, 0.0, 8.0), "wind_velocity": (60.0, 10.0, 0.0)}
     model.initialize(**inputs)
     most = 0
@@ -230,12 +237,18 @@ def test_a_fixed_step_takes_a_bounded_number_of_iterations(method, bound):
     assert any("a fixed step of 0.1 s was ended at its bound" in each for each in model.implausible)
 
 
-def test_a_winch_that_is_told_a_force_has_its_own_bound():
-    """A chain step where the drum may be held, those of the search for its speed, and one where it comes to rest."""
-    chain_steps = drum_in_fixed_steps.MOST_EVALUATIONS + 2
-    model = TetherDynamic(winch_control="force", fixed_step=0.01)
-    assert model.most_factorizations == chain_steps * limits.WORST_CAREFUL
-    assert TetherDynamic().most_factorizations == 0
+def test_the_bound_of_a_communication_step_is_an_output():
+    """And what a step has taken: never more, whatever the steps, so that a rig can plan with it. 0 with adaptive steps."""
+    solver = {"fixed_step": 1e-3, "fixed_step_method": "second_order", "initial_shape": "straight"}
+    model = TetherDynamic(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0, **solver)
+    assert model.initialize(**IN_WIND).solver_iteration_limit == model.most_factorizations == limits.WORST_WORK
+    assert model.step(0.004, **IN_WIND).solver_iteration_limit == 4 * limits.WORST_WORK
+    spent = limits.STAGES * (limits.ITERATION_BUDGET // 300)
+    most = spent + limits.WORST_WORK + 50 * limits.LAST_ITERATIONS
+    assert model.step(0.05, **IN_WIND).solver_iteration_limit == min(50 * limits.WORST_WORK, most) == most
+    adaptive = TetherDynamic()
+    assert adaptive.initialize().solver_iteration_limit == adaptive.step(0.02).solver_iteration_limit == 0
+    assert adaptive.most_factorizations == 0
 
 
 def test_the_most_iterations_are_what_the_refusal_says():

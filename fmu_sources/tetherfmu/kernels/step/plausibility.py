@@ -126,7 +126,7 @@ def note_stiff_and_slack(chain, x, state):
 def note_damping_of_steps(chain, parameters, state):
     """Note E A h [N s] of backward Euler with a fixed step h above a tenth of the damping in the state (modified)."""
     h = parameters[at.FIXED_STEP]
-    if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER or winch.follows_force(parameters):
+    if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER:
         largest = 0.0
         for s in range(chain.n):
             added = h * property_of(chain, s, at.STIFFNESS)
