@@ -214,27 +214,38 @@ def direction(attempt, x, w):
 
 
 @kernel
+def try_part(taken, w):
+    """Positions [m] after a part of the move from w.x into w.trial (modified)."""
+    for k in range(len(w.move)):
+        w.trial[k] = w.x[k] + taken * w.move[k]
+
+
+@kernel
+def largest_move(n, w):
+    """The largest move of a node [m] in w.move."""
+    square = 0.0
+    for i in range(n + 1):
+        move = get(w.move, i)
+        square = max(square, dot(move, move))
+    return sqrt(square)
+
+
+@kernel
 def descend(attempt, before, w):
     """One iteration from the positions w.x [m] (modified) whose Phi is `before` [J].
 
     Returns Phi [J] and the largest move of a node [m]: -1 where no part of the step goes down, inf where the matrix is
     singular.
     """
-    n = attempt.chain.n
     taken = direction(attempt, w.x, w)
     if taken == 0.0:
         return before, inf
     for _ in range(MOST_HALVINGS + 1):
-        for k in range(3 * (n + 1)):
-            w.trial[k] = w.x[k] + taken * w.move[k]
+        try_part(taken, w)
         now, rounding = potential(attempt, w.trial, w)
         if now <= before + rounding:
-            square = 0.0
-            for i in range(n + 1):
-                move = get(w.move, i)
-                square = max(square, dot(move, move))
             copy(w.trial, w.x)
-            return now, taken * sqrt(square)
+            return now, taken * largest_move(attempt.chain.n, w)
         taken *= 0.5
     return before, -1.0
 
@@ -297,7 +308,13 @@ def carry(attempt, x, w):
     conditions, n = attempt.conditions, attempt.chain.n
     ground = sub(get(w.free, 0), get(x, 0)) if conditions.first == 1 else ZERO_VECTOR
     kite = sub(get(w.free, n), get(x, n)) if conditions.last == n - 1 else ground
-    share = 0.0
+    carry_by(attempt, ground, kite, x, w)
+
+
+@kernel
+def carry_by(attempt, ground, kite, x, w):
+    """`carry` with these moves of the ends [m]."""
+    n, share = attempt.chain.n, 0.0
     for i in range(n):
         put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
         share += property_of(attempt.chain, i, at.SHARE)
@@ -323,17 +340,44 @@ def guess(attempt, x, w):
 
 
 @kernel
-def guess_expected(attempt, x, w):
-    """As `guess`, with the accelerations that are expected, unless the chain has a lower Phi where it is carried along."""
+def fly_as_expected(attempt, x, w):
+    """Positions [m] into w.x (modified) to which nodes at x [m] come with the accelerations that are expected."""
     conditions, _, h, v = attempt
     copy(w.free, w.x)
     for i in range(conditions.first, conditions.last + 1):
         put(w.x, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, get(w.acceleration, i)))
+
+
+@kernel
+def guess_expected(attempt, x, w):
+    """As `guess`, with the accelerations that are expected, unless the chain has a lower Phi where it is carried along."""
+    fly_as_expected(attempt, x, w)
     add_drag(attempt, w.x, w)
     phi, _ = potential(attempt, w.x, w)
     carry(attempt, x, w)
     carried, _ = potential(attempt, w.trial, w)
     return phi if phi <= carried else guess(attempt, x, w)
+
+
+@kernel
+def goal_of(attempt, kind):
+    """Largest move of a node [m] with which the iteration has come to rest."""
+    conditions, close = attempt.conditions, CLOSE if kind == WHOLE else CLOSE_IN_STAGE
+    return close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
+
+
+@kernel
+def take(attempt, time, kind, x, v, w):
+    """Let (x, v) [m, m/s] (modified), at a time [s], have the result of the iteration."""
+    conditions, h = attempt.conditions, attempt.h
+    for k in range(3 * conditions.first, 3 * conditions.last + 3):
+        velocity = (w.x[k] - x[k]) / h
+        w.acceleration[k] = (velocity - v[k]) / h
+        v[k] = velocity
+        x[k] = w.x[k]
+    place_ends(conditions, time + h, x, v)
+    if kind != WHOLE:
+        copy(w.x, x)
 
 
 @kernel
@@ -346,8 +390,7 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
     start(attempt, time, kind, x, w)
     phi = guess_expected(attempt, x, w) if kind == EXPECTED else guess(attempt, x, w)
-    close = CLOSE if kind == WHOLE else CLOSE_IN_STAGE
-    goal = close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
+    goal = goal_of(attempt, kind)
     iterations, farthest = 0, inf
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
     while iterations < most and (farthest > goal or not holds(attempt.chain, w.x, w)):
@@ -358,14 +401,7 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     if not (in_any_case or 0.0 <= farthest <= goal):
         return False, iterations
     w.restless[0] += 1.0 if farthest > goal else 0.0
-    for k in range(3 * conditions.first, 3 * conditions.last + 3):
-        velocity = (w.x[k] - x[k]) / h
-        w.acceleration[k] = (velocity - v[k]) / h
-        v[k] = velocity
-        x[k] = w.x[k]
-    place_ends(conditions, time + h, x, v)
-    if kind != WHOLE:
-        copy(w.x, x)
+    take(attempt, time, kind, x, v, w)
     return True, iterations
 
 

@@ -165,6 +165,25 @@ def expect(onward, known, w):
 
 
 @kernel
+def go_to_second(x, v, w):
+    """Put (x, v) [m, m/s] (modified), the result of the first stage, where the second one starts."""
+    for k in range(len(x)):
+        move, change = x[k] - w.x[k], v[k] - w.v[k]
+        x[k] = w.x[k] + TO_SECOND * move
+        v[k] = w.v[k] + TO_SECOND * change
+        w.x_onward[k] = w.x[k] + TO_THIRD * move - BESIDE * x[k]
+        w.v_onward[k] = w.v[k] + TO_THIRD * change - BESIDE * v[k]
+
+
+@kernel
+def go_to_third(x, v, w):
+    """Put (x, v) [m, m/s] (modified), the result of the second stage, where the third one starts."""
+    for k in range(len(x)):
+        x[k] = w.x_onward[k] + BESIDE * x[k]
+        v[k] = w.v_onward[k] + BESIDE * v[k]
+
+
+@kernel
 def stages(conditions, time, h, known, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s]; whether it is to be taken, and the number of iterations.
 
@@ -179,21 +198,14 @@ def stages(conditions, time, h, known, x, v, w):
     if not taken:
         return False, iterations
     does_cross = crosses(conditions, time, w.x, time + reach, x)
-    for k in range(len(x)):
-        move, change = x[k] - w.x[k], v[k] - w.v[k]
-        x[k] = w.x[k] + TO_SECOND * move
-        v[k] = w.v[k] + TO_SECOND * change
-        w.x_onward[k] = w.x[k] + TO_THIRD * move - BESIDE * x[k]
-        w.v_onward[k] = w.v[k] + TO_THIRD * change - BESIDE * v[k]
+    go_to_second(x, v, w)
     expect(TO_NEXT[1], known, w)
     taken, more = stage(conditions, time + (MIDDLE - GAMMA) * h, 1, reach, x, v, w)
     iterations += more
     if not taken:
         return False, iterations
     does_cross = does_cross or crosses(conditions, time, w.x, time + MIDDLE * h, x)
-    for k in range(len(x)):
-        x[k] = w.x_onward[k] + BESIDE * x[k]
-        v[k] = w.v_onward[k] + BESIDE * v[k]
+    go_to_third(x, v, w)
     expect(TO_NEXT[2], 2, w)
     taken, more = stage(conditions, time + (1.0 - GAMMA) * h, 2, reach, x, v, w)
     iterations += more
