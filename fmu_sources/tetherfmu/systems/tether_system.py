@@ -39,7 +39,7 @@ class TetherSystem:
     lines : sequence of Line
     environment : Environment
     solver : Solver
-        Adaptive: `fixed_step` must be 0.
+        With a `fixed_step` the winches are told a speed or a length.
     ground : Ground
 
     Raises
@@ -85,8 +85,6 @@ class TetherSystem:
         kinds = {Environment: environment, Solver: solver, Ground: ground}
         for kind, record in kinds.items():
             arguments.record_of(type(self).__name__, record, kind)
-        if solver.fixed_step != 0.0:
-            raise ValueError(f"fixed_step is {solver.fixed_step!r} s; it must be 0 in a system, whose steps are adaptive")
         for line in lines:
             arguments.tethers_of("Line", line.tether)
         self.points, self.lines = points, lines

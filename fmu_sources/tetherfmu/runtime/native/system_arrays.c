@@ -213,7 +213,7 @@ void sentence_of(
         .inputs = inputs,
         .parameters = parameters,
         .length = at_start ? parameters[AT_INITIAL_LENGTH] : state_of(arrays, line)[AT_LENGTH],
-        .segments = of_line(arrays, line, PLAN_SEGMENTS)});
+        .segments = about < 0 ? arrays->segments : of_line(arrays, line, PLAN_SEGMENTS)});
     fill_in(text, LONGEST_TEXT, about < 0 ? "{said}" : "the line {line}: {said}", FACTS(
         word("line", LINE_NAME[line]), word("said", said)));
 }
