@@ -32,7 +32,7 @@ from ..equations.lines import (
     conditions_of,
     free_points,
     lines_of,
-    load_on,
+    load_at,
     motion_of,
     parameters_of,
     point_at,
@@ -253,7 +253,7 @@ def start(system, step):
         for end in range(2):
             if is_free(system, k, end):
                 point, free, node = point_at(system, k, end), scratch_of(system, k).free, segments_of(system, k) * end
-                by_load = scale(step.h * step.h / points.mass[point], load_on(system, point))
+                by_load = scale(step.h * step.h / points.mass[point], load_at(system, point, step.time + step.h))
                 put(free, node, add_scaled(get(free, node), 1.0, by_load))
 
 

@@ -11,7 +11,7 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during, place_ends
-from ..equations.lines import conditions_of, lines_of, load_on, motion_of, point_at, points_of, segments_of, state_of
+from ..equations.lines import conditions_of, lines_of, load_at, motion_of, point_at, points_of, segments_of, state_of
 from ..equations.properties import stiffest
 from ..linear_algebra.vectors import get, norm
 from . import backward_euler, second_order
@@ -56,11 +56,14 @@ def crosses(system, start, end):
 
 
 @kernel
-def power_of_load(system, k, end, v):
-    """Largest power [W] of the load on the free point at an end of line k with velocities v [m/s], by its part of the mass."""
+def power_of_load(system, k, end, time, v):
+    """Largest power [W] of the load on the free point at an end of line k at a time [s], by its part of the mass.
+
+    v : velocities of the nodes [m/s].
+    """
     point, node = point_at(system, k, end), segments_of(system, k) * end
     own = room_in_fixed_steps(system, k).stages.chain.mass[node] / points_of(system).mass[point]
-    return own * norm(load_on(system, point)) * norm(get(v, node))
+    return own * norm(load_at(system, point, time)) * norm(get(v, node))
 
 
 @kernel
@@ -80,7 +83,7 @@ def energy_and_power(system, time, is_new):
             power += given
             for end in range(2):
                 if is_free(system, k, end):
-                    power += power_of_load(system, k, end, speed)
+                    power += power_of_load(system, k, end, time, speed)
     return energy, power
 
 

@@ -24,6 +24,7 @@ from ..equations.lines import (
     segments_of,
     state_of,
     store_conditions,
+    take_load_rates,
 )
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
@@ -179,6 +180,7 @@ def begin(system, step):
     status = check_loads(system)
     if status != OK:
         return status
+    take_load_rates(system)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = begin_line(system, k, step)
