@@ -60,7 +60,7 @@ def _native(structure, about, platforms, evidence, fmi):
     made = documents(structure, about, platforms, evidence, fmi)
     if fmi == 3:
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
-    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP, more=False)
+    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP)
     tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
     complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
     return made
