@@ -109,7 +109,7 @@ def test_given_to_one_line_they_do_what_they_do_to_a_tether(folder, given, fixed
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
 @in_own_process
 def test_a_given_rate_of_a_load_does_what_it_does_to_a_free_kite(folder, fixed_step):
-    """Another elimination, so other rounding; held loads, without rates, are 0.1 m off."""
+    """Another elimination, so other rounding; with loads that are held the kite comes elsewhere."""
     one, other = side_by_side(folder, "TetherDynamicFree", "Free", True, fixed_step=fixed_step, relative_tolerance=1e-7)
     np.testing.assert_allclose(other.get("kite.position"), one.get("kite_position"), rtol=0.0, atol=1e-6)
     _, held = side_by_side(folder, "TetherDynamicFree", "Free", False, fixed_step=fixed_step, relative_tolerance=1e-7)
@@ -169,7 +169,8 @@ def test_given_before_the_initialization_ends(folder):
     host.fmu.reset()
     host.start().step(STEP, **{"main.reel_out_speed": 2.0})
     assert host.get("main.tether_length") == pytest.approx(100.0 + 2.0 * STEP, rel=1e-14)
-    host.refuses(lambda: host.fmu.setRealInputDerivatives([host.reference["knot.mass"]], [1], [1.0]), "not a continuous input")
+    mass = [host.reference["knot.mass"]]
+    host.refuses(lambda: host.fmu.setRealInputDerivatives(mass, [1], [1.0]), "not a continuous input")
 
 
 # --- of outputs by inputs
@@ -203,7 +204,8 @@ def test_differences_of_steps_of_a_y_that_are_done_again(folder, fixed_step):
         before = blob_of(host)
         host.step(STEP, **motion_of_y(k))
     given, time = motion_of_y(19), host.time - STEP
-    outputs = [f"{name}[{i}]" for name in ("winch.force", "right.force", "knot.position", "knot.velocity") for i in (1, 2, 3)]
+    vectors = ("winch.force", "right.force", "knot.position", "knot.velocity")
+    outputs = [f"{name}[{i}]" for name in vectors for i in (1, 2, 3)]
     outputs += ["main.tension_to", "a.tension_from", "b.max_tension", "main.tether_length"]
     changes = {"left.position[2]": 1e-5, "left.velocity[1]": 1e-3, "right.position[3]": 1e-5, "knot.load[2]": 1e-2,
                "main.reel_out_speed": 1e-3, "wind_velocity[2]": 1e-2}  # fmt: skip

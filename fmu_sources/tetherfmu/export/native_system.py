@@ -43,7 +43,7 @@ def header(structure, table, widths, token):
             *_sizes(structure, table),
             c_texts("INPUT_NAME", [each.name for each in table if each.causality == INPUT]),
             *declared_texts([each for each in table if each.causality == PARAMETER]),
-            *of_lines(names, *([str(references[f"{name}.{of}"]) for name in names] for of in ("diameter", "slack_segments"))),
+            *of_lines(names, *(_of_each_line(names, own, references) for own in ("diameter", "slack_segments"))),
             forces([str(references[name]) for name in _forces(structure)]),
             *scales(INPUT_TABLE),
             *variable_texts(table, [each.place for each in table], widths, len(table)),
@@ -54,6 +54,11 @@ def header(structure, table, widths, token):
             "",
         ]
     )
+
+
+def _of_each_line(names, own, references):
+    """Texts of the value references of a variable that each of the named lines has."""
+    return [str(references[f"{name}.{own}"]) for name in names]
 
 
 def _forces(structure):

@@ -110,8 +110,8 @@ SENTENCES = {
         "(given)"
     ),
     FORCE_IN_FIXED_STEPS: (
-        "winch_control is 2 (force); with a fixed_step the winches of a system are told a speed (1) or a length (3): set one "
-        "of these, or fixed_step to 0 (adaptive)"
+        "winch_control is 2 (force); with a fixed_step the winches of a system are told a speed (1) or a length (3): set "
+        "one of these, or fixed_step to 0 (adaptive)"
     ),
 }
 

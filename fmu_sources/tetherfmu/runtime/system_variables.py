@@ -23,6 +23,7 @@ OF_THE_SYSTEM = (Environment, Solver, Ground)
 RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
 OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "tether_length": "tether_length",
+    "winch_speed": "winch_speed",
     "ground_tension": "tension_from",
     "kite_tension": "tension_to",
     "max_tension": "max_tension",

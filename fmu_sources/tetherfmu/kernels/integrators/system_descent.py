@@ -43,7 +43,7 @@ from ..equations.lines import (
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.points import add_block, factorize_band, solve_band
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, scale, sub
+from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from . import backward_euler, second_order
 from .backward_euler import EXPECTED, MOST_HALVINGS, WHOLE
 from .system_room import has_free_nodes, is_free
@@ -58,7 +58,7 @@ goal : 1, the largest move of a node with which it has come to rest [m].
 """
 
 Step = namedtuple("Step", "time h kind")
-Step.__doc__ = """A step of all lines: time [s] of the communication step, length h [s], kind as in `backward_euler.start`."""
+Step.__doc__ = """A step of all lines: at a time [s] of the communication step, of h [s], its kind as in `backward_euler.start`."""
 
 
 @kernel
@@ -140,7 +140,7 @@ def solve_points(system, points):
 
 @kernel
 def move_line(system, k, step, points):
-    """Move of the nodes of line k [m] from that of the points into its scratch space; the part of it that is short enough."""
+    """Move of the nodes of line k [m] from that of the points into its scratch space; the part of it to try."""
     n, room, attempt = segments_of(system, k), room_in_fixed_steps(system, k), attempt_of(system, k, step)
     move = room.stages.chain.move
     hold_ends(attempt.conditions, move)
@@ -283,7 +283,7 @@ def add_weight(system, k, points):
 
 @kernel
 def carry_points(system, points):
-    """Moves of the free points [m] when all lines are carried along, into points.right (modified); 0 with no driven point."""
+    """Moves of the free points [m] when all lines are carried along, into points.right (modified); 0 if none is driven."""
     clear(points.matrix)
     clear(points.right)
     held = 0
