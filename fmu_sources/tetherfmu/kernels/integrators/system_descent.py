@@ -58,7 +58,7 @@ goal : 1, the largest move of a node with which it has come to rest [m].
 """
 
 Step = namedtuple("Step", "time h kind")
-Step.__doc__ = """A step of all lines: at a time [s] of the communication step, of h [s], its kind as in `backward_euler.start`."""
+Step.__doc__ = """A step of all lines: its start [s] in the communication step, h [s], its kind (`backward_euler.start`)."""
 
 
 @kernel
