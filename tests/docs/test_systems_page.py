@@ -30,4 +30,4 @@ def test_the_table_has_the_keys():
     for name, _ in quantities(Winch):
         assert re.search(rf"`(lines\.NAME)?\.{name}`", PAGE)
     for name, _ in quantities(Solver):
-        assert f"`{name}`" in PAGE or name in ("fixed_step", "fixed_step_method")
+        assert f"`{name}`" in PAGE

@@ -2,6 +2,7 @@
 
 import math
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -16,6 +17,7 @@ from tetherfmu.commands.build import main
 from tetherfmu.export import systems
 from tetherfmu.runtime import system_variables
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.systems import files
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
 STEPS = 30
@@ -103,6 +105,22 @@ def test_the_numbers_are_those_of_python(folder, name):
     for k in range(STEPS):
         assert step_of_fmu(host, k) == as_fmu(system, step_of_python(system, k))
     assert host.get("main.tether_length") > 0.05 + host.get("main.initial_length")
+
+
+@every_flavour
+@in_own_process
+def test_fixed_steps_are_those_of_python(folder):
+    """Bit for bit, two of order 2 in each communication step."""
+    found = files.load(FILES / "two_kites.toml")
+    solver = replace(found.solver, fixed_step=0.01)
+    system = TetherSystem(found.points, found.lines, found.environment, solver, found.ground)
+    host = Host(folder / "TwoKites.fmu")
+    host.left_at_start = host.get("left.position[2]")
+    host.start(fixed_step=0.01)
+    system.initialize()
+    for k in range(STEPS):
+        assert step_of_fmu(host, k) == as_fmu(system, step_of_python(system, k))
+    assert system.counters["steps"] == 2 * STEPS
 
 
 @every_flavour

@@ -67,8 +67,10 @@ def test_the_numbers_of_the_python_api(winches, native):
         wanted = system.step(STEP, winch_forces={"main": force}, winch_lengths={"a": length})
         for name, line in wanted.lines.items():
             assert host.get(f"{name}.tether_length") == line.tether_length
+            assert host.get(f"{name}.winch_speed") == line.winch_speed
             assert host.get(f"{name}.tension_to") == line.kite_tension
     assert wanted.lines["main"].tether_length != 100.0
+    assert wanted.lines["main"].winch_speed != 0.0
     assert wanted.lines["a"].tether_length == pytest.approx(length, abs=0.01)
 
 
@@ -79,6 +81,15 @@ def test_stops_that_cross_are_refused_with_the_line(winches, native):
     with pytest.raises(Exception, match="fmi"):
         host.start(**{"main.shortest_length": 50.0, "main.longest_length": 40.0})
     assert "the line main: shortest_length is 50" in str(host.messages)
+
+
+@pytest.mark.parametrize("native", [0, 2, 3])
+@in_own_process
+def test_a_force_in_fixed_steps_is_refused_with_the_line(winches, native):
+    host = Host(winches / str(native) / "TwoWinches.fmu")
+    with pytest.raises(Exception, match="fmi"):
+        host.start(fixed_step=0.01)
+    assert "the line main: winch_control is 2 (force); with a fixed_step" in str(host.messages)
 
 
 def test_check_passes(winches, capsys):

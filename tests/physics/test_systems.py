@@ -312,7 +312,5 @@ def test_wrong_records_are_refused_in_words():
         Point("p", (0, np.nan, 0))
     with pytest.raises(ValueError, match="name of a line is 'main line'"):
         Line("main line", "a", "b")
-    with pytest.raises(ValueError, match=r"fixed_step is 0\.01 s"):
-        TetherSystem(Y_POINTS, y_lines(), solver=Solver(fixed_step=0.01))
     with pytest.raises(StepRefused, match="call initialize first"):
         TetherSystem(Y_POINTS, y_lines()).step(STEP)

@@ -82,7 +82,7 @@ WRONG = {
     "fixed step": (
         "initial_shape",
         "fixed_step = 0.01\ninitial_shape",
-        "solver.fixed_step is 0.01; it must be 0",
+        "the line rope: winch_control is 2 (force); with a fixed_step",
     ),
     "unknown control": ('"force"', '"torque"', "lines.rope.winch_control is 'torque'; it must be"),
     "light drum": ('"20 kg"', '"-20 kg"', "lines.rope.winch_mass is '-20 kg'; it must be at least 0 kg"),

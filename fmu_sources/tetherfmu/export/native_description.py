@@ -21,7 +21,6 @@ CAPABILITIES = {
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "true",
 }
-LESS = dict.fromkeys(("canInterpolateInputs", "providesDirectionalDerivative"), "false")
 CATEGORIES = {
     "logStatusWarning": "what is implausible; it was done",
     "logStatusDiscard": "steps that were refused; the state does not change",
@@ -29,15 +28,15 @@ CATEGORIES = {
 }
 
 
-def text(name, about, table, places, step, token, more=True, sources=()):
+def text(name, about, table, places, step, token, sources=()):
     """Text of modelDescription.xml.
 
     name : of the FMU.  about : description of the model.  table : of `variables.Variable`, with their `places`, which are
-    `native_arrays.Places`.  step : communication step of the default experiment [s].  token : the guid.  more : whether it
-    has derivatives of inputs and outputs.  sources : C files that an importer compiles.
+    `native_arrays.Places`.  step : communication step of the default experiment [s].  token : the guid.
+    sources : C files that an importer compiles.
     """
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
-    slave = SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
+    slave = SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
     if sources:
         listed = SubElement(slave, "SourceFiles")
         for file in sources:

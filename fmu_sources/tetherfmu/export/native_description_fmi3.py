@@ -24,19 +24,18 @@ CAPABILITIES = {
     "mightReturnEarlyFromDoStep": "false",
     "hasEventMode": "false",
 }
-LESS = {"providesDirectionalDerivatives": "false"}
 TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
 TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
 TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
 
 
-def text(name, about, table, places, step, token, more=True, sources=()):
+def text(name, about, table, places, step, token, sources=()):
     """Text of modelDescription.xml; the arguments are those of `native_description.text`.
 
     sources : not needed, FMI 3 has a file of its own for them.
     """
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(name, about))
-    SubElement(root, "CoSimulation", modelIdentifier=name, **(CAPABILITIES if more else CAPABILITIES | LESS))
+    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
     root.append(units((*table, TIME)))
     root.append(_types(table))
     root.append(categories())

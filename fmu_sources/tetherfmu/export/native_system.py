@@ -3,6 +3,7 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime import layout, status, system_layout, system_maps, system_variables
+from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.system_maps import quantities_of_line
 from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
@@ -14,7 +15,9 @@ from .native_tables import (
     c_texts,
     constants,
     declared_texts,
+    forces,
     of_lines,
+    scales,
     sentence_texts,
     variable_texts,
 )
@@ -40,7 +43,9 @@ def header(structure, table, widths, token):
             *_sizes(structure, table),
             c_texts("INPUT_NAME", [each.name for each in table if each.causality == INPUT]),
             *declared_texts([each for each in table if each.causality == PARAMETER]),
-            *of_lines(names, [str(references[f"{name}.diameter"]) for name in names]),
+            *of_lines(names, *(_of_each_line(names, own, references) for own in ("diameter", "slack_segments"))),
+            forces([str(references[name]) for name in _forces(structure)]),
+            *scales(INPUT_TABLE),
             *variable_texts(table, [each.place for each in table], widths, len(table)),
             *_maps(structure, table, references),
             *_quantities(structure, references),
@@ -49,6 +54,20 @@ def header(structure, table, widths, token):
             "",
         ]
     )
+
+
+def _of_each_line(names, own, references):
+    """Texts of the value references of a variable that each of the named lines has."""
+    return [str(references[f"{name}.{own}"]) for name in names]
+
+
+def _forces(structure):
+    """Names of the forces that lines have at their ends, and of those on driven points."""
+    for point in structure.points:
+        if not point.is_free:
+            yield from components(f"{point.name}.force", 3)
+    for line in structure.lines:
+        yield from (f"{line.name}.tension_from", f"{line.name}.tension_to")
 
 
 def _sizes(structure, table):

@@ -46,7 +46,8 @@ def header(variant, table, shape_points, widths, token):
             *_inputs(wind_points_in(table)),
             *_sizes(table, shape_points),
             *_parameters(table),
-            *of_lines([""], ["PARAMETERS_AT + DIAMETER"]),
+            *of_lines([""], ["PARAMETERS_AT + DIAMETER"], ["OUTPUTS_AT + AT_SLACK_SEGMENTS"]),
+            forces([f"OUTPUTS_AT + AT_{end}_FORCE + {i}" for end in ("GROUND", "KITE") for i in range(3)]),
             *variable_texts(table, references(table, shape_points), widths, count_of_values(table, shape_points)),
             *sentence_texts(),
             "#endif",
@@ -98,11 +99,18 @@ def constants(variant, library, token, record=None):
 def _inputs(wind_points):
     """Name and scale of each input by its place."""
     listed = (*inputs.INPUT_TABLE, *(wind_points * (inputs.WIND_AT,)))
-    scales = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
+    return [
+        *scales(listed),
+        c_texts("INPUT_NAME", input_names(wind_points)),
+    ]
+
+
+def scales(listed):
+    """The scales of directional derivatives, and that of each of these inputs by its place."""
+    numbers = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
     return [
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
-        c_numbers("unsigned char INPUT_SCALE", scales),
-        c_texts("INPUT_NAME", input_names(wind_points)),
+        c_numbers("unsigned char INPUT_SCALE", numbers),
     ]
 
 
@@ -158,13 +166,24 @@ def declared_texts(listed):
     ]
 
 
-def of_lines(names, diameters):
-    """Names of the lines, of which a tether has one without a name, and value references of their diameters, as texts."""
+def of_lines(names, diameters, slack_segments):
+    """Names of the lines, of which a tether has one without a name; texts of value references of what each line has."""
     return [
         c_enumeration({"LINES": len(names)}),
         c_texts("LINE_NAME", names),
-        f"static const unsigned DIAMETER_AT[] = {{{', '.join(diameters)}}};",
+        _references("DIAMETER_AT", diameters),
+        _references("SLACK_SEGMENTS_AT", slack_segments),
     ]
+
+
+def forces(references):
+    """Value references of the forces whose smoothness counts in directional derivatives, texts."""
+    return _references("FORCE_AT", references)
+
+
+def _references(name, texts):
+    """An array of value references in C."""
+    return f"static const unsigned {name}[] = {{{', '.join(texts)}}};"
 
 
 def variable_texts(table, at, widths, count):

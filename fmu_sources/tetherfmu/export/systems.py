@@ -13,7 +13,7 @@ from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
-from tetherfmu.runtime.system_variables import FIXED, OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
+from tetherfmu.runtime.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
@@ -60,7 +60,7 @@ def _native(structure, about, platforms, evidence, fmi):
     made = documents(structure, about, platforms, evidence, fmi)
     if fmi == 3:
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
-    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP, more=False)
+    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP)
     tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
     complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
     return made
@@ -97,7 +97,6 @@ def structure_from(found, positions, shape_points=None):
         name: getattr(record, name)
         for kind, record in zip(OF_THE_SYSTEM, records, strict=True)
         for name, _ in quantities(kind)
-        if name not in FIXED
     }
     return structure_of(Structure(found.name, points, lines, tuple(free), band, starts).as_dict())
 

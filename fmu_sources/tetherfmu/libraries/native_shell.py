@@ -11,8 +11,11 @@ from .linking import KERNELS_NEED, compile_c, link
 from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
-PARTS = ("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "derivatives", "instance")
-OF_A_SYSTEM = {"arrays": "system_arrays", "derivatives": "system_derivatives"}  # in their place
+PARTS = (
+    *("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "tether_derivatives", "derivatives"),
+    "instance",
+)
+OF_A_SYSTEM = {"arrays": "system_arrays", "tether_derivatives": "system_derivatives"}  # in their place
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen"),

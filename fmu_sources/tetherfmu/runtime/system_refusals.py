@@ -28,6 +28,7 @@ def sentence(result, step, arrays, lines, free, at_start=False):
     length = parameters[at.INITIAL_LENGTH] if at_start else arrays.state[row[places.STATE_AT] + at.LENGTH]
     name = input_name(INPUT_NAMES[place], lines[k]) if place < at.INPUTS else ""
     value = inputs[place] if place < at.INPUTS else 0.0
-    facts = facts_of(inputs, parameters, length, row[places.SEGMENTS])
+    counts = arrays.plan[places.PLAN_HEADER + places.SEGMENTS :: places.LINE_NUMBERS]
+    facts = facts_of(inputs, parameters, length, int(sum(counts)) if about == places.ALL_LINES else row[places.SEGMENTS])
     said = status.sentence(result, name=name, value=value, step=step, **facts)
     return said if about == places.ALL_LINES else f"the line {lines[k].name}: {said}"

@@ -19,11 +19,11 @@ from .variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of
 from .variants import DYNAMIC
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
-FIXED = ("fixed_step", "fixed_step_method")  # quantities that a system does not have: its steps are adaptive
 OF_THE_SYSTEM = (Environment, Solver, Ground)
 RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
 OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "tether_length": "tether_length",
+    "winch_speed": "winch_speed",
     "ground_tension": "tension_from",
     "kite_tension": "tension_to",
     "max_tension": "max_tension",
@@ -160,7 +160,7 @@ _START = (
 
 def _parameters(structure):
     """Parameters: of the whole system, of free points, of lines."""
-    yield from (each for each in parameters_of(OF_THE_SYSTEM, structure.starts) if each.name not in FIXED)
+    yield from parameters_of(OF_THE_SYSTEM, structure.starts)
     mass, kind_of_start = (dict(quantities(FreeKite))[name] for name in ("kite_mass", "kite_start"))
     units = {"position": "m", "velocity": "m/s"}
     for point in structure.points:

@@ -91,8 +91,6 @@ def read(table, name):
     if "ground" in table:
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
-    if solver.fixed_step != 0.0:
-        raise ValueError(f"solver.fixed_step is {solver.fixed_step!r}; it must be 0 in a system, whose steps are adaptive")
     return SystemFile(name, points, lines, environment, solver, ground)
 
 

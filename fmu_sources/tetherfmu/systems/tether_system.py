@@ -15,6 +15,7 @@ from tetherfmu.results import PlausibilityWarning, StepRefused, outputs_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.inputs import PLACES
+from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_WORK
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
@@ -39,7 +40,7 @@ class TetherSystem:
     lines : sequence of Line
     environment : Environment
     solver : Solver
-        Adaptive: `fixed_step` must be 0.
+        With a `fixed_step` the winches are told a speed or a length.
     ground : Ground
 
     Raises
@@ -85,11 +86,9 @@ class TetherSystem:
         kinds = {Environment: environment, Solver: solver, Ground: ground}
         for kind, record in kinds.items():
             arguments.record_of(type(self).__name__, record, kind)
-        if solver.fixed_step != 0.0:
-            raise ValueError(f"fixed_step is {solver.fixed_step!r} s; it must be 0 in a system, whose steps are adaptive")
         for line in lines:
             arguments.tethers_of("Line", line.tether)
-        self.points, self.lines = points, lines
+        self.points, self.lines, self._solver = points, lines, solver
         self._arrays = Arrays(points, lines, environment, solver, ground)
         self._runs = False
         self._warned = [0] * len(lines)
@@ -345,6 +344,13 @@ class TetherSystem:
         first = self._arrays.of_line(0)
         iterations = sum(self._arrays.of_line(k)[at.ITERATIONS] for k in range(len(self.lines)))
         return {"steps": int(first[at.STEPS]), "rejections": int(first[at.REJECTIONS]), "iterations": int(iterations)}
+
+    @property
+    def most_factorizations(self) -> int:
+        """Bound on the factorizations of all lines for one fixed step; 0 with adaptive steps, which have none."""
+        if self._solver.fixed_step == 0.0:
+            return 0
+        return WORST_CAREFUL if self._solver.fixed_step_method == at.BACKWARD_EULER else WORST_WORK
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:

@@ -11,8 +11,9 @@ from tetherfmu.runtime import system_layout as places
 from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, state_size
 from ..compilation import kernel, part, view
 from ..linear_algebra.points import row_size
-from ..linear_algebra.vectors import add, get, put, put_at, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
+from .continuation import given_derivatives
 
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
@@ -20,12 +21,13 @@ System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
 plan : whole numbers; where the system is a single tether they are floats (`variants/resting_kite.py`).
 """
 
-Points = namedtuple("Points", "matrix pivots right mass stage_mass mass_rate change")
+Points = namedtuple("Points", "matrix pivots right mass stage_mass mass_rate change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 matrix : of a step, m rows, see `linear_algebra.points`.  pivots : m.  right : right-hand side of a stage [N], or q [m/s], m.
 mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
 mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
+load_rate : rates of the loads that are given for the communication step [N/s], m.
 """
 
 CONDITIONS = 42  # numbers of `store_conditions`
@@ -95,8 +97,29 @@ def inputs_of(system, k):
 
 @kernel
 def load_on(system, point):
-    """Load on a free point [N], held over the communication step."""
+    """Load on a free point [N] at the start of the communication step."""
     return vector_at(system.inputs, at.INPUTS * lines_of(system) + 3 * point)
+
+
+@kernel
+def load_at(system, point, time):
+    """Load on a free point [N] at a time [s] of the communication step: held, if no rate of it is given."""
+    return add_scaled(load_on(system, point), time, get(points_of(system).load_rate, point))
+
+
+@kernel
+def take_load_rates(system):
+    """Given rates of the loads on the free points [N/s] into `Points.load_rate` (modified), 0 where none is given.
+
+    They wait in the states of all lines at a point, where a driven end would have its acceleration.
+    """
+    rates = points_of(system).load_rate
+    clear(rates)
+    for k in range(lines_of(system)):
+        for end in range(2):
+            point, place = point_at(system, k, end), at.KITE_VELOCITY if end == 1 else at.GROUND_VELOCITY
+            if point != places.DRIVEN:
+                put(rates, point, given_derivatives(state_of(system, k), place, ZERO_VECTOR))
 
 
 @view
@@ -114,7 +137,7 @@ def room_of(system, k):
 @kernel
 def points_size(points, band):
     """Length of what so many free points need of `work`, with this band of their matrix."""
-    return 3 * points * row_size(band) + 12 * points
+    return 3 * points * row_size(band) + 15 * points
 
 
 @view
@@ -125,8 +148,9 @@ def points_of(system):
     size = m * row_size(band_of(system))
     matrix, room = part(room, 0, size), behind(size, room)
     pivots, right, change, room = part(room, 0, m), part(room, m, m), part(room, 2 * m, m), behind(3 * m, room)
+    load_rate, room = part(room, 0, m), behind(m, room)
     masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Points(matrix, pivots, right, *masses, change)
+    return Points(matrix, pivots, right, *masses, change, load_rate)
 
 
 @kernel

@@ -25,7 +25,7 @@ from ..equations.lines import (
     conditions_of,
     free_points,
     lines_of,
-    load_on,
+    load_at,
     motion_of,
     point_at,
     points_of,
@@ -64,7 +64,7 @@ def factorize(system, time, h):
     """Factor the matrix of the points, with the drums that turn, once the forces of stage 0 are known; False: singular."""
     points = points_of(system)
     if is_any_turning(system):
-        place_loads(system, 0, False, h, points)
+        place_loads(system, 0, False, time, 0.0, points)
         if not system_drums.place_drums(system, time, h):
             return False
     return factorize_band(3 * free_points(system), band_of(system), points.matrix, points.pivots)
@@ -203,21 +203,25 @@ def stage_masses(system, stage):
 
 
 @kernel
-def place_loads(system, stage, reels, h, points):
-    """Loads on the free points [N] at a stage as right-hand side of the points (modified), over masses as all forces."""
+def place_loads(system, stage, reels, time, h, points):
+    """Loads on the free points [N] at a stage as right-hand side of the points (modified), over masses as all forces.
+
+    With their rates as those of all forces; with h = 0 the loads at a time [s] alone.
+    """
     for point in range(free_points(system)):
         part_of_load = 1.0
         if reels:
             mass = points.mass[point]
             part_of_load = mass / points.stage_mass[point] - GAMMA_I[stage] * h * points.mass_rate[point] / mass
-        put(points.right, point, scale(part_of_load, load_on(system, point)))
+        load = scale(part_of_load, load_at(system, point, time + ALPHA[stage] * h))
+        put(points.right, point, add_scaled(load, GAMMA_I[stage] * h, get(points.load_rate, point)))
 
 
 @kernel
 def solve_stage(system, stage, reels, time, h):
     """Solve a stage of all lines whose forces are known; the velocities go to their places."""
     points = points_of(system)
-    place_loads(system, stage, reels, h, points)
+    place_loads(system, stage, reels, time, h, points)
     for k in range(lines_of(system)):
         if turns(system, k):
             system_drums.reduce_line_with_drum(system, k, stage, time, h, points)

@@ -24,13 +24,14 @@ from ..equations.lines import (
     segments_of,
     state_of,
     store_conditions,
+    take_load_rates,
 )
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import system_control, system_room
+from ..integrators import system_control, system_descent, system_fixed_steps, system_room
 from ..step import transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_stiff_and_slack
+from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
 from . import dynamic_chain, resting_line, resting_points
 
 # --- the plan
@@ -39,7 +40,8 @@ from . import dynamic_chain, resting_line, resting_points
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    return max(system_room.line_work_size(n), resting_line.line_work_size(n))
+    adaptive, fixed = system_room.line_work_size(n), system_descent.line_work_size(n)
+    return max(adaptive, fixed, resting_line.line_work_size(n))
 
 
 @kernel
@@ -110,6 +112,7 @@ def start_line(system, k):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status == OK:
+        note_damping_of_steps(chain_of(n, parameters, state), parameters, state)
         status = dynamic_chain.initialize(n, parameters, state, room_of(system, k))
     return transaction.commit_start(n, parameters, status, state)
 
@@ -177,6 +180,7 @@ def begin(system, step):
     status = check_loads(system)
     if status != OK:
         return status
+    take_load_rates(system)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = begin_line(system, k, step)
@@ -186,11 +190,28 @@ def begin(system, step):
 
 
 @kernel
+def has_fixed_steps(system):
+    """Whether the steps of the solver are those of `fixed_step`."""
+    return parameters_of(system, 0)[at.FIXED_STEP] > 0.0
+
+
+@kernel
+def integrate(system, step):
+    """Advance all lines (modified) over a communication step [s]; a status."""
+    if has_fixed_steps(system):
+        return system_fixed_steps.integrate(system, step)
+    return system_control.integrate(system, step)
+
+
+@kernel
 def end_line(system, k, step):
     """Put line k (modified) in its state at the end of a communication step [s], as `dynamic.advance` does."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     x, v = motion_of(system, k)
-    note_stiff_and_slack(chain_of(n, parameters, state), x, state)
+    if has_fixed_steps(system):
+        note_restless(system_descent.scratch_of(system, k).restless[0], parameters, state)
+    else:
+        note_stiff_and_slack(chain_of(n, parameters, state), x, state)
     place_ends(conditions_of(system, k), step, x, v)
     end_tensions.forget(state)
     compressed_chain.leave(chain_of(n, parameters, state), x, v)
@@ -236,7 +257,7 @@ def advance(system, step, before):
     status = begin(system, step)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
-        status = system_control.integrate(system, step)
+        status = integrate(system, step)
     if status == OK:
         status = commit(system, step, before)
     if status != OK:

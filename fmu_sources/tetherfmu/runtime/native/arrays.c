@@ -93,6 +93,16 @@ double *state_of(const Arrays *arrays, int line)
     return arrays->state;
 }
 
+const double *parameters_of(const Arrays *arrays, int line)
+{
+    return arrays->parameters;
+}
+
+int64_t segments_of(const Arrays *arrays, int line)
+{
+    return arrays->segments;
+}
+
 size_t state_size_of(const Arrays *arrays, int line)
 {
     return STATE_SIZE(arrays->segments);

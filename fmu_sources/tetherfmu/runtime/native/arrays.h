@@ -34,6 +34,8 @@ int32_t first_shape(Arrays *arrays, double *values);
 int32_t do_step(Arrays *arrays, double step, double *before, double *values);
 int32_t take_outputs(Arrays *arrays, double *values);
 double *state_of(const Arrays *arrays, int line);
+const double *parameters_of(const Arrays *arrays, int line);
+int64_t segments_of(const Arrays *arrays, int line);
 size_t state_size_of(const Arrays *arrays, int line);
 void sentence_of(
     char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step, bool at_start);

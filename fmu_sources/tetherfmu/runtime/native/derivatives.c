@@ -6,30 +6,7 @@
 
 #include "instance.h"
 
-/* --- derivatives of inputs: bits of the inputs of the table that have one, then their values, as in the state
-(AT_GIVEN_DERIVATIVES); then those of the wind at points, 0 where none is given, which the state has at its end */
-
-enum { WIND_AT = INPUTS - AT_INPUTS }; /* numbers of the input wind_at, the last ones */
-
-static double *waiting_derivatives(Instance *instance)
-{
-    return instance->phase < STEPPING ? instance->derivatives : instance->arrays->state + AT_GIVEN_DERIVATIVES;
-}
-
-static double *waiting_of_wind_at(Instance *instance)
-{
-    if (instance->phase < STEPPING) return instance->derivatives + 1 + AT_INPUTS;
-    return instance->arrays->state + STATE_SIZE(instance->arrays->segments) - WIND_AT;
-}
-
-/* Hand over what was given before the first step to the state of the start. */
-void give_derivatives(Instance *instance)
-{
-    double *state = instance->arrays->state;
-    memcpy(state + AT_GIVEN_DERIVATIVES, instance->derivatives, (1 + AT_INPUTS) * sizeof(double));
-    memcpy(state + STATE_SIZE(instance->arrays->segments) - WIND_AT, instance->derivatives + 1 + AT_INPUTS,
-        WIND_AT * sizeof(double));
-}
+/* --- derivatives of inputs */
 
 static Status check_derivative(const Instance *instance, unsigned reference, int32_t order, double value)
 {
@@ -46,17 +23,9 @@ static Status check_derivative(const Instance *instance, unsigned reference, int
 Status set_input_derivatives(
     Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values)
 {
-    double *derivatives = waiting_derivatives(instance), *of_wind_at = waiting_of_wind_at(instance);
     for (size_t i = 0; i < count; i++)
         if (check_derivative(instance, references[i], orders[i], values[i]) != OK) return ERROR;
-    for (size_t i = 0; i < count; i++) {
-        if (references[i] >= AT_INPUTS) {
-            of_wind_at[references[i] - AT_INPUTS] = values[i];
-            continue;
-        }
-        derivatives[0] = (double)((uint32_t)derivatives[0] | 1u << references[i]);
-        derivatives[1 + references[i]] = values[i];
-    }
+    for (size_t i = 0; i < count; i++) keep_derivative(instance, references[i], values[i]);
     return OK;
 }
 
@@ -72,28 +41,31 @@ static const double SMOOTH = 1e-3;    /* difference of both sides over the large
 static const double ONE_SIDED = 1.0;  /* what a difference to one side counts as */
 static const double SLOW = 1e-3;      /* [m/s] by which a position may change a velocity that is derived from it */
 
-/* Scale of an input, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. part : the
+/* Scale of an input of a line, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. part : the
 largest one by which it is multiplied: a position from which a velocity is derived changes it by `SLOW` at most. */
-static double scale_of(const Arrays *arrays, unsigned place, double step, double part)
+double scale_in_line(const Arrays *arrays, int line, unsigned place, double step, double part)
 {
-    double length = step > 0.0 ? arrays->state[AT_LENGTH] : arrays->parameters[AT_INITIAL_LENGTH];
-    double segment = length / (double)arrays->segments;
-    double way = step > 0.0 ? SLOW / part * arrays->before[AT_LAST_STEP] : 0.0; /* 0 where no velocity is derived */
-    bool sets_velocity = arrays->parameters[AT_END_VELOCITIES] == AT_DERIVED && way > 0.0;
+    const double *state = state_of(arrays, line), *parameters = parameters_of(arrays, line);
+    const double *before = arrays->before + (state - arrays->state);
+    int64_t n = segments_of(arrays, line);
+    double segment = (step > 0.0 ? state[AT_LENGTH] : parameters[AT_INITIAL_LENGTH]) / (double)n;
+    double way = step > 0.0 ? SLOW / part * before[AT_LAST_STEP] : 0.0; /* 0 where no velocity is derived */
+    bool sets_velocity = parameters[AT_END_VELOCITIES] == AT_DERIVED && way > 0.0;
     switch (INPUT_SCALE[place]) {
     case SCALE_SEGMENT_LENGTH: return sets_velocity && way < segment ? way : segment;
-    case SCALE_STIFFNESS: return arrays->parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * arrays->segments];
+    case SCALE_STIFFNESS: return parameters[AT_PARAMETER_SCALARS + AT_STIFFNESS * n];
     case SCALE_FAST_WIND: return FAST_WIND_SPEED;
     default: return segment < FAST_END_SPEED * step ? segment / step : FAST_END_SPEED; /* SCALE_SEGMENT_PER_STEP */
     }
 }
 
 /* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's
-status. The tether stays as it is. */
+status. The tether stays as it is; the state before a start, of which there is none, gives room to one of a system. */
 static int32_t repeat(const Arrays *arrays, double step, double *values)
 {
     Arrays trial = *arrays;
     trial.state = arrays->spare;
+    trial.spare = arrays->before;
     if (!(step > 0.0)) return first_shape(&trial, values);
     memcpy(trial.state, arrays->before, STATE_SIZE(arrays->segments) * sizeof(double));
     return do_step(&trial, step, arrays->before, values); /* `before` keeps what it has */
@@ -102,7 +74,9 @@ static int32_t repeat(const Arrays *arrays, double step, double *values)
 /* Whether outputs have no other slack segments than others, so that no kink of the forces lies between. */
 static bool is_on_same_side(const double *values, const double *others)
 {
-    return !HAS_KINK || values[OUTPUTS_AT + AT_SLACK_SEGMENTS] == others[OUTPUTS_AT + AT_SLACK_SEGMENTS];
+    for (int k = 0; HAS_KINK && k < LINES; k++)
+        if (values[SLACK_SEGMENTS_AT[k]] != others[SLACK_SEGMENTS_AT[k]]) return false;
+    return true;
 }
 
 /* Whether a step that was done again took the same internal steps as before. */
@@ -125,13 +99,12 @@ static bool repeat_with(
     return is_done && is_on_same_side(changed, values);
 }
 
-/* Difference of the changes of the forces at the ends to both sides, relative to the larger change. */
+/* Difference of the changes of the forces at the ends (of lines) to both sides, relative to the larger change. */
 static double asymmetry(const double *before, const double *values, const double *after)
 {
-    static const int FORCES[] = {AT_GROUND_FORCE, AT_KITE_FORCE};
     double difference = 0.0, larger = 0.0;
-    for (int k = 0; k < 6; k++) {
-        int i = OUTPUTS_AT + FORCES[k / 3] + k % 3;
+    for (size_t k = 0; k < sizeof FORCE_AT / sizeof *FORCE_AT; k++) {
+        unsigned i = FORCE_AT[k];
         double backwards = values[i] - before[i], forwards = after[i] - values[i];
         difference = fmax(difference, fabs(forwards - backwards));
         larger = fmax(larger, fmax(fabs(forwards), fabs(backwards)));

@@ -28,7 +28,7 @@ struct Instance {
     double start_time, stop_time; /* [s] */
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
-    double derivatives[1 + INPUTS]; /* of inputs, given before the first step, see derivatives.c */
+    double derivatives[1 + 2 * INPUTS]; /* of inputs, given before the first step: see tether_ and system_derivatives.c */
     double scratch[3 * VALUES];     /* without meaning between calls */
 };
 

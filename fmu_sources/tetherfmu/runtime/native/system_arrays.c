@@ -23,6 +23,16 @@ double *state_of(const Arrays *arrays, int line)
     return arrays->state + of_line(arrays, line, PLAN_STATE_AT);
 }
 
+const double *parameters_of(const Arrays *arrays, int line)
+{
+    return arrays->parameters + of_line(arrays, line, PLAN_PARAMETERS_AT);
+}
+
+int64_t segments_of(const Arrays *arrays, int line)
+{
+    return of_line(arrays, line, PLAN_SEGMENTS);
+}
+
 size_t state_size_of(const Arrays *arrays, int line)
 {
     int64_t end = line + 1 < LINES ? of_line(arrays, line + 1, PLAN_STATE_AT) : arrays->plan[PLAN_STATE_SIZE];
@@ -204,7 +214,7 @@ void sentence_of(
         fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[NO_EQUILIBRIUM_OF_POINT], FACTS(word("name", FREE_POINT_NAME[place])));
         return;
     }
-    const double *parameters = arrays->parameters + of_line(arrays, line, PLAN_PARAMETERS_AT);
+    const double *parameters = parameters_of(arrays, line);
     const double *inputs = arrays->given + AT_INPUTS * line;
     bool is_input = place < AT_INPUTS;
     fill_sentence(said, result, step, (About){
@@ -213,7 +223,7 @@ void sentence_of(
         .inputs = inputs,
         .parameters = parameters,
         .length = at_start ? parameters[AT_INITIAL_LENGTH] : state_of(arrays, line)[AT_LENGTH],
-        .segments = of_line(arrays, line, PLAN_SEGMENTS)});
+        .segments = about < 0 ? arrays->segments : segments_of(arrays, line)});
     fill_in(text, LONGEST_TEXT, about < 0 ? "{said}" : "the line {line}: {said}", FACTS(
         word("line", LINE_NAME[line]), word("said", said)));
 }
