@@ -141,11 +141,14 @@ def draw(table, path):
         for method, lines in table.groupby("method", sort=False):
             colour, marker = STYLES[method]
             axis.loglog(lines["time of a scene [ms]"], lines[column], color=colour, marker=marker, label=method)
-            for _, line in lines.iterrows():
+            for k, (_, line) in enumerate(lines.iterrows()):
                 place = (line["time of a scene [ms]"], line[column])
-                axis.annotate(line["step or tolerance"], place, (4, 4), textcoords="offset points", fontsize=7, color=colour)
+                style = {"textcoords": "offset points", "fontsize": 7, "color": colour}
+                if method == "adaptive":  # close together: to both sides
+                    style["ha"] = ("right", "left")[k % 2]
+                axis.annotate(line["step or tolerance"], place, (-5, 2) if style.get("ha") == "right" else (5, 3), **style)
         axis.set(xlabel="processor time of a scene of 20 s [ms]", ylabel=column)
-        axis.margins(x=0.15)
+        axis.margins(x=0.2)
         axis.grid(alpha=0.3)
     panels[0].legend(frameon=False)
     figure.savefig(path, dpi=90, metadata={"Software": None})
