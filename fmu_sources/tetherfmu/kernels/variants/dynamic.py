@@ -4,9 +4,9 @@ These kernels join the parts: boundary conditions -> chain -> integrator -> stat
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 
-from ..arrays import positions_and_velocities
+from ..arrays import positions_and_velocities, state_size
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import conditions_of_chain, place_ends
@@ -21,7 +21,7 @@ from ..integrators import (
     second_order,
     step_control,
 )
-from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
+from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack, note_unresolved
 from . import dynamic_chain, resting_kite
 
 
@@ -50,11 +50,8 @@ def initialize(n, parameters, inputs, state, work):
 
 
 @kernel
-def advance(n, parameters, given, before, state, work):
-    """Move the chain of a state (modified) over a communication step with `StepInputs`, from the state `before`.
-
-    Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
-    """
+def move(n, parameters, given, before, state, work):
+    """Move the chain of a state (modified) over a communication step, as `advance` does; arguments and status as there."""
     x, v = positions_and_velocities(n, state)
     conditions = conditions_of_chain(n, parameters, given, before, x, v)
     status = OK
@@ -72,11 +69,43 @@ def advance(n, parameters, given, before, state, work):
         else:
             w = drum_step.workspace(n, work).chain
             status = step_control.integrate(conditions, given.step, state, x, v, w)
-        if parameters[at.FIXED_STEP] == 0.0:
+    if status == OK:
+        if parameters[at.FIXED_STEP] == 0.0 and (conditions.first <= conditions.last or has_drum):
             note_stiff_and_slack(chain_of(n, parameters, state), x, state)
+        place_ends(conditions, given.step, x, v)
+    return status
+
+
+@kernel
+def move_coarsely(n, parameters, given, before, state, work):
+    """As `move`, from the start of a communication step that the adaptive solver has given up: with fixed steps of order 2.
+
+    The next step is again one of the adaptive solver, see `step_control.is_given_up`.
+    """
+    h = given.step * n / at.COARSE_WORK
+    for k in range(at.STATE_HEADER, state_size(n)):
+        state[k] = before[k]
+    method, parameters[at.FIXED_STEP] = parameters[at.FIXED_STEP_METHOD], h
+    parameters[at.FIXED_STEP_METHOD] = at.SECOND_ORDER
+    status = move(n, parameters, given, before, state, work)
+    parameters[at.FIXED_STEP_METHOD], parameters[at.FIXED_STEP] = method, 0.0
+    state[at.SOLVER_STEP], state[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
+    note_unresolved(h, state)
+    return status
+
+
+@kernel
+def advance(n, parameters, given, before, state, work):
+    """Move the chain of a state (modified) over a communication step with `StepInputs`, from the state `before`.
+
+    Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
+    """
+    status = move(n, parameters, given, before, state, work)
+    if status == STEP_BUDGET_SPENT and move_coarsely(n, parameters, given, before, state, work) == OK:
+        status = OK
     if status != OK:
         return status
-    place_ends(conditions, given.step, x, v)
+    x, v = positions_and_velocities(n, state)
     end_tensions.forget(state)
     compressed_chain.leave(chain_of(n, parameters, state), x, v)
     return OK
