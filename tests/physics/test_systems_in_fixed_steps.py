@@ -190,7 +190,7 @@ def held_line(tether, end, **solver):
 @quiet
 @every_method
 def test_the_bound_of_factorizations_is_that_of_a_tether(method):
-    """A slack line in a hurricane, of which some steps do not come to rest: the iterations of `TetherDynamic`, to the last bit."""
+    """A slack line in a hurricane, of which some steps do not come to rest: the iterations of `TetherDynamic`."""
     tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
     system = held_line(tether, (6.0, 0.0, 8.0), fixed_step=0.1, fixed_step_method=method)
     solver = Solver(fixed_step=0.1, fixed_step_method=method, initial_shape="straight")
