@@ -39,11 +39,8 @@ OF_DROP = {
     "the same, 1 m longer": {"segments": 40, "longer": 1.0},
     "the same, wind from 10 m on with exponent 0.1": {"segments": 40, "wind_reference_height": 10.0, "wind_exponent": 0.1},
     "dynamic, 20 segments": {"segments": 20},
-    "dynamic, 40 segments, backward Euler 5 ms": {
-        "segments": 40,
-        "fixed_step": 0.005,
-        "fixed_step_method": "backward_euler",
-    },
+    "dynamic, 40 segments, fixed steps of 5 ms": {"segments": 40, "fixed_step": 0.005},
+    "the same, backward Euler": {"segments": 40, "fixed_step": 0.005, "fixed_step_method": "backward_euler"},
     "quasi-steady, 40 segments": {"variant": "quasi_steady", "segments": 40},
     "catenary": {"variant": "catenary"},
     "straight": {"variant": "straight"},

@@ -15,7 +15,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
-from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_WORK
+from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_CAREFUL_WITH_DRUM, WORST_WORK, WORST_WORK_WITH_DRUM
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.plausibility import sentences
@@ -24,7 +24,6 @@ from tetherfmu.runtime.variants import BY_NAME, library_of
 from . import arguments, compiled_flight, energy, states
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 
-MOST_STEPS_WITH_DRUM = 42  # of the chain in one fixed step: 40 to find the speed of the drum, and where it is held
 _MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_places")  # anew in a copy
 
 
@@ -469,9 +468,10 @@ class TetherModel:
         parameters = self._instance.parameters
         if parameters[at.FIXED_STEP] == 0.0 or not self._variant.has_waves:
             return 0
+        has_one_stage = parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
         if parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE:
-            return MOST_STEPS_WITH_DRUM * WORST_CAREFUL
-        return WORST_CAREFUL if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER else WORST_WORK
+            return WORST_CAREFUL_WITH_DRUM if has_one_stage else WORST_WORK_WITH_DRUM
+        return WORST_CAREFUL if has_one_stage else WORST_WORK
 
     def _set(self, wind_velocity=None, **given):
         """Set those inputs that are not None, the wind as it may be given at each node; ValueError if a shape is wrong."""

@@ -18,6 +18,8 @@ from tetherfmu import (
 
 DRIVEN = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
 IN_EQUILIBRIUM = DRIVEN[1:]
+FIXED = {"fixed_step": 0.01}
+AND_FIXED = [*((model, {}) for model in DRIVEN), (TetherDynamic, FIXED)]
 NOTHING = {"gravity": 0.0, "air_density": 0.0}  # acts on the tether
 G = 9.81
 
@@ -38,19 +40,21 @@ def spring(**options):
 # --- formulas
 
 
-def test_atwood():
-    """A load and a drum on a light stiff rope have the acceleration m g/(m + M)."""
-    load, drum, length, stiffness = 20.0, 30.0, 10.0, 1e9
+@pytest.mark.parametrize(("stiffness", "solver"), [(1e9, {"relative_tolerance": 1e-8}), (1e7, {"fixed_step": 0.02})])
+def test_atwood(stiffness, solver):
+    """A load and a drum on a light rope of the strain s = M a/EA: M a = m (g - (1 + s) a); order 2 knows constant ones."""
+    load, drum, length = 20.0, 30.0, 10.0
     rope = {"initial_length": length, "axial_stiffness": stiffness, "density": 1e-3, "air_density": 0.0, "segments": 1}
-    tether = TetherDynamicFree(kite_mass=load, winch_control="force", winch_mass=drum, relative_tolerance=1e-8, **rope)
-    acceleration = load * G / (load + drum)
-    stretched = length * (1.0 + load * (G - acceleration) / stiffness)
+    tether = TetherDynamicFree(kite_mass=load, winch_control="force", winch_mass=drum, **solver, **rope)
+    strain = load * drum * G / (load + drum) / stiffness  # but for its own square
+    acceleration = load * G / (load * (1.0 + strain) + drum)
+    stretched = length * (1.0 + drum * acceleration / stiffness)
     tether.initialize(positions=((0.0, 0.0, 0.0), (0.0, 0.0, -stretched)))
     for k in range(1, 51):
         outputs = tether.step(0.02, winch_force=0.0)
         assert outputs.winch_speed == pytest.approx(acceleration * 0.02 * k, rel=1e-6)
     assert outputs.tether_length - length == pytest.approx(0.5 * acceleration, rel=1e-6)
-    assert outputs.kite_position[2] == pytest.approx(-stretched - 0.5 * acceleration, rel=1e-6)
+    assert outputs.kite_position[2] == pytest.approx(-stretched - 0.5 * (1.0 + strain) * acceleration, rel=1e-6)
 
 
 def test_motor_turns_a_free_drum():
@@ -65,13 +69,18 @@ def test_motor_turns_a_free_drum():
             assert outputs.winch_speed == pytest.approx(speed, rel=1e-7)
 
 
+@pytest.mark.parametrize("fixed_step", [0.0, 0.001])
 @pytest.mark.parametrize("kite", ["held", "free"])
-def test_drum_and_load_oscillate_on_the_rope(kite):
-    """omega^2 = EA/L (1/m + l/(L M)): the tension is EA (l/L - 1) with the length l of the load and L of the drum."""
+def test_drum_and_load_oscillate_on_the_rope(kite, fixed_step):
+    """omega^2 = EA/L (1/m + l/(L M)): the tension is EA (l/L - 1) with the length l of the load and L of the drum.
+
+    A step of order 2 is wrong by 0.013 (omega h)^3 of the amplitude (docs/models/numerics.md), all of it phase at most.
+    """
     drum, load, mean, length, stiffness = 2.0, 1.0, 1000.0, 100.0, 1e6
     start = length * (1.0 + mean / stiffness) * (1.0 + 1e-5)  # stretched by 1e-5 more than the force of the winch does
     options = {"initial_length": length, "axial_stiffness": stiffness, "axial_damping": 0.0, "segments": 1, "density": 1e-3}
     options |= {"winch_control": "force", "winch_mass": drum, "relative_tolerance": 1e-9, **NOTHING}
+    options["fixed_step"] = fixed_step
     if kite == "held":
         tether = TetherDynamic(**options)
         tether.initialize(kite_position=(start, 0.0, 0.0))
@@ -89,7 +98,8 @@ def test_drum_and_load_oscillate_on_the_rope(kite):
     period = step * (passages[-1] - passages[0]) / (len(passages) - 1)
     omega = np.sqrt(stiffness / length * (1.0 / load + (1.0 + mean / stiffness) / drum))
     assert len(passages) > 5
-    assert period == pytest.approx(2.0 * np.pi / omega, rel=3e-5)  # passages between two steps, and the strain of 1e-5
+    allowed = 3e-5 + 0.013 * (omega * fixed_step) ** 2  # passages between two steps, and the strain of 1e-5; the method
+    assert period == pytest.approx(2.0 * np.pi / omega, rel=allowed)
 
 
 def elastic_work(length, distance, stiffness):
@@ -97,10 +107,24 @@ def elastic_work(length, distance, stiffness):
     return stiffness * (distance * np.log(length) - length)
 
 
-def test_dry_friction_stops_a_drum_on_a_spring():
-    """Each half swing ends where the work of the tension is that against motor and friction; the last one is held."""
+def travelled(lengths, speeds, accelerations):
+    """Way [m] of a drum between communication points, there and back where it turns round in between: v^2/(2 |a|).
+
+    That is right to 1e-3 within 2 ms, of 1e-5 m.
+    """
+    turns = speeds[1:] * speeds[:-1] < 0.0
+    there_and_back = 0.5 * speeds**2 / np.abs(accelerations)
+    return np.where(turns, there_and_back[1:] + there_and_back[:-1], np.abs(np.diff(lengths))).sum()
+
+
+@pytest.mark.parametrize(("solver", "close"), [({}, 1e-7), ({"fixed_step": 0.002}, 1e-4)])
+def test_dry_friction_stops_a_drum_on_a_spring(solver, close):
+    """Each half swing ends where the work of the tension is that against motor and friction; the last one is held.
+
+    The swings are of 5 to 800 mm. With fixed steps each ends in a step of order 1, within the way of that step.
+    """
     friction, mass, force, distance, stiffness = 40.0, 25.0, 500.0, 100.0, 1e5
-    tether = spring(initial_length=99.2, winch_mass=mass, winch_friction=friction, axial_stiffness=stiffness)
+    tether = spring(initial_length=99.2, winch_mass=mass, winch_friction=friction, axial_stiffness=stiffness, **solver)
 
     def gained(length, start, way):
         """Kinetic energy [J] of the drum that swings outwards (way = 1) or inwards from rest at a length."""
@@ -117,21 +141,28 @@ def test_dry_friction_stops_a_drum_on_a_spring():
         path, length, turns = path + abs(turned - length), turned, turns + 1
     assert turns > 3
     audit = EnergyAudit(tether)
+    flown = [(99.2, 0.0, stiffness * (distance / 99.2 - 1.0))]  # length, speed, tension
     for _ in range(2500):
         outputs = audit.step(0.002, winch_force=force)
+        flown.append((outputs.tether_length, outputs.winch_speed, outputs.ground_tension))
     assert outputs.winch_speed == 0.0
-    assert outputs.tether_length == pytest.approx(length, abs=1e-7)
+    assert outputs.tether_length == pytest.approx(length, abs=close)
     assert outputs.tether_length == tether.step(0.001).tether_length  # it does not creep
     heat = friction * path
     lost = elastic_work(length, distance, stiffness) - elastic_work(99.2, distance, stiffness) - force * (length - 99.2)
     assert heat == pytest.approx(lost, rel=1e-9)  # of the formula
+    lengths, speeds, tensions = np.transpose(flown)
+    accelerations = (tensions - force - friction * np.sign(speeds)) / mass
+    loss = elastic_work(lengths[-1], distance, stiffness) - elastic_work(lengths[0], distance, stiffness)
+    loss -= force * (lengths[-1] - lengths[0])
+    assert friction * travelled(lengths, speeds, accelerations) == pytest.approx(loss, rel=1e-6)  # observed: 6e-10
     assert audit.work["friction_loss"] == pytest.approx(heat, rel=1e-3)  # trapezoidal rule over kinks
     assert abs(audit.drum_residual) < 1e-3 * heat
 
 
-@pytest.mark.parametrize("model", DRIVEN)
-def test_friction_holds_until_it_is_overcome(model):
-    options = {"winch_mass": 10.0, "winch_friction": 50.0, "initial_length": 99.9, "axial_stiffness": 1e5}
+@pytest.mark.parametrize(("model", "solver"), AND_FIXED)
+def test_friction_holds_until_it_is_overcome(model, solver):
+    options = solver | {"winch_mass": 10.0, "winch_friction": 50.0, "initial_length": 99.9, "axial_stiffness": 1e5}
     tether = on_drum(model, segments=3, input_continuation="held", **options)
     first = tether.outputs().ground_tension
     for force in (first - 49.0, first, first + 49.0):
@@ -144,10 +175,10 @@ def test_friction_holds_until_it_is_overcome(model):
     assert outputs.winch_speed < 0.0
 
 
-@pytest.mark.parametrize("model", DRIVEN)
+@pytest.mark.parametrize(("model", "solver"), AND_FIXED)
 @pytest.mark.parametrize("mass", [0.0, 20.0])
-def test_stops_are_inelastic(model, mass):
-    options = {"initial_length": 99.95, "shortest_length": 99.9, "longest_length": 100.5, "segments": 3}
+def test_stops_are_inelastic(model, solver, mass):
+    options = solver | {"initial_length": 99.95, "shortest_length": 99.9, "longest_length": 100.5, "segments": 3}
     tether = on_drum(model, winch_mass=mass, winch_damping=5.0, axial_stiffness=1e5, **options)
     for _ in range(100):
         outputs = tether.step(0.02, winch_force=500.0)
@@ -161,10 +192,11 @@ def test_stops_are_inelastic(model, mass):
 # --- without mass
 
 
-@pytest.mark.parametrize("options", [{}, {"fixed_step": 0.01}, {"axial_damping": 0.0}, {"damping_law": "stretch_rate"}])
-def test_tension_is_the_force_of_a_winch_without_mass(options):
+@pytest.mark.parametrize("options", [{}, {"axial_damping": 0.0}, {"damping_law": "stretch_rate"}])
+@pytest.mark.parametrize("solver", [{}, FIXED, FIXED | {"fixed_step_method": "backward_euler"}])
+def test_tension_is_the_force_of_a_winch_without_mass(options, solver):
     """Taut, let go, without any force, jerked: T = W at every communication point, from the end of the first step on."""
-    tether = TetherDynamic(segments=5, winch_control="force", **options)
+    tether = TetherDynamic(segments=5, winch_control="force", **options, **solver)
     tether.initialize(wind_velocity=(8.0, 0.0, 0.0))
     for force in (300.0, 300.0, 5.0, 5.0, 5.0, 0.0, 0.0, 0.0, 0.0, 2000.0, 2000.0, 2000.0):
         for k in range(8):
@@ -224,10 +256,11 @@ def test_against_radau(seed):
     assert position < 1e-5
 
 
-def test_fixed_step_is_first_order():
-    coarse, _ = compared(4, 0.4, fixed_step=0.01)
-    fine, _ = compared(4, 0.4, fixed_step=0.005)
-    assert coarse / fine == pytest.approx(2.0, rel=0.1)
+@pytest.mark.parametrize(("method", "order"), [("backward_euler", 1), ("second_order", 2)])
+def test_order_of_fixed_steps(method, order):
+    coarse, _ = compared(4, 0.4, fixed_step=0.01, fixed_step_method=method)
+    fine, _ = compared(4, 0.4, fixed_step=0.005, fixed_step_method=method)
+    assert coarse / fine == pytest.approx(2.0**order, rel=0.1)
 
 
 def test_second_order_in_the_communication_step():

@@ -32,6 +32,7 @@ LENGTHS = (495.0, 499.416, 499.5, 520.0)
 ON_GROUND = {"ground_contact": 2, "ground_friction": 0.2, "longest_length": 0.0}
 LENGTHS_ON_GROUND = (630.0, 650.0, 700.0, 800.0)  # the tether touches it, of chains the last one
 SHAPES, LAWS = (1, 2, 3), (1, 2)
+LIMITING = ("fixed_step", "fixed_step_method", "winch_control")  # what counts for the work of a step
 STEADY = ("ground_elevation", "ground_azimuth", "sag", "shape", "grounded_length", "kite_position")
 AT_REST = {
     "kite_start": 2,
@@ -124,7 +125,9 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
         seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)
     host.set(winch_control=2, initial_length=505.0, longest_length=600.0)  # a winch with its length between two stops
     seen |= see_dependencies(host, knowns, outputs)
-    host.set(**ON_GROUND)
+    host.set(fixed_step=0.01)
+    seen |= see_dependencies(host, [each for each in knowns if each.name in LIMITING], outputs)
+    host.set(fixed_step=0.0, **ON_GROUND)
     lying = [each for each in knowns if each.name != "kite_start"]  # what a kite in the air does there is found below
     for length, control, shape in product(LENGTHS_ON_GROUND, (1, 3), (1, 2)):
         host.set(ground_height=4.9 if length == LENGTHS_ON_GROUND[-1] else 3.0)

@@ -7,10 +7,10 @@ import zlib
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from bounds import most_work
 from isolation import in_own_process, in_shared_process
 from runtime.host import Host, blob_of, every_flavour, of_every_flavour, restore
 from runtime.test_hostile_input import ALLOWED, COUNTERS, watched
-from tetherfmu.runtime.limits import MOST_BUDGETS, WORK_BUDGET
 from tetherfmu.runtime.saved_state import FACTS, HEADER
 
 FIRST = HEADER.size + FACTS.size  # byte where the values begin, doubles all
@@ -69,7 +69,8 @@ def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
                 watched(lambda: host.fmu.doStep(0.06, 0.02))
             except FMICallException:
                 assert any(words in host.messages[-1] for words in ALLOWED), host.messages
-            assert host.get("segments") * (work_of(host) - before) <= MOST_BUDGETS * WORK_BUDGET
+            segments = host.get("segments")
+            assert segments * (work_of(host) - before) <= most_work(segments)
             assert not refused(host, good)
     assert 100 < len(taken) < (len(good) - TOLERANCE) // 8  # values and counters that may be any number; not all of them
 

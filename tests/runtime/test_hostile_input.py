@@ -8,10 +8,10 @@ import math
 
 from fmpy.fmi1 import FMICallException
 
+from bounds import most_work
 from isolation import in_own_process
 from runtime.host import Host, names_of, of_every_flavour
 from scenes import kite_inputs
-from tetherfmu.runtime.limits import MOST_BUDGETS, WORK_BUDGET
 
 HANGS = 600.0  # seconds; a call that spends all of its budget takes about one
 COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations")
@@ -46,7 +46,8 @@ def outcome(host, action):
 def assert_sound(host):
     """All outputs are finite; a start and the step after it have taken no more work than each of them may."""
     assert all(math.isfinite(value) for value in host.all_outputs())
-    assert host.get("segments") * sum(map(host.get, COUNTERS)) <= 2 * MOST_BUDGETS * WORK_BUDGET
+    segments = host.get("segments")
+    assert segments * sum(map(host.get, COUNTERS)) <= 2 * most_work(segments)
 
 
 @of_every_flavour("fmu")

@@ -20,6 +20,7 @@ SCALARS = {
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
         *("winch_speed", "grounded_length", "solver_steps", "solver_rejections", "solver_iterations"),
+        "solver_iteration_limit",
     ],
 }
 PARAMETERS = {  # name: (start, unit), as the page says

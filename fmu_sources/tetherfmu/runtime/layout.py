@@ -15,6 +15,7 @@ The kernels freeze these numbers.
 
 from . import inputs, outputs
 from .limits import (  # noqa: F401 - for those who look for them here, as the kernels do
+    COARSE_WORK,
     ITERATION_BUDGET,
     LARGEST_INPUT,
     LARGEST_INTEGER,
@@ -82,12 +83,12 @@ SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
 # [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 14
+WARNING_KINDS = 15
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
 SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before the first
-SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule
+SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule; `step_control.UNRESOLVED` if there was none
 LAST_STEP = 7  # last communication step [s], 0 before the first
 LAST_KITE_VELOCITY = 8  # of the end, given or derived, at the start of the last communication step
 LAST_GROUND_VELOCITY = 11

@@ -7,7 +7,8 @@ MAX_SEGMENTS = 300
 MAX_WIND_POINTS = 1001
 WORK_BUDGET = 200_000  # segments times internal steps in one communication step: 10 000 steps of 20 segments
 MOST_BUDGETS = 20  # of these a step may take: about a second
-HOPELESS = 100  # of these: a step that has spent one of them and is on course to more is refused there
+HOPELESS = 100  # of these: a step that has spent one of them and is on course to more is given up there
+COARSE_WORK = 40_000  # segments times fixed steps with which a communication step is done that was given up
 ITERATION_BUDGET = 1_000_000  # segments times fixed steps in it; a third of the iterations after which they are hurried
 STIFF = 1e8  # axial stiffness [N] above which the errors of positions that solvers allow show in the tension
 MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
@@ -25,3 +26,7 @@ FINEST = PARTS**2  # parts of the finest kind in a step
 WORST_CAREFUL = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations of a step and of all its parts
 STAGES = 3  # of a step of order 2
 WORST_WORK = STAGES * MOST_ITERATIONS + WORST_CAREFUL  # factorizations for one fixed step: of stages that were left, too
+# the same of a chain with the drum of a winch that is told a force: where the finest parts do not come to rest with it, the
+# chain takes them alone, see `kernels/integrators/drum_in_backward_euler.py`
+WORST_CAREFUL_WITH_DRUM = WORST_CAREFUL + LAST_ITERATIONS * FINEST
+WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_CAREFUL_WITH_DRUM

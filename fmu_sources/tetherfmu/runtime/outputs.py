@@ -102,6 +102,13 @@ class Outputs(NamedTuple):
     kite_velocity: Array = output(
         "m/s", "velocity of the kite attachment point", ("kite_velocity[*]",), shape=VECTOR, terminal="kite.velocity"
     )
+    solver_iteration_limit: int = output(
+        "",
+        "the most iterations that the last communication step could take with its fixed steps (before the first: one fixed "
+        "step); 0 with adaptive steps, which have no such bound",
+        ("fixed_step", "fixed_step_method", "winch_control"),
+        COUNTED,
+    )
 
 
 def _declared(record):

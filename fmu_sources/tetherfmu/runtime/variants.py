@@ -45,6 +45,7 @@ _NO_WAVES = {
     "kite_damping": "axial damping of the tether at the kite end: 0, this tether has none",
     "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
     "solver_rejections": "rejected internal steps of the solver since the start: 0, there is no motion to integrate",
+    "solver_iteration_limit": "the most iterations that fixed steps could take: 0, there is no motion to integrate",
 }
 _ONE_LINE = {
     **_NO_WAVES,
@@ -88,6 +89,7 @@ STRAIGHT = Variant(
         "wave_time": STRETCH,
         "sag": (),
         "solver_iterations": (),
+        "solver_iteration_limit": (),
         "shape": tuple(f"{end}[*]" for end in POSITIONS),
     },
 )
@@ -101,7 +103,7 @@ CATENARY = Variant(
     has_kink=False,
     ignored=_IGNORED_BY_A_CATENARY,
     meanings=_ONE_LINE,
-    depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": ()},
+    depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": (), "solver_iteration_limit": ()},
 )
 QUASI_STEADY = Variant(
     "quasi_steady",
@@ -112,7 +114,7 @@ QUASI_STEADY = Variant(
     evidence_deviation=1e-6,
     ignored=_IGNORED_WITHOUT_WAVES,
     meanings=_NO_WAVES,
-    depends_on={"kite_damping": ()},
+    depends_on={"kite_damping": (), "solver_iteration_limit": ()},
 )
 DYNAMIC = Variant(
     "dynamic",

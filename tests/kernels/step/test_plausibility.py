@@ -265,7 +265,6 @@ def test_category():
     [
         ({"fixed_step_method": "backward_euler"}, True),
         ({"fixed_step_method": "second_order"}, False),
-        ({"winch_control": "force"}, True),  # its steps are of backward Euler
         ({"fixed_step_method": "backward_euler", "axial_damping": 6200.0}, False),  # less than a tenth
     ],
 )

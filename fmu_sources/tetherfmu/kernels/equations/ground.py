@@ -73,6 +73,12 @@ def softer(ground, factor):
     return Ground(ground.height, factor * ground.hardness, ground.damping, ground.friction)
 
 
+@view
+def smooth(ground):
+    """The `Ground` without friction."""
+    return Ground(ground.height, ground.hardness, ground.damping, 0.0)
+
+
 @kernel
 def slip(v, creep):
     """Horizontal part of v/sqrt(|v_t|^2 + v_r^2) [-], and that root [m/s]; creep : v_r [m/s]."""

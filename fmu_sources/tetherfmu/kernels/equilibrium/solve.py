@@ -14,7 +14,8 @@
 11. Step 8 with pseudo-transient continuation where Newton's method fails.
 
 Each method starts from the first guess, not from where the last one failed. All of them are without ground. Where the chain
-then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`).
+then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`), and where there is none
+with its friction, without: what lies then rests.
 """
 
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
@@ -22,7 +23,7 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations import air, assembly
-from ..equations.ground import without_ground
+from ..equations.ground import smooth, without_ground
 from ..linear_algebra.vectors import get
 from . import (
     calm_layer,
@@ -154,8 +155,19 @@ def on_ground(body, hangs, w):
 def find(body, w):
     """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
-    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
+    Without friction on the ground where there is none with it. Returns a status (OK or NO_EQUILIBRIUM) and the number of
+    Newton iterations.
     """
+    status, iterations = by_ladder(body, w)
+    if status != OK and body.ground.hardness > 0.0 and body.ground.friction > 0.0:
+        status, more = by_ladder(lying_chain.on(body, smooth(body.ground)), w)
+        iterations += more
+    return status, iterations
+
+
+@kernel
+def by_ladder(body, w):
+    """All steps, in the air and on the ground: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     status, iterations = in_the_air(lying_chain.on(body, without_ground()), w)
     status, more = on_ground(body, status == OK, w)
     iterations += more

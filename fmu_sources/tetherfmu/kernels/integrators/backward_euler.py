@@ -113,6 +113,13 @@ def shrinkage(attempt):
 
 
 @kernel
+def slant_of(b, length, e, r0):
+    """Direction in which the damper of a segment pulls: h/b d(its rate)/dr, from l [m], e and r before the step [m]."""
+    turned = add_scaled(r0, -dot(e, r0), e)
+    return add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
+
+
+@kernel
 def moved(s, x, w):
     """Sum of the moves [m] of the nodes of a segment that are at x [m] after the step."""
     return add(sub(get(x, s), get(w.old, s)), sub(get(x, s + 1), get(w.old, s + 1)))
@@ -180,8 +187,7 @@ def linearize(attempt, x, w):
     for s in range(n):
         length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
         w.held[s] = length - rest
-        turned = add_scaled(r0, -dot(e, r0), e)
-        slant = add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
+        slant = slant_of(b, length, e, r0)
         spring = k * (length - rest)
         across = max(spring + c * rate, 0.0) / length
         air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
@@ -238,8 +244,12 @@ def descend(attempt, before, w):
     singular.
     """
     taken = direction(attempt, w.x, w)
-    if taken == 0.0:
-        return before, inf
+    return (before, inf) if taken == 0.0 else go_along(attempt, taken, before, w)
+
+
+@kernel
+def go_along(attempt, taken, before, w):
+    """Move w.x [m] (modified) by this part of w.move, halved until Phi falls; results as those of `descend`."""
     for _ in range(MOST_HALVINGS + 1):
         try_part(taken, w)
         now, rounding = potential(attempt, w.trial, w)
@@ -349,14 +359,33 @@ def fly_as_expected(attempt, x, w):
 
 
 @kernel
-def guess_expected(attempt, x, w):
-    """As `guess`, with the accelerations that are expected, unless the chain has a lower Phi where it is carried along."""
+def begin_as_expected(attempt, goal, x, w):
+    """The first iteration from x [m], with the accelerations that are expected; results as those of `descend`.
+
+    Where no node moves by more than `goal` [m] Phi need not be asked. Elsewhere, if the chain has a lower Phi where it is
+    carried along, that of a new `guess` and inf.
+    """
     fly_as_expected(attempt, x, w)
     add_drag(attempt, w.x, w)
+    taken = direction(attempt, w.x, w)
+    farthest = taken * largest_move(attempt.chain.n, w)
+    if taken > 0.0 and farthest <= goal:
+        try_part(taken, w)
+        copy(w.trial, w.x)
+        phi = 0.0 if holds(attempt.chain, w.x, w) else potential(attempt, w.x, w)[0]
+        return phi, farthest
     phi, _ = potential(attempt, w.x, w)
+    if taken > 0.0 and not is_lower_carried(attempt, phi, x, w):
+        return go_along(attempt, taken, phi, w)
+    return guess(attempt, x, w), inf
+
+
+@kernel
+def is_lower_carried(attempt, phi, x, w):
+    """Whether Phi is below `phi` [J] where the ends carry the chain at x [m] along; w.trial is modified."""
     carry(attempt, x, w)
     carried, _ = potential(attempt, w.trial, w)
-    return phi if phi <= carried else guess(attempt, x, w)
+    return carried < phi
 
 
 @kernel
@@ -389,9 +418,13 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
     """
     attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
     start(attempt, time, kind, x, w)
-    phi = guess_expected(attempt, x, w) if kind == EXPECTED else guess(attempt, x, w)
     goal = goal_of(attempt, kind)
-    iterations, farthest = 0, inf
+    iterations, farthest, phi = 0, inf, 0.0
+    if kind == EXPECTED:
+        phi, farthest = begin_as_expected(attempt, goal, x, w)
+        iterations = 1
+    else:
+        phi = guess(attempt, x, w)
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
     while iterations < most and (farthest > goal or not holds(attempt.chain, w.x, w)):
         phi, farthest = descend(attempt, phi, w)
@@ -430,5 +463,11 @@ def careful_step(conditions, time, h, x, v, w):
 @kernel
 def count_of_steps(conditions, duration, most):
     """Number of fixed steps in a communication step of `duration` [s]; 0 if it is above `most`."""
-    wanted = duration / conditions.parameters[at.FIXED_STEP] - 1e-6
+    return count_in(conditions.parameters, duration, most)
+
+
+@kernel
+def count_in(parameters, duration, most):
+    """`count_of_steps` with the fixed step of these parameters."""
+    wanted = duration / parameters[at.FIXED_STEP] - 1e-6
     return max(1, ceil(wanted)) if wanted <= most else 0

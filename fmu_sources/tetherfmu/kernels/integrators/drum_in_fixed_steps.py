@@ -1,138 +1,175 @@
-"""Backward Euler with the drum of a winch: a secant method for its speed, around the step of the chain.
+"""Fixed steps of a chain with the drum of a winch: the stages of `second_order.py`, with its length and speed beside them.
 
-    m (u - u0)/h = T - W - c u - F sign(u),   L = L0 + h u,   T: first segment at the end of the step
+    L1 = L0 + g h u1,   u1 = u0 + g h f(x1, v1, L1, u1)/m,   and so on, as x and v of a node
 
-T is found by `backward_euler.careful_step` with a length that changes at the constant rate u. A step ends neither where the
-drum comes to rest nor at a stop: a speed that would turn it round under friction is 0, a length beyond a stop is that of
-the stop. See docs/models/numerics.md, "A drum in the same system".
+A stage is a step of `drum_in_backward_euler.py` over g h. Without mass f = 0 in each stage, and what putting driven ends on
+their curves leaves of it is taken away by `moving_drum.project`. A step is taken anew by backward Euler where one without a
+drum is, and where the drum comes to rest or to a stop, or leaves them, within the step: it then rests, or turns, at its end.
 """
 
 from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.limits import MOST_ITERATIONS, STAGES, STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
-from ..compilation import kernel
-from ..equations.boundary import BoundaryConditions, place_ends
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
-from ..equations.properties import property_of
-from ..equations.winch import NEUTRAL
-from . import backward_euler, secant
-from .drum_step import chain_with, first_tension
+from ..compilation import kernel, view
+from ..equations.boundary import place_ends
+from ..equations.drum import INWARDS, OUTWARDS, drum_of, force_at, is_at_stop
+from ..equations.properties import stiffest
+from . import backward_euler, second_order
+from .drum_in_backward_euler import Trial, at_end, careful_step, limits_of, step_in_any_case, trial_of
+from .drum_in_backward_euler import step as implicit_step
+from .drum_step import chain_with, first_tension, with_reeling
 from .moving_drum import project
+from .second_order import BESIDE, GAMMA, MIDDLE, TO_NEXT, TO_SECOND, TO_THIRD
 
-MOST_EVALUATIONS = 40  # of the tension for one step
-SHARES = 6  # of the budget of iterations that a chain without a drum has: each evaluation is a step of the chain
-MOST_REELED = 0.1  # part of the length by which it changes between two of them
-CLOSE, ROUNDING = 1e-10, 1e-13  # of the forces; of EA and of the inertia of the length
-GOOD_ENOUGH = 1e-6  # of the forces, where the iterations of the chain allow no more
-
-Trial = namedtuple("Trial", "drum time h length speed")
-Trial.__doc__ = """A step that is attempted: `Drum`, time [s] within the communication step, h [s], L0 [m] and u0 [m/s]."""
+Motion = namedtuple("Motion", "length speed before")
+Motion.__doc__ = "Length [m] and speed [m/s] of the drum; before : its speed in the second stage of the last step [m/s]."
 
 
-@kernel
-def chain_step(conditions, trial, speed, x, v, b):
-    """The step of the chain (x, v modified, from b.x, b.v) at a speed [m/s]: iterations (negative: none), tension [N]."""
-    n, parameters, ground, kite, low, high, _, force, force_rate, wind, load, load_rate = conditions
-    reeling = (trial.length - speed * trial.time, speed, 0.0, NEUTRAL)
-    now = BoundaryConditions(n, parameters, ground, kite, low, high, reeling, force, force_rate, wind, load, load_rate)
-    copy(b.x, x)
-    copy(b.v, v)
-    iterations = 0
-    if low <= high:
-        iterations = backward_euler.careful_step(now, trial.time, trial.h, x, v, b.chain)
-    else:
-        place_ends(now, trial.time + trial.h, x, v)
-    return iterations, first_tension(chain_with(conditions, trial.length + trial.h * speed, speed), x, v)
+@view
+def between(conditions, time, h, length, later):
+    """`BoundaryConditions` in which the length [m] changes evenly to a later one in h [s] from a time [s] on."""
+    rate = (later - length) / h
+    return with_reeling(conditions, (length - rate * time, rate, 0.0, 0.0))
 
 
 @kernel
-def limits_of(trial):
-    """Speeds [m/s] with which the drum would come to its stops in the step, inwards and outwards."""
-    return (trial.drum.shortest - trial.length) / trial.h, (trial.drum.longest - trial.length) / trial.h
+def stage(conditions, drum, time, reach, known, length, speed, guess, x, v, b):
+    """A stage of `reach` [s] from (x, v) (modified), length [m] and speed [m/s] of its start, at a time [s].
+
+    known : as for `second_order.stage`.  guess : of the speed [m/s].  Returns whether it came to rest away from stops, the
+    iterations, length and speed after it.
+    """
+    lowest, highest = limits_of(drum, length, reach)
+    kind = backward_euler.EXPECTED if known > 0 else backward_euler.STAGE
+    trial = Trial(drum, time, reach, length, speed, lowest, highest)
+    taken, iterations, found = implicit_step(conditions, trial, kind, MOST_ITERATIONS, guess, x, v, b)
+    is_free = found == 0.0 or lowest < found < highest
+    return taken and is_free, max(iterations, 0), length + reach * found, found
 
 
 @kernel
-def turn(conditions, trial, direction, x, v, b):
-    """The step with a drum that turns in a direction (x, v modified): its speed at the end [m/s], iterations, a status."""
-    drum, h = trial.drum, trial.h
-    stiffness, end = property_of(conditions, 0, at.STIFFNESS), trial.time + h
-    slope = drum.mass / h + drum.damping + (h * stiffness + property_of(conditions, 0, at.DAMPING)) / trial.length
-    search, speed = secant.begin(*limits_of(trial), trial.speed, slope)
-    forces, spent = 0.0, 0
-    for k in range(MOST_EVALUATIONS):
-        iterations, tension = chain_step(conditions, trial, speed, x, v, b)
-        if iterations < 0:
-            if k == 0:
-                return speed, spent, STATE_NOT_FINITE
-            speed = 0.5 * (speed + search.last)
-            continue
-        spent += iterations
-        pushing = drum.mass * (speed - trial.speed) / h
-        residual = pushing - balance(drum, direction, tension, speed, end)
-        forces = abs(force_at(drum, end)) + drum.friction + abs(pushing)
-        allowed = CLOSE * forces + ROUNDING * (stiffness + drum.mass * abs(speed) / h)
-        if abs(residual) <= allowed or secant.is_at_limit(search, speed, residual):
-            return speed, spent, OK
-        search, onward = secant.go_on(search, speed, residual, MOST_REELED * trial.length / h)
-        is_narrow = secant.has_interval(search) and (search.high - search.low) * slope <= GOOD_ENOUGH * forces
-        if is_narrow or onward == speed:
-            break
-        speed = onward
-    is_found = secant.has_interval(search) or abs(search.residual) <= GOOD_ENOUGH * forces
-    return search.last, spent, OK if is_found else NO_LENGTH
+def turns_smoothly(drum, speed, first, second, third):
+    """Whether a drum turns, or is held, throughout a step, with its speeds [m/s] at the start and in the stages."""
+    if first == 0.0 and second == 0.0 and third == 0.0:
+        return drum.mass == 0.0 or speed == 0.0
+    if first == 0.0 or second == 0.0 or third == 0.0:
+        return False
+    if drum.friction == 0.0:
+        return True
+    return first * second > 0.0 and second * third > 0.0 and (drum.mass == 0.0 or speed * first > 0.0)
 
 
 @kernel
-def step(conditions, trial, x, v, b):
-    """One step of (x, v) (modified): length [m] and speed [m/s] of the drum after it, iterations, a status."""
-    drum, h = trial.drum, trial.h
-    copy(x, b.x)
-    copy(v, b.v)
-    spent = 0
-    moving = HELD
-    if drum.mass > 0.0 and trial.speed != 0.0:
-        moving = OUTWARDS if trial.speed > 0.0 else INWARDS
-    elif drum.friction == 0.0:
-        moving = OUTWARDS
-    else:
-        iterations, tension = chain_step(conditions, trial, 0.0, x, v, b)
-        if iterations < 0:
-            return trial.length, 0.0, spent, STATE_NOT_FINITE
-        spent += iterations
-        excess = tension - force_at(drum, trial.time + h)
-        moving = OUTWARDS if excess > drum.friction else INWARDS if excess < -drum.friction else HELD
-        if moving == HELD or is_at_stop(drum, trial.length, moving):
-            return trial.length, 0.0, spent, OK
-    speed, iterations, status = turn(conditions, trial, moving, x, v, b)
-    spent += iterations
-    if status != OK:
-        return trial.length, speed, spent, status
-    if drum.friction > 0.0 and speed * moving < 0.0:
-        iterations, _ = chain_step(conditions, trial, 0.0, x, v, b)
-        return trial.length, 0.0, spent + max(iterations, 0), OK if iterations >= 0 else STATE_NOT_FINITE
-    lowest, highest = limits_of(trial)
-    length = trial.length + h * speed
-    if speed == lowest:
-        return drum.shortest, 0.0, spent, OK
-    if speed == highest:
-        return drum.longest, 0.0, spent, OK
-    if drum.mass == 0.0:
-        length, speed, found = project(conditions, drum, moving, trial.time + h, h, length, speed, x, v)
-        if not found:
-            return length, speed, spent, NO_LENGTH
-    return length, speed, spent, OK
+def power_at(conditions, drum, time, length, speed, x, v):
+    """The power [W] that tether and winch put into the drum at a time [s] is at most this."""
+    tension = first_tension(chain_with(conditions, length, speed), x, v)
+    return (abs(tension) + abs(force_at(drum, time))) * abs(speed)
+
+
+@kernel
+def is_explained(conditions, drum, time, h, start, end, x, v, w):
+    """Whether the energies of chain and drum after a step of h [s] are at most those before it and what was put in.
+
+    start, end : `Motion`.
+    """
+    gained = 0.5 * drum.mass * (end.speed * end.speed - start.speed * start.speed)
+    power = power_at(conditions, drum, time, start.length, start.speed, w.x, w.v)
+    later = power_at(conditions, drum, time + h, end.length, end.speed, x, v)
+    even = between(conditions, time, h, start.length, end.length)
+    return gained <= h * (power + later) and second_order.is_explained(even, time, h, x, v, w)
+
+
+@kernel
+def stages(conditions, drum, time, h, known, start, x, v, b):
+    """`second_order.stages` with a drum from its `Motion` at the start: also returns that at the end."""
+    length, speed, before = start
+    w, reach = b.steps, GAMMA * h
+    copy(x, w.x)
+    copy(v, w.v)
+    guess = speed
+    if known > 0:
+        second_order.expect(TO_NEXT[0], known, w)
+        guess += TO_NEXT[0] * (speed - before)
+    taken, iterations, reached, first = stage(conditions, drum, time, reach, known, length, speed, guess, x, v, b)
+    if not taken:
+        return False, iterations, start
+    even = between(conditions, time, reach, length, reached)
+    does_cross = second_order.crosses(even, time, w.x, time + reach, x)
+    second_order.go_to_second(x, v, w)
+    second_order.expect(TO_NEXT[1], known, w)
+    here, pace = length + TO_SECOND * (reached - length), speed + TO_SECOND * (first - speed)
+    onward = length + TO_THIRD * (reached - length) - BESIDE * here
+    onward_speed = speed + TO_THIRD * (first - speed) - BESIDE * pace
+    now, guess = time + (MIDDLE - GAMMA) * h, first + TO_NEXT[1] * (first - speed)
+    taken, more, reached, second = stage(conditions, drum, now, reach, 1, here, pace, guess, x, v, b)
+    iterations += more
+    if not taken:
+        return False, iterations, start
+    even = between(conditions, time, MIDDLE * h, length, reached)
+    does_cross = does_cross or second_order.crosses(even, time, w.x, time + MIDDLE * h, x)
+    second_order.go_to_third(x, v, w)
+    second_order.expect(TO_NEXT[2], 2, w)
+    here, pace = onward + BESIDE * reached, onward_speed + BESIDE * second
+    now, guess = time + (1.0 - GAMMA) * h, second + TO_NEXT[2] * (second - first)
+    taken, more, reached, third = stage(conditions, drum, now, reach, 2, here, pace, guess, x, v, b)
+    iterations += more
+    end = Motion(reached, third, second)
+    if not (taken and turns_smoothly(drum, speed, first, second, third)) or second_order.is_on_ground(conditions, x):
+        return False, iterations, start
+    place_ends(conditions, time + h, x, v)
+    even = between(conditions, time, h, length, reached)
+    does_cross = does_cross or second_order.crosses(even, time, w.x, time + h, x)
+    is_smooth = not does_cross and iterations <= 2 * STAGES
+    return is_smooth or is_explained(conditions, drum, time, h, start, end, x, v, w), iterations, end
+
+
+@kernel
+def step(conditions, drum, time, h, known, start, x, v, b):
+    """`second_order.step` with a drum from its `Motion` at the start: also returns that at the end.
+
+    At most `limits.WORST_WORK_WITH_DRUM` iterations.
+    """
+    iterations, way = 0, 1
+    has_one_stage = conditions.parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
+    is_stiff = stiffest(chain_with(conditions, start.length, 0.0)) >= STIFF
+    if not (has_one_stage or is_stiff or second_order.is_on_ground(conditions, x)):
+        taken, iterations, end = stages(conditions, drum, time, h, known, start, x, v, b)
+        if taken:
+            return iterations, 0, end
+        way = 2
+        copy(b.steps.x, x)
+        copy(b.steps.v, v)
+    more, length, speed = careful_step(conditions, drum, time, h, start.length, start.speed, x, v, b)
+    return more if more < 0 else iterations + more, way, Motion(length, speed, speed)
+
+
+@kernel
+def balanced(conditions, drum, time, d, end, x, v):
+    """`Motion` after a step with T = W + c u + F sign(u) at a time [s], of a drum without mass that turns; a status.
+
+    d : as for `moving_drum.project`.
+    """
+    length, speed, before = end
+    is_held = speed == 0.0 and (
+        drum.friction > 0.0 or is_at_stop(drum, length, OUTWARDS) or is_at_stop(drum, length, INWARDS)
+    )
+    if drum.mass > 0.0 or is_held:
+        return end, OK
+    direction = INWARDS if speed < 0.0 else OUTWARDS
+    length, speed, found = project(conditions, drum, direction, time, d, length, speed, x, v)
+    return Motion(length, speed, before), OK if found else NO_LENGTH
 
 
 @kernel
 def integrate(conditions, duration, state, x, v, b):
     """Advance (x, v) (modified) over a communication step of `duration` [s] as `second_order.integrate` does, with a drum.
 
-    b : `second_order.Workspace`. All steps are of order 1.
-    Its length and speed, the counters in `state` and b.chain.restless are modified. Returns a status: OK,
-    FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
+    b : `drum_in_backward_euler.Workspace`. Length and speed of the drum, the counters in `state` and the restless steps are
+    modified. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
     """
     budget = at.ITERATION_BUDGET // conditions.n
     count = backward_euler.count_of_steps(conditions, duration, budget)
@@ -140,17 +177,30 @@ def integrate(conditions, duration, state, x, v, b):
         return FIXED_STEPS_TOO_MANY
     h = duration / count
     drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
-    length, speed = state[at.LENGTH], state[at.REELING]
-    spent = 0
-    b.chain.restless[0] = 0.0
+    motion = Motion(state[at.LENGTH], state[at.REELING], state[at.REELING])
+    spent, left, known = 0, 0, 0
+    b.steps.chain.restless[0] = 0.0
     for i in range(count):
-        if spent > SHARES * budget:
-            return FIXED_STEPS_TOO_MANY
-        length, speed, iterations, status = step(conditions, Trial(drum, i * h, h, length, speed), x, v, b)
+        time = i * h
+        if spent > STAGES * budget:
+            trial = trial_of(drum, time, h, motion.length, motion.speed)
+            iterations, speed = step_in_any_case(conditions, trial, x, v, b)
+            b.steps.chain.restless[0] += 1.0
+            way = 1
+            length, speed = at_end(trial, speed)
+            motion = Motion(length, speed, speed)
+        else:
+            iterations, way, motion = step(conditions, drum, time, h, known, motion, x, v, b)
+        if iterations < 0:
+            return STATE_NOT_FINITE
+        motion, status = balanced(conditions, drum, time + h, GAMMA * h if way == 0 else h, motion, x, v)
         if status != OK:
             return status
+        known = 3 if way == 0 else 0
         spent += iterations
-    state[at.LENGTH], state[at.REELING] = length, speed
+        left += 1 if way == 2 else 0
+    state[at.LENGTH], state[at.REELING] = motion.length, motion.speed
     state[at.STEPS] += count
+    state[at.REJECTIONS] += left
     state[at.ITERATIONS] += spent
     return OK

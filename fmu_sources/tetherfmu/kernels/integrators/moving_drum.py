@@ -209,7 +209,7 @@ def integrate(conditions, duration, state, x, v, b):
     beyond = 0.0  # time at which the next event is known to be over, 0 without
     idle = 0
     while time < duration:
-        if step_control.is_spent(tried, budget, time, duration):
+        if step_control.is_given_up(state, tried, budget, time, duration):
             return STEP_BUDGET_SPENT
         if h < step_control.SMALLEST_STEP * duration:
             return STEP_TOO_SMALL

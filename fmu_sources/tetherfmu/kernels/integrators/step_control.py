@@ -39,6 +39,7 @@ SMALL_STRAIN = 1e-6  # see `is_stiff`
 TENSION = 0.01  # part of the largest tension; see `tension_error`
 HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step; see there
 ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
+UNRESOLVED = 2.0  # in the place of the last error after a communication step that was given up
 TINY = 1e-200  # what keeps a quotient from 0/0
 
 
@@ -242,6 +243,15 @@ def is_spent(tried, budget, time, duration):
 
 
 @kernel
+def is_given_up(state, tried, budget, time, duration):
+    """Whether a communication step takes too many internal steps; arguments of `is_spent`, and the state before it.
+
+    After one that was given up, the next one has a single budget.
+    """
+    return is_spent(tried, budget, time, duration) or (tried >= budget and state[at.SOLVER_ERROR] == UNRESOLVED)
+
+
+@kernel
 def integrate(conditions, duration, state, x, v, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
 
@@ -253,7 +263,7 @@ def integrate(conditions, duration, state, x, v, w):
     tried = 0
     rejected_before = False
     while time < duration:
-        if is_spent(tried, budget, time, duration):
+        if is_given_up(state, tried, budget, time, duration):
             return STEP_BUDGET_SPENT
         if h < SMALLEST_STEP * duration:
             return STEP_TOO_SMALL

@@ -9,6 +9,7 @@
     under ground   ground_height - z of a driven end, with ground contact
     damping        E A h of backward Euler with a fixed step h, where that is above a tenth of the axial damping
     restless       h of a fixed step that was ended before its iteration came to rest
+    unresolved     h of the fixed steps of a communication step that the adaptive solver has given up
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
     slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
     too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
@@ -126,7 +127,7 @@ def note_stiff_and_slack(chain, x, state):
 def note_damping_of_steps(chain, parameters, state):
     """Note E A h [N s] of backward Euler with a fixed step h above a tenth of the damping in the state (modified)."""
     h = parameters[at.FIXED_STEP]
-    if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER or winch.follows_force(parameters):
+    if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER:
         largest = 0.0
         for s in range(chain.n):
             added = h * property_of(chain, s, at.STIFFNESS)
@@ -140,6 +141,12 @@ def note_restless(count, parameters, state):
     """Note a fixed step [s] in the state (modified), if in any iterations were ended before they came to rest: `count`."""
     if count > 0.0:
         note(state, limits.FIXED_STEP_RESTLESS, parameters[at.FIXED_STEP] ** 2, 0.0)
+
+
+@kernel
+def note_unresolved(h, state):
+    """Note the fixed step [s] in the state (modified) with which a communication step was done that was given up."""
+    note(state, limits.UNRESOLVED, h * h, 0.0)
 
 
 @kernel

@@ -98,6 +98,7 @@ def write_common(line, distance, ground_force, kite_force, outputs):
     put_at(outputs, at.KITE_FORCE, kite_force)
     outputs[at.TETHER_LENGTH] = line.length
     outputs[at.GROUNDED_LENGTH] = 0.0
+    outputs[at.SOLVER_ITERATION_LIMIT] = 0.0
     outputs[at.SLACK_SEGMENTS] = 1.0 if distance < line.length else 0.0
     outputs[at.KITE_STIFFNESS] = property_of(line, 0, at.STIFFNESS) / line.length
     outputs[at.KITE_DAMPING] = property_of(line, 0, at.DAMPING) / line.length

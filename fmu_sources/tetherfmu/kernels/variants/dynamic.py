@@ -4,23 +4,31 @@ These kernels join the parts: boundary conditions -> chain -> integrator -> stat
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 
-from ..arrays import positions_and_velocities
+from ..arrays import positions_and_velocities, state_size
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import drum_in_fixed_steps, drum_step, moving_drum, second_order, step_control
-from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
+from ..integrators import (
+    drum_in_backward_euler,
+    drum_in_fixed_steps,
+    drum_step,
+    iteration_limit,
+    moving_drum,
+    second_order,
+    step_control,
+)
+from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack, note_unresolved
 from . import dynamic_chain, resting_kite
 
 
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(drum_step.workspace_size(n), second_order.workspace_size(n), resting_kite.work_size(n))
+    return max(drum_step.workspace_size(n), drum_in_backward_euler.workspace_size(n), resting_kite.work_size(n))
 
 
 @kernel
@@ -42,33 +50,62 @@ def initialize(n, parameters, inputs, state, work):
 
 
 @kernel
-def advance(n, parameters, given, before, state, work):
-    """Move the chain of a state (modified) over a communication step with `StepInputs`, from the state `before`.
-
-    Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
-    """
+def move(n, parameters, given, before, state, work):
+    """Move the chain of a state (modified) over a communication step, as `advance` does; arguments and status as there."""
     x, v = positions_and_velocities(n, state)
     conditions = conditions_of_chain(n, parameters, given, before, x, v)
     status = OK
     has_drum = winch.follows_force(parameters)
     if conditions.first <= conditions.last or has_drum:
         if parameters[at.FIXED_STEP] > 0.0:
-            b = second_order.workspace(n, work)
+            b = drum_in_backward_euler.workspace(n, work)
             if has_drum:
                 status = drum_in_fixed_steps.integrate(conditions, given.step, state, x, v, b)
             else:
-                status = second_order.integrate(conditions, given.step, state, x, v, b)
-            note_restless(b.chain.restless[0], parameters, state)
+                status = second_order.integrate(conditions, given.step, state, x, v, b.steps)
+            note_restless(b.steps.chain.restless[0], parameters, state)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:
             w = drum_step.workspace(n, work).chain
             status = step_control.integrate(conditions, given.step, state, x, v, w)
-        if parameters[at.FIXED_STEP] == 0.0:
+    if status == OK:
+        if parameters[at.FIXED_STEP] == 0.0 and (conditions.first <= conditions.last or has_drum):
             note_stiff_and_slack(chain_of(n, parameters, state), x, state)
+        place_ends(conditions, given.step, x, v)
+    return status
+
+
+@kernel
+def move_coarsely(n, parameters, given, before, state, work):
+    """As `move`, from the start of a communication step that the adaptive solver has given up: with fixed steps of order 2.
+
+    The next step is again one of the adaptive solver, see `step_control.is_given_up`.
+    """
+    h = given.step * n / at.COARSE_WORK
+    for k in range(at.STATE_HEADER, state_size(n)):
+        state[k] = before[k]
+    method, parameters[at.FIXED_STEP] = parameters[at.FIXED_STEP_METHOD], h
+    parameters[at.FIXED_STEP_METHOD] = at.SECOND_ORDER
+    status = move(n, parameters, given, before, state, work)
+    parameters[at.FIXED_STEP_METHOD], parameters[at.FIXED_STEP] = method, 0.0
+    state[at.SOLVER_STEP], state[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
+    note_unresolved(h, state)
+    return status
+
+
+@kernel
+def advance(n, parameters, given, before, state, work):
+    """Move the chain of a state (modified) over a communication step with `StepInputs`, from the state `before`.
+
+    Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
+    """
+    status = move(n, parameters, given, before, state, work)
+    if status == STEP_BUDGET_SPENT and move_coarsely(n, parameters, given, before, state, work) == OK:
+        status = OK
     if status != OK:
         return status
-    place_ends(conditions, given.step, x, v)
+    x, v = positions_and_velocities(n, state)
     end_tensions.forget(state)
     compressed_chain.leave(chain_of(n, parameters, state), x, v)
     return OK
@@ -81,4 +118,8 @@ def velocities_of(n, parameters, state, work):
     return v
 
 
-outputs_of = dynamic_chain.outputs_of
+@kernel
+def outputs_of(n, parameters, state, shape_points, outputs, work):
+    """Write all outputs (modified) that belong to a state."""
+    dynamic_chain.outputs_of(n, parameters, state, shape_points, outputs, work)
+    outputs[at.SOLVER_ITERATION_LIMIT] = iteration_limit.of_step(n, parameters, state[at.LAST_STEP])

@@ -12,7 +12,7 @@ from warnings import catch_warnings
 import numpy as np
 
 from tetherfmu.results import Flown, StepRefused
-from tetherfmu.runtime.limits import STAGES, WORST_WORK
+from tetherfmu.runtime.limits import STAGES
 from tetherfmu.study.measuring.errors import errors, worst
 from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch
 from tetherfmu.study.measuring.tables import page
@@ -66,6 +66,7 @@ class Point(NamedTuple):
     config: Fixed
     errors: dict  # by output; empty if refused
     iterations: int  # the most in a communication step
+    most: int  # of them that one could take
     implausible: tuple  # sentences
 
     def error(self, names):
@@ -80,8 +81,7 @@ class Point(NamedTuple):
     @property
     def bound(self):
         """Factorizations and time [s] of a communication step that its code allows."""
-        most = WORST_WORK * self.config.parts
-        return most, self.config.time(most)
+        return self.most, self.config.time(self.most)
 
 
 class FixedAdvice(NamedTuple):
@@ -106,12 +106,13 @@ def candidates(scene):
 def fly(scene, config, reference):
     """`Point` of a configuration in a scene against a reference, a `Flown`."""
     inputs, wind, every = scene.inputs(config.step), scene.wind_at(config.step), round(scene.every / config.step)
-    outputs, peaks, most = [], [], 0
+    outputs, peaks, most, limit = [], [], 0, 0
     options = {"segments": config.segments, "fixed_step": config.fixed_step, "shape_points": SHAPE_POINTS}
     options |= {"end_velocities": end_velocities(scene), **winch(scene)}
     with catch_warnings(**UNWARNED):
         try:
             model = tether_at_start(scene, 0.0, "dynamic", inputs[0], None if wind is None else wind[0], **options)
+            limit = config.parts * model.most_factorizations
             for start in range(0, len(inputs), BLOCK * every):
                 rows, before = slice(start, start + BLOCK * every), model.counters["iterations"]
                 flown = model.fly(inputs[rows], config.step, wind_at=None if wind is None else wind[rows])
@@ -119,9 +120,9 @@ def fly(scene, config, reference):
                 outputs.append(flown.outputs[every - 1 :: every])
                 peaks.append(flown.peak.reshape(-1, every).max(axis=1))
         except StepRefused as refusal:
-            return Point(config, {}, 0, (str(refusal),))
+            return Point(config, {}, 0, limit, (str(refusal),))
     compared = Flown(np.concatenate(outputs), np.concatenate(peaks), None, 0.0)
-    return Point(config, errors(scene, compared, reference), int(most), tuple(model.implausible))
+    return Point(config, errors(scene, compared, reference), int(most), limit, tuple(model.implausible))
 
 
 def advise_fixed(scene, finer, budget):

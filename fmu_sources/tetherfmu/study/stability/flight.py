@@ -46,7 +46,7 @@ from pebble import ProcessExpired
 from tetherfmu.models import TetherDynamicFree
 from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import status
+from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.executors import isolated, progress_bar
 from tetherfmu.study.measuring.runs import UNWARNED
@@ -85,6 +85,7 @@ class Verdict(NamedTuple):
     depth_ratio: float = 0.0  # largest depth of a node in the ground over its bound [-], infinite likewise
     work: float = 0.0  # segments times internal steps
     longest: float = 0.0  # call [s]
+    unresolved: bool = False  # whether the adaptive solver gave up a step, which was then done with fixed steps
 
 
 RATIOS = ("tension_ratio", "speed_ratio", "depth_ratio")
@@ -256,6 +257,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
     found = Verdict(refusal=refusal, calls=len(outputs), work=work, longest=longest)
     if not outputs:
         return found, np.zeros((0, 6))
+    found = found._replace(unresolved=bool(plausibility.kinds(states[-1]) >> plausibility.UNRESOLVED & 1))
     flown = Outputs(*map(np.array, zip(*outputs, strict=True)))  # arrays (calls, ...)
     found_ratios = ratios(point, flown, np.array(states), np.array(lowest), step)
     forces = np.hstack([flown.ground_force, flown.kite_force])[::refinement]

@@ -75,6 +75,7 @@ def by_map(whole):
             {"winch is told": winch, "ground": ground, "points": len(mine)}
             | {f"{verdict} %": 100.0 * shares.get(verdict, 0.0) for verdict in VERDICTS[:3]}
             | {verdict: int((mine.verdict == verdict).sum()) for verdict in FORBIDDEN}
+            | {"given up %": 100.0 * (mine.unresolved & mine.verdict.isin(HELD)).mean()}
             | {"possible": len(can), "refused of these %": 100.0 * (can.verdict == "refused").mean()}
         )
     return pd.DataFrame(rows)

@@ -1,0 +1,315 @@
+"""A step of backward Euler with the drum of a winch: its speed u is found in the iteration of the chain.
+
+    m (u - u0)/h + c u + W + F sign(u) = T,   L = L0 + h u,   F sign(0): any force from -F to F
+
+T is the tension of the first segment at the end of the step. In each iteration the matrix A of the chain is solved for two
+right-hand sides, minus the gradient g of Phi and its change with u:
+
+    A p = -g,   A y = -dg/du,   r = m (u - u0)/h + c u + W - T,   P = dr/du - T_x y
+    u' = the speed nearest to u - (r - T_x p)/P, by F/P nearer to 0 and within the stops;   move = p + (u' - u) y
+
+The move is the direction of Newton's method for the potential with the new speed, and is shortened until that falls. So each
+iteration descends as one of `backward_euler.py` does, and one factorization does for chain and drum. A drum that friction
+holds, and one that is at a stop, is no case of its own. See docs/models/numerics.md, "A drum in the same system".
+"""
+
+from collections import namedtuple
+from math import inf
+
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS
+
+from ..arrays import behind, copy
+from ..compilation import kernel, part, view
+from ..equations.assembly import longest_part, node_masses
+from ..equations.boundary import hold_ends, load_during, place_ends
+from ..equations.drum import force_at
+from ..equations.node_loads import free_acceleration
+from ..equations.properties import point_mass, sees_reeling
+from ..equations.winch import NEUTRAL
+from ..linear_algebra.block_tridiagonal import factorize, solve
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
+from . import backward_euler, second_order
+from .drum_step import chain_with, with_length, with_reeling
+
+MOST_REELED = 0.1  # part of the length by which it changes in an iteration
+LEAST_PIVOT = 1e-3  # of what P is where the chain does not yield
+
+Trial = namedtuple("Trial", "drum time h length speed lowest highest")
+Trial.__doc__ = """A step that is attempted.
+
+drum : `Drum`.  time, h : its start within the communication step and its length [s].  length, speed : L0 [m], u0 [m/s].
+lowest, highest : limits of the speed [m/s].
+"""
+Workspace = namedtuple("Workspace", "steps column")
+Workspace.__doc__ = """Scratch arrays of a step.
+
+steps : `second_order.Workspace`.  column : -dg/du [N s/m], then y [s], 3 (n + 1) numbers.
+"""
+
+
+@kernel
+def workspace_size(n):
+    """Length of the work array that `workspace` needs."""
+    return second_order.workspace_size(n) + 3 * (n + 1)
+
+
+@view
+def workspace(n, work):
+    """Cut the work array into the arrays of `Workspace`."""
+    column = part(behind(second_order.workspace_size(n), work), 0, 3 * (n + 1))
+    return Workspace(second_order.workspace(n, work), column)
+
+
+# --- one iteration
+
+
+@kernel
+def pull_by_speed(attempt, length, k, c, rate):
+    """What the pull of a segment gains with u: along its direction and along that of `backward_euler.slant_of` [N s/m].
+
+    Length [m], k [N/m], c [N s/m] and the rate that the damper sees [m/s].
+    """
+    chain = attempt.chain
+    if sees_reeling(chain.parameters):
+        shrinkage = backward_euler.shrinkage(attempt)
+        return -attempt.h / chain.length * (k * length + c * rate), -c * length * shrinkage / chain.length
+    return -attempt.h / chain.length * k * length, -attempt.h / chain.length * c * rate
+
+
+@kernel
+def put_column(attempt, time, w, column):
+    """-dg/du at w.x into the column (modified): masses, springs and dampers change with the length."""
+    chain, conditions, h = attempt.chain, attempt.conditions, attempt.h
+    b = backward_euler.shrinkage(attempt)
+    for i in range(chain.n + 1):
+        gained = h / chain.length * (w.mass[i] - point_mass(chain, i))
+        gain = scale(gained / (h * h), sub(get(w.free, i), get(w.x, i)))
+        if i == chain.n and conditions.last == chain.n:
+            gain = add_scaled(gain, -gained / w.mass[i], load_during(conditions, time + h))
+        put(column, i, gain)
+    for s in range(chain.n):
+        length, e, _, k, c, rate, r0 = backward_euler.segment_at(attempt, s, w.x, w)
+        along, aslant = pull_by_speed(attempt, length, k, c, rate)
+        pull = add(scale(along, e), scale(aslant, backward_euler.slant_of(b, length, e, r0)))
+        put(column, s, add(get(column, s), pull))
+        put(column, s + 1, sub(get(column, s + 1), pull))
+
+
+@kernel
+def solve_both(attempt, time, w, column):
+    """p into w.move and y into the column (both modified) at the positions w.x [m]; whether the matrix is regular."""
+    conditions = attempt.conditions
+    backward_euler.linearize(attempt, w.x, w)
+    put_column(attempt, time, w, column)
+    if conditions.first <= conditions.last:
+        if not factorize(conditions.first, conditions.last, w.matrix):
+            return False
+        solve(conditions.first, conditions.last, w.matrix, w.move)
+        solve(conditions.first, conditions.last, w.matrix, column)
+    hold_ends(conditions, w.move)
+    hold_ends(conditions, column)
+    return True
+
+
+@kernel
+def first_difference(a):
+    """Difference of the vectors of the first two nodes."""
+    return sub(get(a, 1), get(a, 0))
+
+
+@kernel
+def nearest_speed(trial, speed, pivot, friction):
+    """A speed [m/s] drawn nearer to 0 by friction, and within the limits."""
+    drawn = max(abs(speed) - friction / pivot, 0.0)
+    return min(trial.highest, max(trial.lowest, drawn if speed > 0.0 else -drawn))
+
+
+@kernel
+def next_speed(attempt, trial, speed, w, column):
+    """u' [m/s] after a speed [m/s], with p in w.move and y in the column."""
+    drum, h, chain = trial.drum, trial.h, attempt.chain
+    length, e, rest, k, c, rate, r0 = backward_euler.segment_at(attempt, 0, w.x, w)
+    b = backward_euler.shrinkage(attempt)
+    turning = add(scale(k, e), scale(c * b / h, backward_euler.slant_of(b, length, e, r0)))
+    along, aslant = pull_by_speed(attempt, length, k, c, rate)
+    inertia = drum.mass / h + drum.damping
+    tension = k * (length - rest) + c * rate + dot(turning, first_difference(w.move))
+    residual = drum.mass * (speed - trial.speed) / h + drum.damping * speed
+    residual += force_at(drum, trial.time + h) - tension
+    pivot = inertia - along - aslant - dot(turning, first_difference(column))
+    pivot = max(pivot, LEAST_PIVOT * (inertia + (h * k + c) * length / chain.length))
+    farthest = MOST_REELED * chain.length / h
+    change = nearest_speed(trial, speed - residual / pivot, pivot, drum.friction) - speed
+    return speed + max(-farthest, min(farthest, change))
+
+
+@view
+def attempt_at(conditions, trial, speed, v):
+    """`backward_euler.Attempt` with a speed of the drum [m/s]; the length of the conditions is that before the step."""
+    chain = chain_with(conditions, trial.length + trial.h * speed, speed)
+    return backward_euler.Attempt(conditions, chain, trial.h, v)
+
+
+@kernel
+def reel(attempt, time, x, w):
+    """Masses, and free flight of a free kite from x [m], into w (modified) after a change of the speed."""
+    conditions, chain, h, v = attempt
+    node_masses(chain, w.mass)
+    if conditions.last == chain.n:
+        n = chain.n
+        acceleration = add_scaled(free_acceleration(chain), 1.0 / w.mass[n], load_during(conditions, time + h))
+        put(w.free, n, add_scaled(add_scaled(get(x, n), h, get(v, n)), h * h, acceleration))
+
+
+@kernel
+def move_on(now, is_first, goal, x, w):
+    """Move w.x [m] (modified) by w.move or a part of it; results as those of `backward_euler.descend`.
+
+    is_first : whether it is the first iteration from accelerations that were expected.  goal : a move [m] for which Phi need
+    not be asked then.
+    """
+    taken = longest_part(now.chain, w.move)
+    farthest = taken * backward_euler.largest_move(now.chain.n, w)
+    if is_first and farthest <= goal:
+        backward_euler.try_part(taken, w)
+        copy(w.trial, w.x)
+        return farthest
+    phi, _ = backward_euler.potential(now, w.x, w)
+    if is_first and backward_euler.is_lower_carried(now, phi, x, w):
+        backward_euler.guess(now, x, w)
+        return inf
+    _, farthest = backward_euler.go_along(now, taken, phi, w)
+    return farthest
+
+
+@kernel
+def iterate(conditions, trial, speed, number, is_expected, goal, x, v, b):
+    """One iteration from w.x [m] (modified) and a speed [m/s]: whether the matrix is regular, u' [m/s], largest move [m].
+
+    number : of those before.  The move is negative where no part of it goes down.  Where the first ones have not come to
+    rest the speed only changes where the chain rests with it.
+    """
+    w, column = b.steps.chain, b.column
+    now = attempt_at(conditions, trial, speed, v)
+    if not solve_both(now, trial.time, w, column):
+        return False, speed, inf
+    onward = next_speed(now, trial, speed, w, column)
+    if number >= MOST_ITERATIONS and backward_euler.largest_move(now.chain.n, w) > goal:
+        onward = speed
+    for k in range(len(w.move)):
+        w.move[k] += (onward - speed) * column[k]
+    now = attempt_at(conditions, trial, onward, v)
+    reel(now, trial.time, x, w)
+    return True, onward, move_on(now, number == 0 and is_expected, goal, x, w)
+
+
+# --- steps
+
+
+@kernel
+def step(conditions, trial, kind, most, guess, x, v, b):
+    """One step of (x, v) (modified if it is taken); kind : as for `backward_euler.start`.
+
+    most : iterations.  guess : of the speed [m/s].  Returns whether it came to rest, the number of iterations, negative
+    where the matrix is singular, and the speed of the drum [m/s].
+    """
+    h, n, w = trial.h, conditions.n, b.steps.chain
+    still = with_length(conditions, trial.length)
+    speed = min(trial.highest, max(trial.lowest, guess))
+    now = attempt_at(still, trial, speed, v)
+    backward_euler.start(now, trial.time, kind, x, w)
+    goal, is_expected = backward_euler.goal_of(now, kind), kind == backward_euler.EXPECTED
+    if is_expected:
+        backward_euler.fly_as_expected(now, x, w)
+        backward_euler.add_drag(now, w.x, w)
+    else:
+        backward_euler.guess(now, x, w)
+    iterations, rests = 0, False
+    while iterations < most and not (rests and backward_euler.holds(attempt_at(still, trial, speed, v).chain, w.x, w)):
+        is_regular, onward, farthest = iterate(still, trial, speed, iterations, is_expected, goal, x, v, b)
+        if not is_regular:
+            return False, -1, speed
+        rests = 0.0 <= farthest <= goal and h * abs(onward - speed) <= n * goal
+        speed = onward
+        iterations += 1
+        if farthest < 0.0:
+            break
+    if rests:
+        backward_euler.take(attempt_at(still, trial, speed, v), trial.time, kind, x, v, w)
+    return rests, iterations, speed
+
+
+@kernel
+def limits_of(drum, length, h):
+    """Speeds [m/s] with which a drum would come to its stops in a step of h [s] from a length [m], inwards and outwards."""
+    return (drum.shortest - length) / h, (drum.longest - length) / h
+
+
+@kernel
+def trial_of(drum, time, h, length, speed):
+    """`Trial` of a step in which a drum that friction brings to rest does not turn round."""
+    lowest, highest = limits_of(drum, length, h)
+    if drum.friction > 0.0 and drum.mass > 0.0:
+        if speed > 0.0:
+            lowest = min(max(lowest, 0.0), highest)
+        elif speed < 0.0:
+            highest = max(min(highest, 0.0), lowest)
+    return Trial(drum, time, h, length, speed, lowest, highest)
+
+
+@kernel
+def at_end(trial, speed):
+    """Length [m] and speed [m/s] after a step with a speed [m/s]: stops are inelastic."""
+    lowest, highest = limits_of(trial.drum, trial.length, trial.h)
+    if speed <= lowest:
+        return trial.drum.shortest, 0.0
+    if speed >= highest:
+        return trial.drum.longest, 0.0
+    return trial.length + trial.h * speed, speed
+
+
+@kernel
+def step_in_any_case(conditions, trial, x, v, b):
+    """One step of (x, v) (modified); iterations, negative where the matrix is singular, and the speed of the drum [m/s].
+
+    Where it does not come to rest, the chain takes it alone with the last speed, in at most as many iterations again.
+    """
+    w = b.steps.chain
+    taken, iterations, speed = step(conditions, trial, backward_euler.WHOLE, LAST_ITERATIONS, trial.speed, x, v, b)
+    if taken or iterations < 0:
+        return iterations, speed
+    w.restless[0] += 1.0
+    if conditions.first > conditions.last:
+        place_ends(conditions, trial.time + trial.h, x, v)
+        return iterations, speed
+    steady = with_reeling(conditions, (trial.length - speed * trial.time, speed, 0.0, NEUTRAL))
+    _, more = backward_euler.step(steady, trial.time, trial.h, backward_euler.WHOLE, True, x, v, w)
+    return more if more < 0 else iterations + more, speed
+
+
+@kernel
+def careful_step(conditions, drum, time, h, length, speed, x, v, b):
+    """`backward_euler.careful_step` with a drum from a length [m] and a speed [m/s].
+
+    Returns the number of iterations, at most `limits.WORST_CAREFUL_WITH_DRUM`, negative where the matrix is singular, and
+    length and speed of the drum after it.
+    """
+    iterations, done, size = 0, 0, FINEST
+    while done < FINEST:
+        trial = trial_of(drum, time + h * done / FINEST, h * size / FINEST, length, speed)
+        if size == 1:
+            more, found = step_in_any_case(conditions, trial, x, v, b)
+            taken = True
+        else:
+            taken, more, found = step(conditions, trial, backward_euler.WHOLE, MOST_ITERATIONS, speed, x, v, b)
+        if more < 0:
+            return more, length, speed
+        iterations += more
+        if not taken:
+            size //= PARTS
+            continue
+        length, speed = at_end(trial, found)
+        done += size
+        while size < FINEST and done % (size * PARTS) == 0:
+            size *= PARTS
+    return iterations, length, speed
