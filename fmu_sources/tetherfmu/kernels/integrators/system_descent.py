@@ -172,12 +172,22 @@ def descend(system, step, before):
     Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is singular.
     """
     taken = direction(system, step)
-    if taken == 0.0:
-        return before, inf
+    return (before, inf) if taken == 0.0 else go_along(system, step, taken, before)
+
+
+@kernel
+def try_part(system, taken):
+    """Positions to try (modified) after a part of the move."""
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            backward_euler.try_part(taken, scratch_of(system, k))
+
+
+@kernel
+def go_along(system, step, taken, before):
+    """Move all lines (modified) by this part of the move, halved until Phi falls; results as those of `descend`."""
     for _ in range(MOST_HALVINGS + 1):
-        for k in range(lines_of(system)):
-            if has_free_nodes(system, k):
-                backward_euler.try_part(taken, scratch_of(system, k))
+        try_part(system, taken)
         now, rounding = potential(system, step, True)
         if now <= before + rounding:
             take_trial(system)

@@ -41,7 +41,7 @@ from .system_descent import (
     room_in_fixed_steps,
     scratch_of,
 )
-from .system_guess import guess, guess_expected, start
+from .system_guess import begin_as_expected, guess, start
 from .system_room import has_free_nodes, is_free
 
 # --- backward Euler
@@ -60,8 +60,12 @@ def take_all(system, step):
 def take_step(system, step, in_any_case):
     """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations."""
     start(system, step)
-    phi = guess_expected(system, step) if step.kind == EXPECTED else guess(system, step)
-    iterations, taken, restless = 0, inf, 1
+    iterations, taken, restless, phi = 0, inf, 1, 0.0
+    if step.kind == EXPECTED:
+        phi, taken = begin_as_expected(system, step)
+        iterations, restless = 1, restless_lines(system, taken) if taken < inf else 1
+    else:
+        phi = guess(system, step)
     most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
     while iterations < most and (restless > 0 or not holds(system, step)):
         phi, taken = descend(system, step, phi)

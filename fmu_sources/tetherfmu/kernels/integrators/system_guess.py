@@ -4,6 +4,8 @@ As with a single tether (`backward_euler.guess`) it is free flight, or that all 
 moves by the mean of its neighbours, lines counting by one over their lengths, and driven points with their motion.
 """
 
+from math import inf
+
 from tetherfmu.runtime import system_layout as places
 
 from ..arrays import copy
@@ -24,7 +26,19 @@ from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.points import add_block
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from . import backward_euler
-from .system_descent import attempt_of, potential, room_in_fixed_steps, scratch_of, solve_points, take_trial
+from .system_descent import (
+    attempt_of,
+    direction,
+    go_along,
+    holds,
+    potential,
+    restless_lines,
+    room_in_fixed_steps,
+    scratch_of,
+    solve_points,
+    take_trial,
+    try_part,
+)
 from .system_room import has_free_nodes, is_free
 
 
@@ -111,11 +125,16 @@ def carry(system, step):
 
 @kernel
 def add_drag(system, step):
-    """`backward_euler.add_drag` of all lines (modified) at the positions of the iteration; Phi [J] there."""
+    """`backward_euler.add_drag` of all lines (modified) at the positions of the iteration."""
     for k in range(lines_of(system)):
         if has_free_nodes(system, k):
             w = scratch_of(system, k)
             backward_euler.add_drag(attempt_of(system, k, step), w.x, w)
+
+
+@kernel
+def phi_of(system, step):
+    """Phi [J] at the positions of the iteration."""
     phi, _ = potential(system, step, False)
     return phi
 
@@ -128,18 +147,26 @@ def guess(system, step):
         if has_free_nodes(system, k):
             w = scratch_of(system, k)
             copy(w.free, w.x)
-    flying, _ = potential(system, step, False)
-    if carried < flying:
+    if carried < phi_of(system, step):
         take_trial(system)
-    return add_drag(system, step)
+    add_drag(system, step)
+    return phi_of(system, step)
 
 
 @kernel
-def guess_expected(system, step):
-    """`backward_euler.guess_expected` of all lines (modified); Phi [J] there."""
+def begin_as_expected(system, step):
+    """`backward_euler.begin_as_expected` of all lines (modified); results as those of `system_descent.descend`."""
     for k in range(lines_of(system)):
         if has_free_nodes(system, k):
             x, _ = motion_of(system, k)
             backward_euler.fly_as_expected(attempt_of(system, k, step), x, scratch_of(system, k))
-    phi = add_drag(system, step)
-    return phi if phi <= carry(system, step) else guess(system, step)
+    add_drag(system, step)
+    taken = direction(system, step)
+    if taken > 0.0 and restless_lines(system, taken) == 0:
+        try_part(system, taken)
+        take_trial(system)
+        return 0.0 if holds(system, step) else phi_of(system, step), taken
+    phi = phi_of(system, step)
+    if taken > 0.0 and not carry(system, step) < phi:
+        return go_along(system, step, taken, phi)
+    return guess(system, step), inf
