@@ -14,7 +14,8 @@ import pytest
 
 from networks import Network
 from random_systems import random_network
-from tetherfmu import Ground, Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
+from tetherfmu import Ground, Line, Point, Solver, StepRefused, Tether, TetherDynamic, TetherSystem, Winch
+from tetherfmu.runtime.limits import ITERATION_BUDGET, LAST_ITERATIONS, STAGES, WORST_WORK
 
 WIND = (8.0, 1.0, 0.0)
 METHODS = ("second_order", "backward_euler")
@@ -178,6 +179,51 @@ def test_a_load_on_a_free_point_comes_to_rest_in_balance():
     rest = held_up - load + (0.0, 0.0, weight)
     # a hundredth of the motion is left each 10 s; the half segments of the held ends count in their forces, too
     np.testing.assert_allclose(rest, 0.0, atol=1e-3)
+
+
+def held_line(tether, end, **solver):
+    """A system of one line between held points, straight at the start."""
+    points = [Point("low", (0.0, 0.0, 0.0)), Point("high", end)]
+    return TetherSystem(points, [Line("line", "low", "high", tether)], solver=Solver(initial_shape="straight", **solver))
+
+
+@quiet
+@every_method
+def test_the_bound_of_factorizations_is_that_of_a_tether(method):
+    """A slack line in a hurricane, of which some steps do not come to rest: the iterations of `TetherDynamic`."""
+    tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
+    system = held_line(tether, (6.0, 0.0, 8.0), fixed_step=0.1, fixed_step_method=method)
+    solver = Solver(fixed_step=0.1, fixed_step_method=method, initial_shape="straight")
+    single = TetherDynamic(tether, solver=solver)
+    wind = (60.0, 10.0, 0.0)
+    single.initialize(kite_position=(6.0, 0.0, 8.0), wind_velocity=wind)
+    system.initialize(wind)
+    most = 0
+    for _ in range(30):
+        single.step(0.1, kite_position=(6.0, 0.0, 8.0), wind_velocity=wind)
+        before = system.counters["iterations"]
+        system.step(0.1)
+        most = max(most, system.counters["iterations"] - before)
+    np.testing.assert_array_equal(system.positions["line"], single.positions)
+    assert system.counters == single.counters
+    assert 500 < most <= system.most_factorizations == single.most_factorizations
+    assert [each.removeprefix("the line line: ") for each in system.implausible] == single.implausible
+
+
+@quiet
+def test_steps_are_hurried_when_their_iterations_have_spent_the_budget_and_refused_beyond_it():
+    """The budget is that of the segments of all lines, as the sentence says."""
+    hard = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
+    system = held_line(hard, (300.0, 0.0, 400.0), fixed_step=1e-3)
+    system.initialize((20.0, 0.0, 0.0))
+    with pytest.raises(StepRefused, match=rf"more than {ITERATION_BUDGET // 300} iterations .*fixed_step 0\.001 s"):
+        system.step(10.0)
+    budget, before = STAGES * (ITERATION_BUDGET // 300), system.counters["iterations"]
+    system.step(1.0)
+    spent = system.counters["iterations"] - before
+    assert system.counters["steps"] == 1000
+    assert budget < spent <= budget + WORST_WORK + LAST_ITERATIONS * 1000
+    assert any("was ended at its bound on factorizations" in each for each in system.implausible)
 
 
 def test_a_winch_that_is_told_a_force_is_refused_in_words():

@@ -1,4 +1,4 @@
-"""Backward Euler with a fixed step for a system: all lines and free points at once, bounded as that of a single tether.
+"""The descent of a system in a fixed step: all lines and free points at once, bounded as that of a single tether.
 
 The incremental potential is the sum of those of the lines, see `backward_euler.py`. A free point moves by one free flight,
 with the load and the mass of the whole point; each line has that of its own half segment there, so that
@@ -8,17 +8,12 @@ with the load and the mass of the whole point; each line has that of its own hal
 An iteration is one of Newton's method for all nodes, with the inner nodes of each line condensed as in `system_step.py`. A
 shorter one is taken of all lines together, and all of them come to rest before it ends. The matrices are positive definite,
 and so is what is left of them at the points.
-
-The first guess, as there, is free flight or that all lines are carried along; then each free point moves by the mean of its
-neighbours, lines counting by one over their lengths, and driven points with their motion.
 """
 
 from collections import namedtuple
 from math import inf
 
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS
 
 from ..arrays import behind, copy
 from ..compilation import kernel, part, view
@@ -32,20 +27,17 @@ from ..equations.lines import (
     conditions_of,
     free_points,
     lines_of,
-    load_at,
     motion_of,
-    parameters_of,
     point_at,
     points_of,
     room_of,
     segments_of,
 )
 from ..linear_algebra import condensed
-from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.points import add_block, factorize_band, solve_band
-from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..linear_algebra.vectors import get, put
 from . import backward_euler, second_order
-from .backward_euler import EXPECTED, MOST_HALVINGS, WHOLE
+from .backward_euler import MOST_HALVINGS
 from .system_room import has_free_nodes, is_free
 
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
@@ -180,12 +172,22 @@ def descend(system, step, before):
     Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is singular.
     """
     taken = direction(system, step)
-    if taken == 0.0:
-        return before, inf
+    return (before, inf) if taken == 0.0 else go_along(system, step, taken, before)
+
+
+@kernel
+def try_part(system, taken):
+    """Positions to try (modified) after a part of the move."""
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            backward_euler.try_part(taken, scratch_of(system, k))
+
+
+@kernel
+def go_along(system, step, taken, before):
+    """Move all lines (modified) by this part of the move, halved until Phi falls; results as those of `descend`."""
     for _ in range(MOST_HALVINGS + 1):
-        for k in range(lines_of(system)):
-            if has_free_nodes(system, k):
-                backward_euler.try_part(taken, scratch_of(system, k))
+        try_part(system, taken)
         now, rounding = potential(system, step, True)
         if now <= before + rounding:
             take_trial(system)
@@ -229,182 +231,3 @@ def holds(system, step):
             if not backward_euler.holds(attempt_of(system, k, step).chain, w.x, w):
                 return False
     return True
-
-
-# --- the first guess
-
-
-@kernel
-def start(system, step):
-    """Fill what `backward_euler.start` does of all lines; free points have their loads in their free flight."""
-    points = points_of(system)
-    clear(points.mass)
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            attempt, room = attempt_of(system, k, step), room_in_fixed_steps(system, k)
-            w = room.stages.chain
-            x, _ = motion_of(system, k)
-            backward_euler.start(attempt, step.time, step.kind, x, w)
-            room.goal[0] = backward_euler.goal_of(attempt, step.kind)
-            for end in range(2):
-                if is_free(system, k, end):
-                    points.mass[point_at(system, k, end)] += w.mass[segments_of(system, k) * end]
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if is_free(system, k, end):
-                point, free, node = point_at(system, k, end), scratch_of(system, k).free, segments_of(system, k) * end
-                by_load = scale(step.h * step.h / points.mass[point], load_at(system, point, step.time + step.h))
-                put(free, node, add_scaled(get(free, node), 1.0, by_load))
-
-
-@kernel
-def move_of_driven(system, k, end):
-    """How far the driven end of line k moves in the step [m]."""
-    w, node = scratch_of(system, k), segments_of(system, k) * end
-    x, _ = motion_of(system, k)
-    return sub(get(w.free, node), get(x, node))
-
-
-@kernel
-def add_weight(system, k, points):
-    """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
-    weight = 1.0 / conditions_of(system, k).reeling[0]
-    block = add_to_diagonal(ZERO_MATRIX, weight)
-    for end in range(2):
-        row, other = point_at(system, k, end), point_at(system, k, 1 - end)
-        if row != places.DRIVEN:
-            add_block(band_of(system), row, row, block, points.matrix)
-            if other == places.DRIVEN:
-                add_at(points.right, row, scale(weight, move_of_driven(system, k, 1 - end)))
-            else:
-                add_block(band_of(system), row, other, add_to_diagonal(ZERO_MATRIX, -weight), points.matrix)
-    return not (is_free(system, k, 0) and is_free(system, k, 1))
-
-
-@kernel
-def carry_points(system, points):
-    """Moves of the free points [m] when all lines are carried along, into points.right (modified); 0 if none is driven."""
-    clear(points.matrix)
-    clear(points.right)
-    held = 0
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            held += add_weight(system, k, points)
-    if held == 0 or not solve_points(system, points):
-        clear(points.right)
-
-
-@kernel
-def move_of_end(system, k, end, points):
-    """Move of an end of line k [m], carried along."""
-    point = point_at(system, k, end)
-    return move_of_driven(system, k, end) if point == places.DRIVEN else get(points.right, point)
-
-
-@kernel
-def carry(system, step):
-    """Positions to try (modified) to which all lines are carried along; Phi [J] there."""
-    points = points_of(system)
-    carry_points(system, points)
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            x, _ = motion_of(system, k)
-            moves = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
-            backward_euler.carry_by(attempt_of(system, k, step), *moves, x, scratch_of(system, k))
-    carried, _ = potential(system, step, True)
-    return carried
-
-
-@kernel
-def add_drag(system, step):
-    """`backward_euler.add_drag` of all lines (modified) at the positions of the iteration; Phi [J] there."""
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            w = scratch_of(system, k)
-            backward_euler.add_drag(attempt_of(system, k, step), w.x, w)
-    phi, _ = potential(system, step, False)
-    return phi
-
-
-@kernel
-def guess(system, step):
-    """`backward_euler.guess` of all lines (modified): free, or carried along; Phi [J] there."""
-    carried = carry(system, step)
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            w = scratch_of(system, k)
-            copy(w.free, w.x)
-    flying, _ = potential(system, step, False)
-    if carried < flying:
-        take_trial(system)
-    return add_drag(system, step)
-
-
-@kernel
-def guess_expected(system, step):
-    """`backward_euler.guess_expected` of all lines (modified); Phi [J] there."""
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            x, _ = motion_of(system, k)
-            backward_euler.fly_as_expected(attempt_of(system, k, step), x, scratch_of(system, k))
-    phi = add_drag(system, step)
-    return phi if phi <= carry(system, step) else guess(system, step)
-
-
-# --- a step
-
-
-@kernel
-def take_all(system, step):
-    """Let all lines (modified) have the result of the iteration."""
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            x, v = motion_of(system, k)
-            backward_euler.take(attempt_of(system, k, step), step.time, step.kind, x, v, scratch_of(system, k))
-
-
-@kernel
-def take_step(system, step, in_any_case):
-    """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations."""
-    start(system, step)
-    phi = guess_expected(system, step) if step.kind == EXPECTED else guess(system, step)
-    iterations, taken, restless = 0, inf, 1
-    most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
-    while iterations < most and (restless > 0 or not holds(system, step)):
-        phi, taken = descend(system, step, phi)
-        iterations += 1
-        if taken == inf:
-            return False, -1
-        restless = restless_lines(system, taken)
-    if not (in_any_case or (restless == 0 and taken != STUCK)):
-        return False, iterations
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k) and is_restless(system, k, taken):
-            scratch_of(system, k).restless[0] += 1.0
-    take_all(system, step)
-    return True, iterations
-
-
-@kernel
-def careful_step(system, time, h):
-    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.careful_step`; the iterations."""
-    iterations, done, size = 0, 0, FINEST
-    while done < FINEST:
-        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE)
-        taken, more = take_step(system, own, size == 1)
-        if more < 0:
-            return more
-        iterations += more
-        if not taken:
-            size //= PARTS
-            continue
-        done += size
-        while size < FINEST and done % (size * PARTS) == 0:
-            size *= PARTS
-    return iterations
-
-
-@kernel
-def wants_backward_euler(system):
-    """Whether all steps are to be of one stage."""
-    return parameters_of(system, 0)[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER

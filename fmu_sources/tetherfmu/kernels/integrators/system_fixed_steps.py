@@ -4,22 +4,110 @@ What makes a step of one line one of backward Euler (the ground, a stiffness, a 
 nobody put in) makes that of all lines one; the energy is that of all lines and points together.
 """
 
+from math import inf
+
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import STAGES, STIFF
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STAGES, STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during, place_ends
-from ..equations.lines import conditions_of, lines_of, load_at, motion_of, point_at, points_of, segments_of, state_of
+from ..equations.lines import (
+    conditions_of,
+    lines_of,
+    load_at,
+    motion_of,
+    parameters_of,
+    point_at,
+    points_of,
+    segments_of,
+    state_of,
+)
 from ..equations.properties import stiffest
 from ..linear_algebra.vectors import get, norm
 from . import backward_euler, second_order
 from .backward_euler import EXPECTED, STAGE, WHOLE
 from .second_order import GAMMA, MIDDLE, ROUNDING, TO_NEXT
 from .system_control import work_of
-from .system_descent import Step, careful_step, room_in_fixed_steps, take_step, wants_backward_euler
+from .system_descent import (
+    STUCK,
+    Step,
+    attempt_of,
+    descend,
+    holds,
+    is_restless,
+    restless_lines,
+    room_in_fixed_steps,
+    scratch_of,
+)
+from .system_guess import begin_as_expected, guess, start
 from .system_room import has_free_nodes, is_free
+
+# --- backward Euler
+
+
+@kernel
+def take_all(system, step):
+    """Let all lines (modified) have the result of the iteration."""
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            x, v = motion_of(system, k)
+            backward_euler.take(attempt_of(system, k, step), step.time, step.kind, x, v, scratch_of(system, k))
+
+
+@kernel
+def take_step(system, step, in_any_case):
+    """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations."""
+    start(system, step)
+    iterations, taken, restless, phi = 0, inf, 1, 0.0
+    if step.kind == EXPECTED:
+        phi, taken = begin_as_expected(system, step)
+        iterations, restless = 1, restless_lines(system, taken) if taken < inf else 1
+    else:
+        phi = guess(system, step)
+    most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
+    while iterations < most and (restless > 0 or not holds(system, step)):
+        phi, taken = descend(system, step, phi)
+        iterations += 1
+        if taken == inf:
+            return False, -1
+        restless = restless_lines(system, taken)
+    if not (in_any_case or (restless == 0 and taken != STUCK)):
+        return False, iterations
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k) and is_restless(system, k, taken):
+            scratch_of(system, k).restless[0] += 1.0
+    take_all(system, step)
+    return True, iterations
+
+
+@kernel
+def careful_step(system, time, h):
+    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.careful_step`; the iterations."""
+    iterations, done, size = 0, 0, FINEST
+    while done < FINEST:
+        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE)
+        taken, more = take_step(system, own, size == 1)
+        if more < 0:
+            return more
+        iterations += more
+        if not taken:
+            size //= PARTS
+            continue
+        done += size
+        while size < FINEST and done % (size * PARTS) == 0:
+            size *= PARTS
+    return iterations
+
+
+@kernel
+def wants_backward_euler(system):
+    """Whether all steps are to be of one stage."""
+    return parameters_of(system, 0)[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
+
+
+# --- whether a step is one of backward Euler
 
 
 @kernel

@@ -1,0 +1,172 @@
+"""Where the descent of a system in a fixed step begins.
+
+As with a single tether (`backward_euler.guess`) it is free flight, or that all lines are carried along; then each free point
+moves by the mean of its neighbours, lines counting by one over their lengths, and driven points with their motion.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import system_layout as places
+
+from ..arrays import copy
+from ..compilation import kernel
+from ..equations.lines import (
+    add_at,
+    band_of,
+    clear,
+    conditions_of,
+    lines_of,
+    load_at,
+    motion_of,
+    point_at,
+    points_of,
+    segments_of,
+)
+from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
+from ..linear_algebra.points import add_block
+from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from . import backward_euler
+from .system_descent import (
+    attempt_of,
+    direction,
+    go_along,
+    holds,
+    potential,
+    restless_lines,
+    room_in_fixed_steps,
+    scratch_of,
+    solve_points,
+    take_trial,
+    try_part,
+)
+from .system_room import has_free_nodes, is_free
+
+
+@kernel
+def start(system, step):
+    """Fill what `backward_euler.start` does of all lines; free points have their loads in their free flight."""
+    points = points_of(system)
+    clear(points.mass)
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            attempt, room = attempt_of(system, k, step), room_in_fixed_steps(system, k)
+            w = room.stages.chain
+            x, _ = motion_of(system, k)
+            backward_euler.start(attempt, step.time, step.kind, x, w)
+            room.goal[0] = backward_euler.goal_of(attempt, step.kind)
+            for end in range(2):
+                if is_free(system, k, end):
+                    points.mass[point_at(system, k, end)] += w.mass[segments_of(system, k) * end]
+    for k in range(lines_of(system)):
+        for end in range(2):
+            if is_free(system, k, end):
+                point, free, node = point_at(system, k, end), scratch_of(system, k).free, segments_of(system, k) * end
+                by_load = scale(step.h * step.h / points.mass[point], load_at(system, point, step.time + step.h))
+                put(free, node, add_scaled(get(free, node), 1.0, by_load))
+
+
+@kernel
+def move_of_driven(system, k, end):
+    """How far the driven end of line k moves in the step [m]."""
+    w, node = scratch_of(system, k), segments_of(system, k) * end
+    x, _ = motion_of(system, k)
+    return sub(get(w.free, node), get(x, node))
+
+
+@kernel
+def add_weight(system, k, points):
+    """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
+    weight = 1.0 / conditions_of(system, k).reeling[0]
+    block = add_to_diagonal(ZERO_MATRIX, weight)
+    for end in range(2):
+        row, other = point_at(system, k, end), point_at(system, k, 1 - end)
+        if row != places.DRIVEN:
+            add_block(band_of(system), row, row, block, points.matrix)
+            if other == places.DRIVEN:
+                add_at(points.right, row, scale(weight, move_of_driven(system, k, 1 - end)))
+            else:
+                add_block(band_of(system), row, other, add_to_diagonal(ZERO_MATRIX, -weight), points.matrix)
+    return not (is_free(system, k, 0) and is_free(system, k, 1))
+
+
+@kernel
+def carry_points(system, points):
+    """Moves of the free points [m] when all lines are carried along, into points.right (modified); 0 if none is driven."""
+    clear(points.matrix)
+    clear(points.right)
+    held = 0
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            held += add_weight(system, k, points)
+    if held == 0 or not solve_points(system, points):
+        clear(points.right)
+
+
+@kernel
+def move_of_end(system, k, end, points):
+    """Move of an end of line k [m], carried along."""
+    point = point_at(system, k, end)
+    return move_of_driven(system, k, end) if point == places.DRIVEN else get(points.right, point)
+
+
+@kernel
+def carry(system, step):
+    """Positions to try (modified) to which all lines are carried along; Phi [J] there."""
+    points = points_of(system)
+    carry_points(system, points)
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            x, _ = motion_of(system, k)
+            moves = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
+            backward_euler.carry_by(attempt_of(system, k, step), *moves, x, scratch_of(system, k))
+    carried, _ = potential(system, step, True)
+    return carried
+
+
+@kernel
+def add_drag(system, step):
+    """`backward_euler.add_drag` of all lines (modified) at the positions of the iteration."""
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            w = scratch_of(system, k)
+            backward_euler.add_drag(attempt_of(system, k, step), w.x, w)
+
+
+@kernel
+def phi_of(system, step):
+    """Phi [J] at the positions of the iteration."""
+    phi, _ = potential(system, step, False)
+    return phi
+
+
+@kernel
+def guess(system, step):
+    """`backward_euler.guess` of all lines (modified): free, or carried along; Phi [J] there."""
+    carried = carry(system, step)
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            w = scratch_of(system, k)
+            copy(w.free, w.x)
+    if carried < phi_of(system, step):
+        take_trial(system)
+    add_drag(system, step)
+    return phi_of(system, step)
+
+
+@kernel
+def begin_as_expected(system, step):
+    """`backward_euler.begin_as_expected` of all lines (modified); results as those of `system_descent.descend`."""
+    for k in range(lines_of(system)):
+        if has_free_nodes(system, k):
+            x, _ = motion_of(system, k)
+            backward_euler.fly_as_expected(attempt_of(system, k, step), x, scratch_of(system, k))
+    add_drag(system, step)
+    taken = direction(system, step)
+    if taken > 0.0 and restless_lines(system, taken) == 0:
+        try_part(system, taken)
+        take_trial(system)
+        return 0.0 if holds(system, step) else phi_of(system, step), taken
+    phi = phi_of(system, step)
+    if taken > 0.0 and not carry(system, step) < phi:
+        return go_along(system, step, taken, phi)
+    return guess(system, step), inf
