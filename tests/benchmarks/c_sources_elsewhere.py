@@ -17,7 +17,9 @@ import os
 import subprocess
 import sys
 import tempfile
+from datetime import UTC, datetime
 from pathlib import Path
+from platform import system
 
 import numpy as np
 import pandas as pd
@@ -31,7 +33,7 @@ from tetherfmu.export import native, systems
 from tetherfmu.libraries.linking import zig
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK
-from tetherfmu.study.measuring.tables import circumstances, markdown
+from tetherfmu.study.measuring.tables import markdown, processor
 
 NAME, STEP, FIXED_STEP, STEPS = "TetherDynamic", 0.02, 0.005, 1000
 OPTIONS = ("-std=c99", "-O2", *importer.WARNINGS)
@@ -119,7 +121,7 @@ def steps(sources, options, count, segments):
     at_most = round(STEP / FIXED_STEP) * WORST_WORK
     return [
         f"{count:_} communication steps each, of which the code bounds the iterations to {at_most}.".replace("_", " "),
-        f"{circumstances()} Load of the machine: {os.getloadavg()[0]:.1f}.",
+        f"{datetime.now(UTC):%Y-%m-%d}, {processor()}, {os.cpu_count()} cores, {system()}; load {os.getloadavg()[0]:.1f}.",
         "",
         markdown(pd.DataFrame(rows, columns=columns)),
     ]
@@ -129,7 +131,7 @@ def write_into(page, lines):
     """Put lines between the marks of a page."""
     before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
     _, _, after = rest.partition(END)
-    page.write_text("\n".join([f"{before}{BEGIN}", *lines, f"{END}{after}"]), encoding="utf-8")
+    page.write_text("\n".join([f"{before}{BEGIN}", "", *lines, "", f"{END}{after}"]), encoding="utf-8")
 
 
 if __name__ == "__main__":
