@@ -2,13 +2,15 @@
 
     python tests/benchmarks/c_sources.py [NAME or FILE ...] [--fmi 2,3] [--levels 0,2,3]
 
-All tethers, two systems and both versions of FMI: compiled with all warnings, by cmake from the files of the FMU alone, in
-an empty folder; validated; flown with their evidence sets beside the native library, with several options of the compiler.
-Needs cmake and gcc. FILE : of a system of tethers.
+All tethers, two systems and both versions of FMI: compiled by cmake from the files of the FMU alone, in an empty folder
+without any environment, by FMPy with all warnings, and by gcc with several options; validated; flown with their evidence
+sets beside the native library. Needs cmake and gcc. FILE : of a system of tethers.
 """
 
 import argparse
+import os
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -44,6 +46,15 @@ def compiled_by_fmpy(path, folder):
     return next((unpacked / "binaries").glob(f"*/*{SUFFIXES['linux']}"))
 
 
+def compiled_alone(path, folder):
+    """The library that cmake makes of the sources of an FMU by their own project, in a folder with nothing else."""
+    alone = folder / "alone"
+    shutil.copytree(importer.unpacked(path, folder), alone)
+    for command in (["cmake", "-S", ".", "-B", "build"], ["cmake", "--build", "build"]):
+        subprocess.run(command, cwd=alone, env={"PATH": os.defpath}, check=True, capture_output=True)
+    return alone / "build" / f"{path.stem}{SUFFIXES['linux']}"
+
+
 def different(one, other):
     """How many numbers of two flights differ in any bit, and of how many."""
     assert one.keys() == other.keys()
@@ -60,7 +71,7 @@ def main(names, versions, levels):
                 folder = Path(temporary) / f"fmi{fmi}"
                 path = built(name, folder, fmi)
                 expected = importer.evidence_run(path)
-                libraries = {"FMPy (cmake)": compiled_by_fmpy(path, folder)}
+                libraries = {"cmake": compiled_alone(path, folder), "FMPy": compiled_by_fmpy(path, folder)}
                 for level in levels if fmi == versions[0] else ():
                     libraries[f"gcc -O{level}"] = importer.compiled(path, folder, [f"-O{level}", "-ffp-contract=off"])
                 for how, library in libraries.items():
