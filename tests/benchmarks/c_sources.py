@@ -1,13 +1,16 @@
 """FMUs compiled by their importer: built from their C sources by FMPy, they give the numbers of the native ones.
 
-    python tests/benchmarks/c_sources.py [NAME ...] [--fmi 2,3] [--levels 0,2,3]
+    python tests/benchmarks/c_sources.py [NAME or FILE ...] [--fmi 2,3] [--levels 0,2,3]
 
-All tethers and both versions of FMI: compiled with all warnings, by cmake from the files of the FMU alone; validated; flown
-with their evidence sets beside the native library, with several options of the compiler. Needs cmake and gcc.
+All tethers, two systems and both versions of FMI: compiled by cmake from the files of the FMU alone, in an empty folder
+without any environment, by FMPy with all warnings, and by gcc with several options; validated; flown with their evidence
+sets beside the native library. Needs cmake and gcc. FILE : of a system of tethers.
 """
 
 import argparse
+import os
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,9 +23,19 @@ from fmpy.validation import validate_fmu
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native import as_importers_do as importer
-from tetherfmu.export import native
+from tetherfmu.export import native, systems
 from tetherfmu.export.archive import SLAVES
-from tetherfmu.runtime.kernel_library import SUFFIXES
+from tetherfmu.runtime.kernel_library import SUFFIXES, this_platform
+
+FILES = Path(__file__).resolve().parents[2] / "examples" / "systems"
+SYSTEMS = tuple(str(FILES / f"{name}.toml") for name in ("y_bridle", "two_kites"))
+
+
+def built(name, folder, fmi):
+    """Path of the FMU of a tether, or of the system in a file, with its sources."""
+    if name.endswith(".toml"):
+        return systems.build(name, folder, (this_platform(),), native=fmi, with_sources=True)
+    return native.build(name, folder, fmi=fmi, with_sources=True)
 
 
 def compiled_by_fmpy(path, folder):
@@ -31,6 +44,15 @@ def compiled_by_fmpy(path, folder):
     shutil.rmtree(unpacked / "binaries")
     build_platform_binary(unpacked, all_warnings=True)
     return next((unpacked / "binaries").glob(f"*/*{SUFFIXES['linux']}"))
+
+
+def compiled_alone(path, folder):
+    """The library that cmake makes of the sources of an FMU by their own project, in a folder with nothing else."""
+    alone = folder / "alone"
+    shutil.copytree(importer.unpacked(path, folder), alone)
+    for command in (["cmake", "-S", ".", "-B", "build"], ["cmake", "--build", "build"]):
+        subprocess.run(command, cwd=alone, env={"PATH": os.defpath}, check=True, capture_output=True)
+    return alone / "build" / f"{path.stem}{SUFFIXES['linux']}"
 
 
 def different(one, other):
@@ -43,13 +65,13 @@ def different(one, other):
 def main(names, versions, levels):
     """Print a table; versions : of FMI.  levels : of optimization by gcc, which is the same for both."""
     print("FMU, FMI, compiled by, numbers of the evidence run that differ from the native FMU's, problems of validation")
-    for name in names or SLAVES:
+    for name in names or (*SLAVES, *SYSTEMS):
         for fmi in versions:
             with tempfile.TemporaryDirectory() as temporary:
                 folder = Path(temporary) / f"fmi{fmi}"
-                path = native.build(name, folder, fmi=fmi, with_sources=True)
+                path = built(name, folder, fmi)
                 expected = importer.evidence_run(path)
-                libraries = {"FMPy (cmake)": compiled_by_fmpy(path, folder)}
+                libraries = {"cmake": compiled_alone(path, folder), "FMPy": compiled_by_fmpy(path, folder)}
                 for level in levels if fmi == versions[0] else ():
                     libraries[f"gcc -O{level}"] = importer.compiled(path, folder, [f"-O{level}", "-ffp-contract=off"])
                 for how, library in libraries.items():
@@ -57,7 +79,7 @@ def main(names, versions, levels):
                     place.mkdir()
                     other = importer.with_library(path, library, place, fmi)
                     wrong, count = different(expected, importer.evidence_run(other))
-                    print(f"{name}, {fmi}, {how}, {wrong} of {count}, {len(validate_fmu(str(other)))}", flush=True)
+                    print(f"{path.stem}, {fmi}, {how}, {wrong} of {count}, {len(validate_fmu(str(other)))}", flush=True)
 
 
 if __name__ == "__main__":

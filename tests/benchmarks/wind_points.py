@@ -1,12 +1,12 @@
 """What wind at points costs: time of a step with 11 points over that with one wind, and time to read a box, as tables.
 
-    python tests/benchmarks/wind_points.py
+    python tests/benchmarks/wind_points.py [--variants NAME,...] [--segments 5,10,20,40]
 
-Each tether flies the circle of the benchmark, 2000 communication steps of 20 ms in compiled code, without outputs. With
-points, all of them have that one wind, so that it takes the same internal steps. The flights take turns, and the fastest
-of each counts, in time of the processor; that includes the rows that `fly` makes of inputs and winds. Then the wind at 21
-points is read from a box by `wind.frozen_turbulence`: in a call for each step, as the FMU `TurbulentWind` does it, and in
-one for 2000 steps, as scenes do it.
+Each tether flies the circle of the benchmark, 2000 communication steps of 20 ms, in one call of its compiled kernel: without
+outputs, and with those after each step, as an importer gets them. With points, all of them have that one wind, so that it
+takes the same internal steps. The flights take turns, and the fastest of each counts, in time of the processor. Then the
+wind at 21 points is read from a box by `wind.frozen_turbulence`: in a call for each step, as in the FMU `TurbulentWind`, and
+in one for 2000 steps, as in scenes.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import pandas as pd
 from tetherfmu import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
 from tetherfmu.study.measuring.tables import circumstances, markdown
@@ -28,9 +29,11 @@ from tetherfmu.wind.wind_boxes import of_space
 
 STEPS, SEGMENTS, POINTS, SAMPLED = 2000, (5, 10, 20, 40), 11, 21
 WIND = (8.0, 0.0, 0.0)
+WINDS = {"uniform": (0, at.UNIFORM), "power law": (0, at.POWER_LAW), "points": (POINTS, at.UNIFORM)}
+OUTPUTS = {"without": at.NEVER, "with": at.ALWAYS}
 
 
-def flight(variant, segments, points, profile=at.UNIFORM):
+def flight(variant, segments, points, profile, outputs):
     """A flight that can be repeated: a function that gives its processor time [s], and one that gives its work."""
     scene = circle_scene(segments)
     model = getattr(models, class_name(variant))(scene.tether, Environment(wind_profile=profile), wind_points=points)
@@ -39,26 +42,35 @@ def flight(variant, segments, points, profile=at.UNIFORM):
     wind = {"wind_at": np.tile(WIND, (points, 1))} if points else {"wind_velocity": WIND}
     columns["wind_velocity"][:] = 0.0 if points else WIND
     model.initialize(columns["kite_position"][0], columns["kite_velocity"][0], **wind)
-    winds, start = np.tile(WIND, (STEPS, points, 1)) if points else None, model.get_state()
+    inputs = np.ascontiguousarray(np.concatenate([inputs, np.tile(WIND, (STEPS, points))], axis=1))
+    start, instance = model.get_state(), model._instance
+    kept = np.zeros(at.outputs_size(instance.points) + 1 + 3 * (instance.segments + 1))
 
     def fly():
         model.set_state(start)
+        arrays = instance.parameters, instance.state, instance.before, instance.work
+        parameters, state, before, work = map(address, arrays)
+        flown = inputs.ctypes.data, STEPS, STEP, 0, outputs
         began = process_time()
-        model.fly(inputs, STEP, every=0, outputs=False, wind_at=winds)
-        return process_time() - began
+        done = instance.kernels.fly(
+            instance.segments, parameters, *flown, state, before, instance.points, kept.ctypes.data, work
+        )
+        taken = process_time() - began
+        assert done == STEPS
+        return taken
 
     return fly, lambda: sum(model.counters.values())
 
 
-def row(variant, segments, rounds):
+def row(variant, segments, outputs, rounds):
     """A row of the table of steps."""
-    winds = {"uniform": (0,), "power law": (0, at.POWER_LAW), "points": (POINTS,)}
-    flights = {name: flight(variant, segments, *given) for name, given in winds.items()}
+    flights = {name: flight(variant, segments, *given, OUTPUTS[outputs]) for name, given in WINDS.items()}
     taken = [[fly() for fly, _ in flights.values()] for _ in range(rounds)]
     times = dict(zip(flights, np.min(taken, axis=0), strict=True))
     return {
         "tether": variant,
         "segments": segments if BY_NAME[variant].has_nodes else None,
+        "outputs": outputs,
         **{f"{name} [us]": 1e6 * seconds / STEPS for name, seconds in times.items()},
         "points/uniform": times["points"] / times["uniform"],
         "points/power law": times["points"] / times["power law"],
@@ -84,10 +96,12 @@ def main():
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rounds", type=int, default=60, help="flights of each, of which the fastest counts")
+    parser.add_argument("--variants", default=",".join(VARIANTS), help="tethers, separated by commas")
+    parser.add_argument("--segments", default=",".join(map(str, SEGMENTS)), help="of those that have them")
     options = parser.parse_args()
-    counts = {each: SEGMENTS if BY_NAME[each].has_nodes else SEGMENTS[:1] for each in VARIANTS}
-    rows = [row(variant, n, options.rounds) for variant in VARIANTS for n in counts[variant]]
-    print(markdown(pd.DataFrame(rows)))
+    counts = [int(each) for each in options.segments.split(",")]
+    cases = [(each, n) for each in options.variants.split(",") for n in (counts if BY_NAME[each].has_nodes else counts[:1])]
+    print(markdown(pd.DataFrame([row(*case, outputs, options.rounds) for case in cases for outputs in OUTPUTS])))
     alone, together = sampling(options.rounds)
     print(f"\n{SAMPLED} points of a box: {alone:.2g} us in a call for each step, {together:.2g} us in a call for {STEPS}\n")
     print(circumstances())

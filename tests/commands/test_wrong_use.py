@@ -60,7 +60,7 @@ WRONG = [  # what is typed, status, what must be said
     ("build --fmi 3", 2, ("--fmi 3 goes with --native",)),
     ("build --header", 2, ("--header", "goes with --native")),
     ("build --sources", 2, ("--sources goes with --native",)),
-    ("build --native --sources --system none.toml", 2, ("--sources goes without --system",)),
+    ("build --sources --system none.toml", 2, ("--sources goes with --native",)),
     ("build --native --fmi 1", 2, ("--fmi", "2, 3")),
     ("build --colour", 2, ("tetherfmu build", "--colour")),
     ("build --scene none.toml", 2, ("none.toml", "cannot be read")),

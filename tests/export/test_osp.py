@@ -41,6 +41,18 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
   </Connections>
 </OspSystemStructure>
 """
+ECCO = {
+    "step_size": 0.01,
+    "min_step_size": 0.001,
+    "max_step_size": 0.05,
+    "safety_factor": 0.99,
+    "min_change_rate": 0.2,
+    "max_change_rate": 1.5,
+    "abs_tolerance": 0.1,
+    "rel_tolerance": 1e-3,
+    "p_gain": 0.2,
+    "i_gain": 0.15,
+}
 # what the schema of OSP-IS 1.0.1 says of the elements that are used here: children in this order
 CHILDREN = {
     "OspModelDescription": ["VariableGroups"],
@@ -116,3 +128,37 @@ def test_libcosim_connects_the_kite_end_at_once(fmu_folder, tmp_path):
     given = last("kite", "fz")[0]
     assert force < -50.0
     assert given == pytest.approx(force, rel=0.2)
+
+
+@pytest.mark.skipif(find_spec("libcosimpy") is None, reason="libcosimpy is not installed")
+@in_own_process
+def test_libcosim_takes_the_kite_end_as_power_bonds(fmu_folder, tmp_path):
+    """Its algorithm ECCO chooses the steps by the power force times velocity of both sides, of each component."""
+    from libcosimpy.CosimAlgorithm import CosimAlgorithm, EccoParams
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    FmuBuilder.build_FMU(Path(__file__).with_name("kite_on_rails.py"), dest=tmp_path)
+    algorithm = CosimAlgorithm.create_ecco_algorithm(EccoParams(**ECCO))
+    execution = CosimExecution.from_algorithm(algorithm)
+    files = {"tether": fmu_folder / "TetherDynamic.fmu", "kite": tmp_path / "KiteOnRails.fmu"}
+    tether, kite = (execution.add_local_slave(CosimLocalSlave(str(path), name)) for name, path in files.items())
+    given, taken = (
+        {each.name.decode(): each.reference for each in execution.slave_variables(index)} for index in (tether, kite)
+    )
+    for number, axis in enumerate("xyz", start=1):
+        force, velocity = given[f"kite_force[{number}]"], given[f"kite_velocity[{number}]"]
+        assert algorithm.add_power_bond(tether, force, velocity, kite, taken[f"v{axis}"], taken[f"f{axis}"]) == 0
+        assert execution.connect_real_variables(tether, force, kite, taken[f"f{axis}"]) == 0
+        assert execution.connect_real_variables(kite, taken[f"v{axis}"], tether, velocity) == 0
+        assert execution.connect_real_variables(kite, taken[f"p{axis}"], tether, given[f"kite_position[{number}]"]) == 0
+    observer = CosimObserver.create_last_value()
+    assert execution.add_observer(observer)
+    assert execution.step(41)
+    height, force = observer.last_real_values(tether, [given["kite_position[3]"], given["kite_force[3]"]])
+    time = 1e-9 * execution.status().current_time
+    assert height == pytest.approx(400.0 + RISE * time, abs=2.0 * RISE * ECCO["max_step_size"])
+    assert abs(time - 41 * ECCO["step_size"]) > ECCO["step_size"]  # the steps have changed
+    assert force < -50.0
+    assert observer.last_real_values(kite, [taken["fz"]])[0] == pytest.approx(force, rel=0.2)

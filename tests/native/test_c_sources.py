@@ -5,6 +5,7 @@
 
 import re
 import subprocess
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -14,11 +15,13 @@ from libraries.test_symbols import dynamic_symbols
 from native import as_importers_do as importer
 from native.test_platforms import C_LIBRARY
 from runtime import clients
-from tetherfmu.export import native, native_sources
+from tetherfmu.export import native, native_sources, systems
 from tetherfmu.export.native_tables import most_room
+from tetherfmu.runtime.kernel_library import this_platform
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
 NAME = "TetherStraight"
+BRIDLE = Path(__file__).parents[2] / "examples" / "systems" / "y_bridle.toml"
 IN_C = {"copysign", "fabs", "trunc", "ceil", "sqrt", "floor", "fmax", "memmove"}  # what compilers need no function for
 PROGRAM = r"""
 #include <stdlib.h>
@@ -70,6 +73,15 @@ def test_the_numbers_of_the_native_fmu(fmus, tmp_path):
     assert clients.different(found, expected) == []
 
 
+def test_the_numbers_of_the_native_fmu_of_a_system(tmp_path):
+    """To the last bit, with other functions to call and a plan that is made when the FMU starts."""
+    (tmp_path / "native").mkdir()
+    path = systems.build(BRIDLE, tmp_path / "native", (this_platform(),), native=2, with_sources=True)
+    other = importer.with_library(path, importer.compiled(path, tmp_path), tmp_path, 2)
+    found, expected = (own_process(importer.evidence_run, path=each) for each in (other, path))
+    assert clients.different(found, expected) == []
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_files_are_announced(fmus, fmi, tmp_path):
     sources = importer.unpacked(fmus[fmi], tmp_path)
@@ -99,7 +111,8 @@ def test_nothing_is_allocated_after_instantiation(fmus, tmp_path):
 @pytest.mark.parametrize("sizes", [[1, 3, 4, 8, 9], [5, 5, 5], [7]])
 def test_room_is_enough_for_any_number_of_segments(sizes):
     """And not much more than that."""
-    base, slope = map(int, re.search(r"\((\d+) \+ (\d+) \* \(size_t\)", most_room(sizes)).groups())
-    room = [base + slope * n for n in range(1, len(sizes) + 1)]
-    assert all(given >= needed for given, needed in zip(room, sizes, strict=True))
-    assert min(given - needed for given, needed in zip(room, sizes, strict=True)) == 0
+    halves = [size // 2 for size in sizes]
+    bounds = re.findall(r"\((\d+) \+ (\d+) \* \(size_t\)", most_room(halves, sizes))
+    for (base, slope), wanted in zip(bounds, (halves, sizes), strict=True):
+        spare = [int(base) + int(slope) * n - needed for n, needed in enumerate(wanted, 1)]
+        assert min(spare) == 0

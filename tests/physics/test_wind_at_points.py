@@ -108,7 +108,7 @@ def line_loads(winds, velocity, air, tether):
         wind = np.array([np.interp(xi, np.linspace(0.0, 1.0, count), each) for each in winds.T])
         w = wind - xi * velocity
         w = w - w @ e * e
-        rho = air.air_density * np.exp(-(GROUND[2] + xi * chord[2]) / air.air_density_scale_height)
+        rho = air.air_density * np.exp(-(GROUND[2] + xi * chord[2]) / (air.air_density_scale_height or np.inf))
         whole = 0.5 * rho * tether.drag_coefficient * tether.diameter * np.linalg.norm(w) * w[axis] * length
         return whole * (xi if moment else 1.0)
 
@@ -121,12 +121,16 @@ def line_loads(winds, velocity, air, tether):
     return total[0] - total[1], total[1]
 
 
-@pytest.mark.parametrize("velocity", [np.zeros(3), np.array([-3.0, 20.0, 1.0])], ids=["at_rest", "moving"])
-def test_load_on_a_straight_tether(velocity):
+@pytest.mark.parametrize(
+    ("velocity", "points", "scale_height"),
+    [(np.zeros(3), 6, 8550.0), (np.array([-3.0, 20.0, 1.0]), 6, 8550.0), (np.array([-3.0, 20.0, 1.0]), 7, 0.0)],
+    ids=["at_rest", "moving", "even_number_of_pieces"],
+)
+def test_load_on_a_straight_tether(velocity, points, scale_height):
     """Its parts 1 - xi and xi of the drag per length in the wind at xi, beside tension and half of the weight."""
-    air, tether, winds = Environment(air_density_scale_height=8550.0), Tether(initial_length=LENGTH), gusts(6)
+    air, tether, winds = Environment(air_density_scale_height=scale_height), Tether(initial_length=LENGTH), gusts(points)
     still = TetherStraight(tether, Environment(air_density=0.0)).initialize(KITE, ground_position=GROUND)
-    found = TetherStraight(tether, air, wind_points=6).initialize(KITE, velocity, GROUND, wind_at=winds)
+    found = TetherStraight(tether, air, wind_points=points).initialize(KITE, velocity, GROUND, wind_at=winds)
     ground, kite = line_loads(winds, velocity, air, tether)
     # three points of Gauss to a piece: observed 3e-6 of the load, where the cross-wind turns within a piece
     np.testing.assert_allclose(found.ground_force - still.ground_force, ground, atol=1e-5 * np.linalg.norm(ground))

@@ -162,8 +162,6 @@ def _check_system(parser, options):
         )
     if options.header:
         parser.error("--header is for the FMUs of single tethers; it goes without --system")
-    if options.sources:
-        parser.error("there are C sources of single tethers only; --sources goes without --system")
 
 
 def build_for_system(wanted):
@@ -172,7 +170,7 @@ def build_for_system(wanted):
 
     try:
         native = wanted.fmi if wanted.native else None
-        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native)
+        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native, wanted.sources)
     except ValueError as error:
         raise WrongUse(one_line(error)) from None
     show(made, wanted.platforms)

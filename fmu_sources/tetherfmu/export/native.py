@@ -22,7 +22,7 @@ from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
 from .build_options import BuildOptions
 from .documents import documents
 from .native_arrays import arrays_at, places_of
-from .native_tables import header
+from .native_tables import header, room_of_tether
 from .universal import universal
 
 HEADERS = Path(find_spec("fmpy").origin).with_name("c-code")  # FMI's own, under the 2-clause BSD licence
@@ -48,7 +48,8 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     texts = writers(name, variant, about, given, fmi, (native_sources.FILE,) if with_sources else ())
     token = complete(files, name, kernels, texts, fmi)
     if with_sources:
-        files |= native_sources.sources(name, library_of(variant), texts[1](token), fmi, HEADERS)
+        room = room_of_tether(ready.kernels(library_of(variant)), options.wind_points)
+        files |= native_sources.sources(name, library_of(variant), texts[1](token), room, fmi, HEADERS)
     made = write(files, folder, name, options.purpose)
     if with_header:
         table, shape_points = table_of(variant, given), given["shape_points"]

@@ -6,13 +6,12 @@ One file, `fmu.c`, takes in all others, so that a compiler needs to be told no m
 import re
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.libraries import ready
 from tetherfmu.libraries.c_kernels import c_kernels
-from tetherfmu.libraries.native_shell import PARTS, SHELL
+from tetherfmu.libraries.native_shell import SHELL, parts_of
+from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.limits import MAX_SEGMENTS
 
 from .documents import filled
-from .native_tables import most_room
 from .xml_text import xml_text
 
 FOLDER = "sources"
@@ -22,15 +21,14 @@ DATA = ("AN_INSTANCE", "A_SAVED_STATE", "CATEGORY")
 PROTOTYPE = re.compile(r"^(?!static|typedef|extern)\w[\w *]*?(\w+)\([^;]*\);", re.MULTILINE)
 
 
-def sources(name, library, tables, fmi, headers):
+def sources(name, library, tables, room, fmi, headers):
     """Files of the folder: dict of path in the archive to bytes; RuntimeError if the kernels cannot be made.
 
-    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  fmi : 2 or 3.  headers : folder with those
-    of FMI.
+    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  room : text of `native_tables.most_room`.
+    fmi : 2 or 3.  headers : folder with those of FMI.
     """
-    parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]
-    work_size = ready.kernels(library).work_size
-    room = most_room([work_size(n) for n in range(1, MAX_SEGMENTS + 1)])
+    listed = (*parts_of(library == SYSTEM), f"fmi{fmi}")
+    parts = [NOT_IN_C.get(part, part) for part in listed if NOT_IN_C.get(part, part)]
     texts = {
         FILE: filled(
             FILE, name=name, fmi=fmi, segments=MAX_SEGMENTS, parts="\n".join(f'#include "{part}.c"' for part in parts)

@@ -1,9 +1,11 @@
 """The native FMU of a system: its tables as a C header, its terminals, where its variables stand."""
 
+from array import array
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime import layout, status, system_layout, system_maps, system_variables
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
+from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.system_maps import quantities_of_line
 from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
@@ -16,6 +18,7 @@ from .native_tables import (
     constants,
     declared_texts,
     forces,
+    most_room,
     of_lines,
     scales,
     sentence_texts,
@@ -126,6 +129,21 @@ def _maps(structure, table, references):
         + ",\n    ".join("{" + ", ".join(f'"{name}"' for name in row) + "}" for row in names)
         + "};",
     ]
+
+
+def room_of(structure, kernels):
+    """`most_room` for a system, of which all lines have as many segments; kernels : `SystemKernels`."""
+    lines, given = len(structure.lines), system_maps.plan_of(structure)
+    sizes = [getattr(system_layout, f"{name}_SIZE") for name in ("PARAMETERS", "INPUTS", "OUTPUTS", "WORK")]
+    states, others = [], []
+    for n in range(1, layout.MAX_SEGMENTS + 1):
+        plan = array("q", [given.get(place, 0) for place in range(system_layout.plan_size(lines))])
+        for k in range(lines):
+            plan[system_layout.PLAN_HEADER + system_layout.LINE_NUMBERS * k + system_layout.SEGMENTS] = n
+        kernels.complete(address(plan))
+        states.append(plan[system_layout.STATE_SIZE])
+        others.append(sum(plan[place] for place in sizes))
+    return most_room(states, others)
 
 
 def limits_of(quantity):

@@ -130,23 +130,32 @@ def _sizes(table, shape_points):
     return lines
 
 
-def most_room(work_sizes):
-    """Text that says how much room the arrays need at most; work_sizes : lengths of `work` for 1, 2, ... segments.
+def room_of_tether(kernels, wind_points):
+    """`most_room` for a tether; kernels : `Kernels` of its library.  wind_points : number of them."""
+    counts = range(1, layout.MAX_SEGMENTS + 1)
+    states = [layout.state_size(n, wind_points) for n in counts]
+    return most_room(states, [layout.parameters_size(n) + kernels.work_size(n) for n in counts])
 
-    The bound of `work` is the smallest linear one of its growth between the first and the last.
-    """
-    most = len(work_sizes)
-    slope = -(-(work_sizes[-1] - work_sizes[0]) // max(1, most - 1))
-    base = max(size - slope * n for n, size in enumerate(work_sizes, 1))
+
+def most_room(states, others):
+    """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments."""
     return "\n".join(
         [
             "#ifndef MAX_SEGMENTS",
-            f"#define MAX_SEGMENTS {most}",
+            f"#define MAX_SEGMENTS {len(states)}",
             "#endif",
-            f"#define WORK_SIZE(segments) ({base} + {slope} * (size_t)(segments))",
+            _most("MOST_STATE", states),
+            _most("MOST_OTHERS", others),
             "",
         ]
     )
+
+
+def _most(name, sizes):
+    """Definition of the smallest linear bound of sizes that has their growth between the first and the last."""
+    slope = -(-(sizes[-1] - sizes[0]) // max(1, len(sizes) - 1))
+    base = max(size - slope * n for n, size in enumerate(sizes, 1))
+    return f"#define {name}(segments) ({base} + {slope} * (size_t)(segments))"
 
 
 def _parameters(table):

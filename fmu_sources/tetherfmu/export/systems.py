@@ -6,6 +6,7 @@ from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
+from tetherfmu.libraries import ready
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
@@ -18,22 +19,22 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import native_system, osp, related_files, system_evidence
+from . import native_sources, native_system, osp, related_files, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
 from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
-from .native import TERMINALS, complete, kernels_of, widths_of, writer_of
+from .native import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
 STEP = DEFAULT_OPTIONS["step"]  # of the default experiment [s]
 
 
-def build(path, folder, platforms, shape_points=None, native=None):
+def build(path, folder, platforms, shape_points=None, native=None, with_sources=False):
     """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
 
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
     variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
     each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
-    PythonFMU's.
+    PythonFMU's.  with_sources : whether a native one can also be compiled by its importer, see `native_sources`.
     """
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points), Path(folder)
@@ -44,7 +45,7 @@ def build(path, folder, platforms, shape_points=None, native=None):
     )
     evidence = system_evidence.files(structure.name, found, native == 3)
     if native:
-        return write(_native(structure, about, platforms, evidence, native), folder, structure.name, None)
+        return write(_native(structure, about, platforms, evidence, native, with_sources), folder, structure.name, None)
     options = {"system": structure.as_dict(), "about": about, "step": STEP}
     made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
     made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
@@ -52,7 +53,7 @@ def build(path, folder, platforms, shape_points=None, native=None):
     return write(made, folder, structure.name, None)
 
 
-def _native(structure, about, platforms, evidence, fmi):
+def _native(structure, about, platforms, evidence, fmi, with_sources):
     """Files of a native FMU, dict of path in the archive to bytes."""
     table = table_of(structure)
     places = native_system.places_of(structure, table)
@@ -60,9 +61,13 @@ def _native(structure, about, platforms, evidence, fmi):
     made = documents(structure, about, platforms, evidence, fmi)
     if fmi == 3:
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
-    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP)
+    listed = (native_sources.FILE,) if with_sources else ()
+    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP, sources=listed)
     tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
-    complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
+    token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
+    if with_sources:
+        room = native_system.room_of(structure, ready.kernels(SYSTEM))
+        made |= native_sources.sources(structure.name, SYSTEM, tabulate(token), room, fmi, HEADERS)
     return made
 
 

@@ -83,7 +83,7 @@ def entry_points(variant):
             return status
         copy(s, before)
         transaction.remember(p, inputs, given, s)
-        wind_points.step_on(n, p, inputs, step, has_waves, s)
+        wind_points.step_on(n, p, inputs, step, has_nodes, has_waves, s)
         status = variant.advance(n, p, given, before, s, w)
         return transaction.commit(n, p, status, before, s)
 

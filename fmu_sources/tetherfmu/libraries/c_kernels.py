@@ -11,18 +11,18 @@ import re
 import sys
 from pathlib import Path
 
-from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.kernel_library import this_platform, verbs
 
 from . import ahead_of_time, c_code, c_function, c_helpers, c_operations, ready, wasm_file, webassembly
 
 FILE = "kernels.c"
 RECIPE = [module.__file__ for module in (c_code, c_function, c_helpers, c_operations, wasm_file, webassembly)]
-VERBS = ("segments", "pack", "work_size", "initialize", "advance", "outputs")  # that FMUs call
+NOT_IN_FMUS = {"fly", "energy"}  # entry points of the Python API
 ALIGNED = 16
 
 
 def c_kernels(library):
-    """Path of the C file of a library of a tether; made if it is missing, in some 10 s.
+    """Path of the C file of a library; made if it is missing, in some 10 s.
 
     The functions that the shell calls are `in_c_pack` and so on; RuntimeError if compiling fails, or what compiles is
     missing.
@@ -36,12 +36,12 @@ def c_kernels(library):
 
 def text_of(code, library):
     """Text of the C file; code : intermediate code of the library, as `ahead_of_time` keeps it."""
-    names = {f"{library}_{verb}": f"in_c_{verb}" for verb in VERBS}
+    names = {f"{library}_{verb}": f"in_c_{verb}" for verb in verbs(library) if verb not in NOT_IN_FMUS}
     for name in {*ahead_of_time.names_of(library)} - names.keys():
         code = re.sub(rf"^define (?=\w+ @{name}\()", "define internal ", code, flags=re.MULTILINE)
-    first = webassembly.webassembly(code, names)
-    stack = -(-c_code.stack_size(first) // ALIGNED) * ALIGNED
-    return c_code.text(webassembly.webassembly(code, names, stack=stack), names)
+    content = webassembly.object_file(code, names)
+    stack = -(-c_code.stack_size(webassembly.linked(content, names)) // ALIGNED) * ALIGNED
+    return c_code.text(webassembly.linked(content, names, stack), names)
 
 
 def main(arguments):

@@ -31,10 +31,14 @@ OPTIONS = (
 )
 
 
+def parts_of(system=False):
+    """Names of the files of the shell but that of FMI; system : whether it is that of a system of tethers."""
+    return [OF_A_SYSTEM.get(part, part) for part in PARTS] if system else PARTS
+
+
 def unit(fmi, system=False):
     """The C file that is compiled: all of the shell at once, with the functions of FMI 2 or 3; system : of tethers."""
-    parts = [OF_A_SYSTEM.get(part, part) for part in PARTS] if system else PARTS
-    return "".join(f'#include "{part}.c"\n' for part in (*parts, f"fmi{fmi}"))
+    return "".join(f'#include "{part}.c"\n' for part in (*parts_of(system), f"fmi{fmi}"))
 
 
 def native_library(kernels, library, platform, tables, fmi, headers, exported, system=False):

@@ -66,10 +66,10 @@ def place_of(name, file, variants, recipe):
     return in_wheel if in_wheel.exists() else ready.cache_folder() / folder / file
 
 
-def webassembly(text, exported, features=FEATURES, stack=65536):
-    """Bytes of a WebAssembly file; text : of a module as `ahead_of_time` keeps it.  exported : names of functions.
+def object_file(text, exported, features=FEATURES):
+    """Bytes of an object file for WebAssembly.
 
-    stack : its size, in bytes.
+    text : of a module as `ahead_of_time` keeps it.  exported : names of functions.
     """
     import llvmlite.binding as llvm
 
@@ -81,10 +81,14 @@ def webassembly(text, exported, features=FEATURES, stack=65536):
     module = ahead_of_time._for_target(_with_instructions(text), TARGET, machine)
     ahead_of_time.optimize(module, machine, level=3, vectors=LANES in features)
     ahead_of_time._check_names(module, exported)
-    module = llvm.parse_assembly(_without_large_products(str(module)))
+    return machine.emit_object(llvm.parse_assembly(_without_large_products(str(module))))
+
+
+def linked(content, exported, stack=65536):
+    """Bytes of a WebAssembly file; content : bytes of its object file.  stack : its size, in bytes."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        (folder / "kernels.o").write_bytes(machine.emit_object(module))
+        (folder / "kernels.o").write_bytes(content)
         (folder / "imports").write_text("\n".join(IMPORTS))
         options = ["--no-entry", "--import-memory", "--allow-undefined-file=imports", "--strip-all", "--gc-sections"]
         options += [f"--export={name}" for name in (*exported, "__heap_base")]
@@ -141,7 +145,7 @@ def main(arguments):
     llvm.initialize_all_asmprinters()
     text = str(ahead_of_time._first_round(code_of_all(way)))
     exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant)]
-    content = webassembly(text, exported, f"{FEATURES},{LANES}")
+    content = linked(object_file(text, exported, f"{FEATURES},{LANES}"), exported)
     Path(path).parent.mkdir(exist_ok=True)
     ahead_of_time._write(Path(path), content)
     print(f"{len(content) // 1000} kB", flush=True)

@@ -16,7 +16,6 @@ from tetherfmu.libraries import ready, webassembly
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.c_kernels import c_kernels
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.runtime.variants import VARIANTS
 
 BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "CHANGELOG.md", "CITATION.cff")
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "*.jsonl", "*.ll.gz")
@@ -70,7 +69,7 @@ class BuildWithLibraries(build_py):
         in_wheel = package / ready.IN_WHEEL.relative_to(PACKAGE)
         for variant, folder in ready.folders(ready.LIBRARIES, list(TARGETS)).items():
             shutil.copytree(folder, ready.place(in_wheel, variant), ignore=NOT_COPIED)
-        for path in (webassembly.browser_file(), *map(c_kernels, VARIANTS)):
+        for path in (webassembly.browser_file(), *map(c_kernels, ready.LIBRARIES)):
             folder = in_wheel / path.parent.name
             folder.mkdir()
             shutil.copy(path, folder)

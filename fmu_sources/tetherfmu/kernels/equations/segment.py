@@ -125,7 +125,19 @@ def half_drag(chain, s, length, e, height, velocity):
 def half_drag_in(chain, s, length, e, wind, density, velocity):
     """`half_drag` in air of this wind [m/s] and density [kg/m3]."""
     w, _ = apparent_wind(wind, e, velocity)
-    return scale(0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length * sqrt(dot(w, w) + STILLEST), w)
+    return scale(half_drag_factor(chain, s, length, density) * speed_across(w), w)
+
+
+@kernel
+def half_drag_factor(chain, s, length, density):
+    """F/(|w| w) [N s2/m2] of `half_drag`, in air of this density [kg/m3]."""
+    return 0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length
+
+
+@kernel
+def speed_across(w):
+    """|w| [m/s] of the wind across a segment, see `STILLEST`."""
+    return sqrt(dot(w, w) + STILLEST)
 
 
 @kernel

@@ -14,8 +14,9 @@ Theory: docs/models/theory.md, "Wind at points".
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import state_size
-from ..compilation import kernel
+from ..arrays import copy, state_size
+from ..compilation import kernel, part
+from ..linear_algebra.pairs import number_at
 from .properties import put_node_wind, share_of
 
 KITE_END = 1.0  # its s
@@ -48,6 +49,14 @@ def wind_between(n, parameters, state, s, back):
 
 
 @kernel
+def winds_at(n, parameters, state, points):
+    """Wind [m/s] at two points of a state, by their numbers, as pairs."""
+    first = state_size(n)
+    places = 3 * points[0], 3 * points[1]
+    return number_at(state, first, places), number_at(state, first + 1, places), number_at(state, first + 2, places)
+
+
+@kernel
 def put_node_winds(n, parameters, state, back):
     """Winds at the nodes (in the parameters, modified), a time `back` [s] before that of the winds in the state."""
     s = 0.0
@@ -72,20 +81,26 @@ def start(n, parameters, inputs, state):
 
 
 @kernel
-def step_on(n, parameters, inputs, step, is_mean, state):
+def step_on(n, parameters, inputs, step, has_nodes, is_mean, state):
     """Take the winds of the inputs for a step [s] into a state (modified), and to the nodes in the parameters (modified).
 
-    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes the
-    mean over the step if `is_mean`, else the same.
+    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes, of a
+    tether that has them, the mean over the step if `is_mean`, else the same.
     """
     count = 3 * count_of(parameters)
     if count == 0:
         return
-    winds, rates, turning = state_size(n), state_size(n) + count, 0.0
-    for k in range(count):
-        rate = state[rates + k]
-        state[winds + k] = inputs[at.INPUTS + k] + step * rate
-        turning += abs(rate)
-    put_node_winds(n, parameters, state, 0.5 * step if is_mean and turning > 0.0 else 0.0)
-    for k in range(count):
-        state[rates + k] = 0.0
+    given = part(inputs, at.INPUTS, count)
+    winds, rates = part(state, state_size(n), count), part(state, state_size(n) + count, count)
+    turns = False
+    for k in range(count):  # no way out of the loop, which would keep it from being done in pairs
+        turns |= rates[k] != 0.0
+    copy(given, winds)
+    if turns:
+        for k in range(count):
+            winds[k] += step * rates[k]
+    if has_nodes:
+        put_node_winds(n, parameters, state, 0.5 * step if is_mean and turns else 0.0)
+    if turns:
+        for k in range(count):
+            rates[k] = 0.0

@@ -19,6 +19,7 @@ typedef struct {
 #if SYSTEM
     int64_t plan[PLAN_SIZE];  /* of system_layout.py */
     double *given, *found;    /* inputs and outputs of the kernels */
+    double *quantities;       /* of the instance */
 #endif
     double *parameters, *state, *work;
     double *before; /* the state before the last step that was done */

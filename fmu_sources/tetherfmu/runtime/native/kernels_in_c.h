@@ -7,7 +7,7 @@
 #define IN(memory) (memory),
 
 /* The address that the kernels know a place in the memory by. */
-static inline uint32_t address(const unsigned char *memory, const double *place)
+static inline uint32_t address(const unsigned char *memory, const void *place)
 {
     return (uint32_t)((const unsigned char *)place - memory);
 }
@@ -17,6 +17,47 @@ static inline int64_t KERNEL(segments)(unsigned char *m, int64_t tethers, const 
     return (int64_t)in_c_segments(m, STACK_TOP, (uint64_t)tethers, address(m, quantities));
 }
 
+#if SYSTEM
+static inline int32_t KERNEL(pack)(
+    unsigned char *m, int64_t tethers, const double *quantities, double tolerance, int64_t start_is_free,
+    int64_t end_is_free, double start_mass, double end_mass, double *parameters)
+{
+    return (int32_t)in_c_pack(
+        m, STACK_TOP, (uint64_t)tethers, address(m, quantities), tolerance, (uint64_t)start_is_free,
+        (uint64_t)end_is_free, start_mass, end_mass, address(m, parameters));
+}
+
+static inline int32_t KERNEL(complete)(unsigned char *m, int64_t *plan)
+{
+    return (int32_t)in_c_complete(m, STACK_TOP, address(m, plan));
+}
+
+static inline int32_t KERNEL(initialize)(
+    unsigned char *m, int64_t *plan, const double *parameters, const double *inputs, double *state, double *before,
+    double *outputs, double *work)
+{
+    return (int32_t)in_c_initialize(
+        m, STACK_TOP, address(m, plan), address(m, parameters), address(m, inputs), address(m, state),
+        address(m, before), address(m, outputs), address(m, work));
+}
+
+static inline int32_t KERNEL(advance)(
+    unsigned char *m, int64_t *plan, const double *parameters, const double *inputs, double step, double *state,
+    double *before, double *outputs, double *work)
+{
+    return (int32_t)in_c_advance(
+        m, STACK_TOP, address(m, plan), address(m, parameters), address(m, inputs), step, address(m, state),
+        address(m, before), address(m, outputs), address(m, work));
+}
+
+static inline int32_t KERNEL(outputs)(
+    unsigned char *m, int64_t *plan, const double *parameters, const double *state, double *outputs, double *work)
+{
+    return (int32_t)in_c_outputs(
+        m, STACK_TOP, address(m, plan), address(m, parameters), address(m, state), address(m, outputs),
+        address(m, work));
+}
+#else
 static inline int32_t KERNEL(pack)(
     unsigned char *m, int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters)
 {
@@ -55,5 +96,6 @@ static inline int32_t KERNEL(outputs)(
         m, STACK_TOP, (uint64_t)segments, address(m, parameters), address(m, state), (uint64_t)shape_points,
         address(m, outputs), address(m, work));
 }
+#endif
 
 #endif

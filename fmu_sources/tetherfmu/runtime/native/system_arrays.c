@@ -4,13 +4,14 @@ Which variable stands where is what system_maps.py says. */
 
 #include <string.h>
 
+#include "instance.h"
 #include "kernels.h"
 #include "messages.h"
 #include "room.h"
 
-static int64_t *row_of(Arrays *arrays, int line)
+static int64_t *row_of(int64_t *plan, int line)
 {
-    return arrays->plan + PLAN_HEADER + PLAN_LINE_NUMBERS * line;
+    return plan + PLAN_HEADER + PLAN_LINE_NUMBERS * line;
 }
 
 static int64_t of_line(const Arrays *arrays, int line, int which)
@@ -51,24 +52,28 @@ static void quantities_of(const double *values, int line, double *quantities)
 /* The arrays for values, in one block; NULL without memory. */
 Arrays *make_arrays(Instance *instance, const double *values)
 {
-    Arrays plan = {.segments = 0};
-    double quantities[QUANTITIES];
-    memcpy(plan.plan, GIVEN_PLAN, sizeof GIVEN_PLAN);
-    for (int i = 0; i < STARTS; i++) plan.plan[START_FROM[i].place] = values[START_FROM[i].reference] == AT_START_AT_REST;
+    int64_t *plan = instance->plan, segments = 0;
+    memcpy(plan, GIVEN_PLAN, sizeof GIVEN_PLAN);
+    for (int i = 0; i < STARTS; i++) plan[START_FROM[i].place] = values[START_FROM[i].reference] == AT_START_AT_REST;
     for (int k = 0; k < LINES; k++) {
-        quantities_of(values, k, quantities);
-        int64_t n = KERNEL(segments)(1, quantities);
-        row_of(&plan, k)[PLAN_SEGMENTS] = n;
-        plan.segments += n;
+        quantities_of(values, k, instance->quantities);
+        int64_t n = KERNEL(segments)(IN(memory_of(instance)) 1, instance->quantities);
+        row_of(plan, k)[PLAN_SEGMENTS] = n;
+        segments += n;
     }
-    KERNEL(complete)(plan.plan);
-    size_t parameters = (size_t)plan.plan[PLAN_PARAMETERS_SIZE], inputs = (size_t)plan.plan[PLAN_INPUTS_SIZE];
-    size_t state = (size_t)plan.plan[PLAN_STATE_SIZE], outputs = (size_t)plan.plan[PLAN_OUTPUTS_SIZE];
-    size_t work = (size_t)plan.plan[PLAN_WORK_SIZE];
+    KERNEL(complete)(IN(memory_of(instance)) plan);
+    size_t parameters = (size_t)plan[PLAN_PARAMETERS_SIZE], inputs = (size_t)plan[PLAN_INPUTS_SIZE];
+    size_t state = (size_t)plan[PLAN_STATE_SIZE], outputs = (size_t)plan[PLAN_OUTPUTS_SIZE];
+    size_t work = (size_t)plan[PLAN_WORK_SIZE];
     size_t numbers = parameters + inputs + STATES_HELD * state + outputs + work + VALUES;
     Arrays *arrays = take_room(instance, sizeof *arrays + numbers * sizeof(double));
     if (!arrays) return NULL;
-    memcpy(arrays, &plan, sizeof plan);
+#if KERNELS_IN_C
+    arrays->memory = memory_of(instance);
+#endif
+    arrays->segments = segments;
+    arrays->quantities = instance->quantities;
+    memcpy(arrays->plan, plan, sizeof arrays->plan);
     arrays->parameters = (double *)(arrays + 1);
     arrays->given = arrays->parameters + parameters;
     arrays->state = arrays->given + inputs;
@@ -130,14 +135,14 @@ static void refuse_quantities(const double *quantities, int line, int32_t result
 bytes) says what is wrong. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
 {
-    double quantities[QUANTITIES];
+    double *quantities = arrays->quantities;
     if (!check_points(arrays->values, problem)) return false;
     for (int k = 0; k < LINES; k++) {
         double mass[2];
         for (int end = 0; end < 2; end++) mass[end] = CARRIED[k][end] < 0 ? 0.0 : arrays->values[CARRIED[k][end]];
         quantities_of(arrays->values, k, quantities);
         int32_t result = KERNEL(pack)(
-            1, quantities, importer_tolerance, of_line(arrays, k, PLAN_START_POINT) >= 0,
+            IN(arrays->memory) 1, quantities, importer_tolerance, of_line(arrays, k, PLAN_START_POINT) >= 0,
             of_line(arrays, k, PLAN_END_POINT) >= 0, mass[0], mass[1],
             arrays->parameters + of_line(arrays, k, PLAN_PARAMETERS_AT));
         if (!result) continue;
@@ -172,7 +177,8 @@ int32_t first_shape(Arrays *arrays, double *values)
 {
     give(arrays, values);
     int32_t result = KERNEL(initialize)(
-        arrays->plan, arrays->parameters, arrays->given, arrays->state, arrays->spare, arrays->found, arrays->work);
+        IN(arrays->memory) arrays->plan, arrays->parameters, arrays->given, arrays->state, arrays->spare, arrays->found,
+        arrays->work);
     if (!result) show(arrays, values);
     return result;
 }
@@ -183,7 +189,8 @@ int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 {
     give(arrays, values);
     int32_t result = KERNEL(advance)(
-        arrays->plan, arrays->parameters, arrays->given, step, arrays->state, before, arrays->found, arrays->work);
+        IN(arrays->memory) arrays->plan, arrays->parameters, arrays->given, step, arrays->state, before, arrays->found,
+        arrays->work);
     if (!result) show(arrays, values);
     return result;
 }
@@ -191,8 +198,8 @@ int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 /* Outputs in `values` that belong to the state; returns the kernel's status. */
 int32_t take_outputs(Arrays *arrays, double *values)
 {
-    int32_t result =
-        KERNEL(outputs)(arrays->plan, arrays->parameters, arrays->state, arrays->found, arrays->work);
+    int32_t result = KERNEL(outputs)(
+        IN(arrays->memory) arrays->plan, arrays->parameters, arrays->state, arrays->found, arrays->work);
     if (!result) show(arrays, values);
     return result;
 }
