@@ -4,6 +4,7 @@ import http.server
 import json
 import shutil
 import threading
+import time
 from contextlib import contextmanager
 from functools import partial
 from importlib.util import find_spec
@@ -13,6 +14,7 @@ import pytest
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
 PHONE = {"width": 390, "height": 844, "pixelRatio": 2.0, "mobile": True, "touch": True}
+TIMEOUT = 300.0  # seconds, for what hangs
 FLAGS = (
     "--headless",
     "--no-sandbox",
@@ -65,12 +67,20 @@ def started(width, profile):
         options.add_experimental_option("mobileEmulation", {"deviceMetrics": PHONE})
     options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
     driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
-    driver.set_script_timeout(120)
+    driver.set_script_timeout(TIMEOUT)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
     try:
         yield driver
     finally:
         driver.quit()
+
+
+def wait_until(browser, condition):
+    """Wait until a condition in JavaScript holds; slow machines take their time."""
+    deadline = time.monotonic() + TIMEOUT
+    while not browser.execute_script(f"return Boolean({condition})"):
+        assert time.monotonic() < deadline, (condition, errors(browser))
+        time.sleep(0.02)
 
 
 def messages(browser, method):

@@ -14,11 +14,10 @@ LONGEST_BUILD = 1800.0  # seconds, for what hangs; a cold build takes half a min
 
 
 def compile_all():
-    """Compile the kernels; returns at once if they are there."""
-    from tetherfmu.libraries import ready
-    from tetherfmu.libraries.ahead_of_time import TARGETS
+    """Compile the kernels for all platforms and browsers; returns at once if they are there."""
+    from tetherfmu.libraries.webassembly import with_libraries
 
-    ready.folders(ready.LIBRARIES, list(TARGETS))
+    with_libraries()
 
 
 def pytest_configure(config):

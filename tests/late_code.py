@@ -9,11 +9,10 @@ this very processor. References to arrays are not counted: an array that a test 
 import gc
 from contextlib import contextmanager
 
-import llvmlite.binding as llvm
 from numba.core import codegen, cpu, dispatcher, registry
 from numba.core.runtime.nrt import rtsys
 
-from tetherfmu.libraries.ahead_of_time import optimize
+from tetherfmu.libraries.ahead_of_time import as_one_module, optimize
 from tetherfmu.libraries.intermediate_code import keep_texts, texts_below
 
 
@@ -84,9 +83,7 @@ def _get_pointer_to_function(self, name):
     """Address of a function of a library, which is compiled now; 0 for one that nobody outside calls."""
     if not (_Caller.is_python or name.startswith("cfunc.")):
         return 0
-    module, *others = map(llvm.parse_assembly, texts_below(self))
-    for other in others:
-        module.link_in(other)
+    module = as_one_module(texts_below(self))
     for function in module.functions:
         if not function.is_declaration and function.name != name:
             function.linkage = "internal"

@@ -5,7 +5,6 @@ Needs the extra `docs`, and Chromium with its driver (Debian's packages `chromiu
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -97,9 +96,7 @@ def test_the_menu_opens(site, browser):
     if is_phone(browser):
         assert browser.execute_script(edges)[1] <= 0.0  # wholly outside of the window
         browser.find_element("css selector", ".nav-overlay-icon").click()
-        deadline = time.monotonic() + 10.0
-        while browser.execute_script(edges)[0] < 0.0 and time.monotonic() < deadline:
-            time.sleep(0.05)
+        chromium.wait_until(browser, "document.querySelector('.sidebar-drawer').getBoundingClientRect().left >= 0.0")
     left, right = browser.execute_script(edges)
     assert 0.0 <= left < right <= PHONE
     browser.find_element("css selector", ".sidebar-tree a[href='models/theory.html']").click()

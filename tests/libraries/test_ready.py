@@ -44,7 +44,7 @@ def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path,
     first, second = capfd.readouterr().err.splitlines()
     assert first.startswith(f"compiling kernels for {this_platform()}, once, about ")
     assert second.startswith("  straight after ")
-    monkeypatch.setitem(ready.PLAIN_CPU, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
+    monkeypatch.setitem(ready.FOR_NUMBA, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
     ready.compiled_in(tmp_path, ["straight"], [*HERE, OTHER])
     assert capfd.readouterr().err.startswith(f"compiling kernels for {OTHER}, once, about ")
     together = ready.folders(["straight"], [*HERE, OTHER])["straight"]
@@ -63,7 +63,7 @@ def test_an_unknown_platform_is_named_with_those_that_are_known():
 
 
 def test_what_the_compiler_says_is_told(tmp_path, monkeypatch):
-    monkeypatch.setitem(ready.PLAIN_CPU, "NUMBA_DISABLE_JIT", "1")
+    monkeypatch.setitem(ready.FOR_NUMBA, "NUMBA_DISABLE_JIT", "1")
     with pytest.raises(RuntimeError, match="compiling the kernels failed: "):
         ready.compiled_in(tmp_path, ["straight"], HERE)
     assert not list(tmp_path.rglob("*straight-*"))

@@ -156,7 +156,9 @@ def test_a_port_that_is_taken_is_told(tmp_path, capsys):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
 def test_ctrl_c_ends_the_server_quietly(written):
-    command = [sys.executable, "-m", "tetherfmu", "web", "--out", str(written), "--serve"]
+    listening = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"  # also in the background
+    code = f"{listening}; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, "web", "--out", str(written), "--serve"]
     paths = {"PYTHONPATH": str(Path(page.__file__).parents[2]), "PATH": ""}
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=paths) as process:
         lines = [process.stdout.readline() for _ in range(4)]

@@ -5,9 +5,10 @@ becomes internal, and the whole is optimized once for each architecture: all tha
 vanishes. llvmlite makes an object file for each platform, on x86-64 for two kinds of processors (`processors.py`), which is
 linked (`linking.py`) whatever machine this runs on.
 
-    python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ...     run by `ready`
+    python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ... browser=FILE     run by `ready`
 
-writes the libraries of each variant into its folder, and the name of each variant to the standard output when it is done.
+writes the libraries of each variant into its folder, and that of all variants for browsers (`webassembly.py`), and says on
+the standard output what is done.
 """
 
 import gzip
@@ -17,7 +18,7 @@ import signal
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from functools import partial
+from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
@@ -43,6 +44,7 @@ TARGETS = {
 }
 
 
+BROWSER = "browser"  # stands for a variant in the command
 CODE = "code.ll.gz"  # file beside the libraries: what numba has written, linked, for any target
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
@@ -103,11 +105,7 @@ def names_of(variant):
 
 def _linked(code):
     """One LLVM module of all functions, with nothing but the entry points exported, and names by place."""
-    import llvmlite.binding as llvm
-
-    linked, *others = map(llvm.parse_assembly, code.texts)
-    for module in others:
-        linked.link_in(module)
+    linked = as_one_module(code.texts)
     for name, exported in code.names.items():
         linked.get_function(name).name = exported
     for function in linked.functions:
@@ -121,6 +119,18 @@ def _linked(code):
         elif item.name.startswith("numba.dynamic.globals"):
             item.name = f"python.{place}"
     return linked
+
+
+def as_one_module(texts):
+    """One LLVM module of the texts of several: two at a time, as LLVM looks through all of a module that it links to."""
+    import llvmlite.binding as llvm
+
+    modules = list(map(llvm.parse_assembly, texts))
+    while len(modules) > 1:
+        for module, next_one in zip(modules[::2], modules[1::2], strict=False):
+            module.link_in(next_one)
+        modules = modules[::2]
+    return modules[0]
 
 
 def _machine(target):
@@ -184,7 +194,7 @@ def _write(path, content):
 
 
 def main(arguments):
-    """Write the libraries of all variants; each is optimized by another process while numba goes on with the next one."""
+    """Write what is asked for; each variant is optimized by another process while numba goes on with the next one."""
     way, platforms, *variants = arguments
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
@@ -192,14 +202,23 @@ def main(arguments):
         waiting = []
         for each in variants:
             variant, _, place = each.partition("=")
-            folder = Path(place)
-            folder.mkdir(parents=True, exist_ok=True)
-            code = None if (folder / CODE).exists() else _code_of(variant, way)
-            waiting.append(pool.submit(write_libraries, folder, variant, platforms.split(","), code))
+            waiting.append(pool.submit(*_task(variant, Path(place), way, platforms.split(","))))
         for done in as_completed(waiting):
             print(done.result(), flush=True)
 
 
+def _task(variant, place, way, platforms):
+    """Function and its arguments for the pool: the libraries of a variant, or the file for browsers."""
+    if variant == BROWSER:
+        from tetherfmu.libraries import webassembly
+
+        return webassembly.write, place, [_code_of(each, way) for each in webassembly.VARIANTS]
+    place.mkdir(parents=True, exist_ok=True)
+    code = None if (place / CODE).exists() else _code_of(variant, way)
+    return write_libraries, place, variant, platforms, code
+
+
+@cache
 def _code_of(variant, way):
     """`intermediate_code.Code` of a variant; numba is imported where it is needed, by no other process."""
     from tetherfmu.libraries import intermediate_code

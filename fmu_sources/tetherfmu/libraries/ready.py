@@ -26,8 +26,12 @@ SECONDS_TO_START = 5
 TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
 SLOW_WAY = 4  # times as long
 TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # environment variables that name the folder for temporary files
-# numba writes for the plainest processor, as the targets of `ahead_of_time` are
-PLAIN_CPU = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
+FOR_NUMBA = {  # environment variables
+    "NUMBA_CPU_NAME": "x86-64",  # the plainest processor, as the targets of `ahead_of_time` are
+    "NUMBA_CPU_FEATURES": "",
+    "PYTHONHASHSEED": "0",  # the order of a set of names is that of some instructions
+    "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",  # numba writes thousands of messages that nobody sees
+}
 
 
 @cache
@@ -39,9 +43,10 @@ def kernels(variant):
     return kernel_library.load(folders([variant], [this_platform()])[variant], variant)
 
 
-def folders(variants, platforms):
+def folders(variants, platforms, more=()):
     """Folders that have the libraries of variants for platforms (`ahead_of_time.TARGETS`), compiled if they are missing.
 
+    more : arguments of `ahead_of_time`, of what is to be made in the same go.
     Dict of variant to Path. RuntimeError if a platform is unknown, compiling or linking fails, or what compiles is missing.
     """
     unknown = set(platforms) - TARGETS.keys()
@@ -50,10 +55,10 @@ def folders(variants, platforms):
     in_wheel = {variant: place(IN_WHEEL, variant) for variant in variants}
     if all(has_all(folder, variant, platforms) for variant, folder in in_wheel.items()):
         return in_wheel
-    return compiled_in(cache_folder(), variants, platforms)
+    return compiled_in(cache_folder(), variants, platforms, more=more)
 
 
-def compiled_in(root, variants, platforms, way=None):
+def compiled_in(root, variants, platforms, way=None, more=()):
     """As `folders`, below the folder `root`.
 
     way : "fast" or "plain", see `intermediate_code`; None for the one that fits the installed numba.
@@ -63,7 +68,7 @@ def compiled_in(root, variants, platforms, way=None):
     if missing:
         slowest_first = sorted(missing, key=SECONDS.get, reverse=True)
         wanted = [each for each in platforms if not all(has_all(found[variant], variant, [each]) for variant in missing)]
-        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way())
+        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way(), more)
     return found
 
 
@@ -104,7 +109,7 @@ def fitting_way():
     return "plain"
 
 
-def _compile(folders, platforms, way):
+def _compile(folders, platforms, way, more):
     """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
     written = [variant for variant, folder in folders.items() if (folder / CODE).exists()]
     slow = SLOW_WAY if way == "plain" else 1
@@ -113,7 +118,7 @@ def _compile(folders, platforms, way):
     )
     print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
     variants = [f"{variant}={folder}" for variant, folder in folders.items()]
-    run("ahead_of_time", [way, ",".join(platforms), *variants], next(iter(folders.values())).parent)
+    run("ahead_of_time", [way, ",".join(platforms), *variants, *more], next(iter(folders.values())).parent)
 
 
 def run(module, arguments, root):
@@ -128,7 +133,7 @@ def run(module, arguments, root):
     ):
         environment = {
             **os.environ,
-            **PLAIN_CPU,
+            **FOR_NUMBA,
             "PYTHONPATH": os.pathsep.join(path),
             **dict.fromkeys(TEMPORARY, unfinished),
         }

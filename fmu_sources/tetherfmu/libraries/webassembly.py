@@ -6,7 +6,7 @@ It exports the entry points of each variant (`kernels/entry_points.py`) by the n
 
 numba writes the functions of all variants in one go, so that what variants share is in the file once.
 
-    python -m tetherfmu.libraries.webassembly plain|fast FILE     run by `browser_file`
+The process that writes the libraries of all variants can write this file, too (`with_libraries`): numba is then done.
 """
 
 import re
@@ -19,6 +19,7 @@ from tetherfmu.runtime.variants import VARIANTS
 
 from . import ahead_of_time, ready
 from .ahead_of_time import Target
+from .intermediate_code import Code
 from .linking import MATHEMATICS, zig
 from .sources import digest
 
@@ -48,11 +49,23 @@ def browser_file():
 
     RuntimeError if compiling fails, or what compiles is missing.
     """
-    path = place_of("webassembly", FILE, VARIANTS, [__file__])
+    path = _place()
     if not path.exists():
         print("compiling the kernels for the browser, once, about 80 s:", file=sys.stderr, flush=True)
-        ready.run("webassembly", [ready.fitting_way(), str(path)], path.parents[1])
+        ready.run("ahead_of_time", [ready.fitting_way(), "", f"{ahead_of_time.BROWSER}={path}"], path.parents[1])
     return path
+
+
+def with_libraries():
+    """`browser_file`, and the libraries of all variants for all platforms; what is missing is compiled in one go."""
+    path = _place()
+    more = () if path.exists() else [f"{ahead_of_time.BROWSER}={path}"]
+    ready.folders(ready.LIBRARIES, list(ahead_of_time.TARGETS), more)
+    return browser_file()
+
+
+def _place():
+    return place_of("webassembly", FILE, VARIANTS, [__file__])
 
 
 def place_of(name, file, variants, recipe):
@@ -125,31 +138,17 @@ def _declared_once(text):
     return re.sub(r"^declare [^@]*@([\w.]+)\(.*$", first, text, flags=re.MULTILINE)
 
 
-def code_of_all(way):
-    """`intermediate_code.Code` of all variants; what they share is there once."""
-    from . import intermediate_code
-
-    if way == "fast":
-        intermediate_code.write_only()
-    each = [intermediate_code.code_of(variant, way == "fast") for variant in VARIANTS]
-    texts = dict.fromkeys(text for code in each for text in code.texts)
-    return intermediate_code.Code(list(texts), {name: verb for code in each for name, verb in code.names.items()})
-
-
-def main(arguments):
-    """Write the file for browsers."""
+def write(path, codes):
+    """Write the file for browsers; codes : `intermediate_code.Code` of each variant, of which equal texts are there once."""
     import llvmlite.binding as llvm
 
-    way, path = arguments
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    text = str(ahead_of_time._first_round(code_of_all(way)))
+    texts = dict.fromkeys(text for code in codes for text in code.texts)
+    names = {name: exported for code in codes for name, exported in code.names.items()}
+    text = str(ahead_of_time._first_round(Code(list(texts), names)))
     exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant)]
     content = linked(object_file(text, exported, f"{FEATURES},{LANES}"), exported)
-    Path(path).parent.mkdir(exist_ok=True)
-    ahead_of_time._write(Path(path), content)
-    print(f"{len(content) // 1000} kB", flush=True)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+    path.parent.mkdir(exist_ok=True)
+    ahead_of_time._write(path, content)
+    return f"{path.name}, {len(content) // 1000} kB,"

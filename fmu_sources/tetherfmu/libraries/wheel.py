@@ -67,9 +67,10 @@ class BuildWithLibraries(build_py):
             return
         package = Path(self.build_lib) / PACKAGE.name
         in_wheel = package / ready.IN_WHEEL.relative_to(PACKAGE)
+        files = [webassembly.with_libraries(), *map(c_kernels, ready.LIBRARIES)]
         for variant, folder in ready.folders(ready.LIBRARIES, list(TARGETS)).items():
             shutil.copytree(folder, ready.place(in_wheel, variant), ignore=NOT_COPIED)
-        for path in (webassembly.browser_file(), *map(c_kernels, ready.LIBRARIES)):
+        for path in files:
             folder = in_wheel / path.parent.name
             folder.mkdir()
             shutil.copy(path, folder)

@@ -103,15 +103,14 @@ def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, com
     assert end_of(tmp_path, command, cluster, interrupt) == (130, [f"stopped; {KEPT}"])
 
 
-@EACH_COMMAND
 @pytest.mark.parametrize(
-    ("lost", "words"),
+    ("lost", "words", "command"),
     [
-        ("scheduler", "the Dask scheduler at {} is lost"),
-        ("worker", "the Dask scheduler at {} has had no worker for 2 s"),
+        ("scheduler", "the Dask scheduler at {} is lost", "tradeoff"),
+        ("worker", "the Dask scheduler at {} has had no worker for 2 s", "stability"),
     ],
 )
-def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, command, lost, words):
+def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, lost, words, command):
     with started(tmp_path, "--no-nanny") as (address, scheduler, worker):
         kill = {"scheduler": scheduler, "worker": worker}[lost].kill
         patience = PATIENCE if lost == "worker" else TIMEOUT
