@@ -28,7 +28,7 @@ from ..equations.properties import point_mass, sees_reeling
 from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
-from . import backward_euler, second_order
+from . import backward_euler, incremental_potential, second_order
 from .drum_step import chain_with, with_length, with_reeling
 
 MOST_REELED = 0.1  # part of the length by which it changes in an iteration
@@ -65,13 +65,13 @@ def workspace(n, work):
 
 @kernel
 def pull_by_speed(attempt, length, k, c, rate):
-    """What the pull of a segment gains with u: along its direction and along that of `backward_euler.slant_of` [N s/m].
+    """What the pull of a segment gains with u [N s/m]: along its direction, along `incremental_potential.slant_of`.
 
     Length [m], k [N/m], c [N s/m] and the rate that the damper sees [m/s].
     """
     chain = attempt.chain
     if sees_reeling(chain.parameters):
-        shrinkage = backward_euler.shrinkage(attempt)
+        shrinkage = incremental_potential.shrinkage(attempt)
         return -attempt.h / chain.length * (k * length + c * rate), -c * length * shrinkage / chain.length
     return -attempt.h / chain.length * k * length, -attempt.h / chain.length * c * rate
 
@@ -80,7 +80,7 @@ def pull_by_speed(attempt, length, k, c, rate):
 def put_column(attempt, time, w, column):
     """-dg/du at w.x into the column (modified): masses, springs and dampers change with the length."""
     chain, conditions, h = attempt.chain, attempt.conditions, attempt.h
-    b = backward_euler.shrinkage(attempt)
+    b = incremental_potential.shrinkage(attempt)
     for i in range(chain.n + 1):
         gained = h / chain.length * (w.mass[i] - point_mass(chain, i))
         gain = scale(gained / (h * h), sub(get(w.free, i), get(w.x, i)))
@@ -88,9 +88,9 @@ def put_column(attempt, time, w, column):
             gain = add_scaled(gain, -gained / w.mass[i], load_during(conditions, time + h))
         put(column, i, gain)
     for s in range(chain.n):
-        length, e, _, k, c, rate, r0 = backward_euler.segment_at(attempt, s, w.x, w)
+        length, e, _, k, c, rate, r0 = incremental_potential.segment_at(attempt, s, w.x, w)
         along, aslant = pull_by_speed(attempt, length, k, c, rate)
-        pull = add(scale(along, e), scale(aslant, backward_euler.slant_of(b, length, e, r0)))
+        pull = add(scale(along, e), scale(aslant, incremental_potential.slant_of(b, length, e, r0)))
         put(column, s, add(get(column, s), pull))
         put(column, s + 1, sub(get(column, s + 1), pull))
 
@@ -99,7 +99,7 @@ def put_column(attempt, time, w, column):
 def solve_both(attempt, time, w, column):
     """p into w.move and y into the column (both modified) at the positions w.x [m]; whether the matrix is regular."""
     conditions = attempt.conditions
-    backward_euler.linearize(attempt, w.x, w)
+    incremental_potential.linearize(attempt, w.x, w)
     put_column(attempt, time, w, column)
     if conditions.first <= conditions.last:
         if not factorize(conditions.first, conditions.last, w.matrix):
@@ -128,9 +128,9 @@ def nearest_speed(trial, speed, pivot, friction):
 def next_speed(attempt, trial, speed, w, column):
     """u' [m/s] after a speed [m/s], with p in w.move and y in the column."""
     drum, h, chain = trial.drum, trial.h, attempt.chain
-    length, e, rest, k, c, rate, r0 = backward_euler.segment_at(attempt, 0, w.x, w)
-    b = backward_euler.shrinkage(attempt)
-    turning = add(scale(k, e), scale(c * b / h, backward_euler.slant_of(b, length, e, r0)))
+    length, e, rest, k, c, rate, r0 = incremental_potential.segment_at(attempt, 0, w.x, w)
+    b = incremental_potential.shrinkage(attempt)
+    turning = add(scale(k, e), scale(c * b / h, incremental_potential.slant_of(b, length, e, r0)))
     along, aslant = pull_by_speed(attempt, length, k, c, rate)
     inertia = drum.mass / h + drum.damping
     tension = k * (length - rest) + c * rate + dot(turning, first_difference(w.move))
@@ -174,7 +174,7 @@ def move_on(now, is_first, goal, x, w):
         backward_euler.try_part(taken, w)
         copy(w.trial, w.x)
         return farthest
-    phi, _ = backward_euler.potential(now, w.x, w)
+    phi, _ = incremental_potential.potential(now, w.x, w)
     if is_first and backward_euler.is_lower_carried(now, phi, x, w):
         backward_euler.guess(now, x, w)
         return inf

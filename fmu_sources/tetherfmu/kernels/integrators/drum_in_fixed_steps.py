@@ -15,13 +15,15 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STATE_
 
 from ..arrays import copy
 from ..compilation import kernel, view
+from ..equations import segment
 from ..equations.boundary import place_ends
 from ..equations.drum import INWARDS, OUTWARDS, drum_of, force_at, is_at_stop
-from ..equations.properties import stiffest
+from ..equations.properties import property_of, stiffest
+from ..linear_algebra.vectors import dot, get, sub
 from . import backward_euler, second_order
 from .drum_in_backward_euler import Trial, at_end, careful_step, limits_of, step_in_any_case, trial_of
 from .drum_in_backward_euler import step as implicit_step
-from .drum_step import chain_with, first_tension, with_reeling
+from .drum_step import chain_with, first_tension, with_length, with_reeling
 from .moving_drum import project
 from .second_order import BESIDE, GAMMA, MIDDLE, TO_NEXT, TO_SECOND, TO_THIRD
 
@@ -64,23 +66,35 @@ def turns_smoothly(drum, speed, first, second, third):
 
 
 @kernel
-def power_at(conditions, drum, time, length, speed, x, v):
-    """The power [W] that tether and winch put into the drum at a time [s] is at most this."""
-    tension = first_tension(chain_with(conditions, length, speed), x, v)
-    return (abs(tension) + abs(force_at(drum, time))) * abs(speed)
+def power_of_growth(conditions, motion, x, v):
+    """Power [W] at most with which the energy of chain and drum grows because not all segments pull as the first one does.
+
+    What the drum pays out lengthens all of them, and only the first one pulls at it; motion : `Motion`.
+    """
+    chain, power = chain_with(conditions, motion.length, motion.speed), 0.0
+    first = first_tension(chain, x, v)
+    for s in range(chain.n):
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rate = dot(e, sub(get(v, s + 1), get(v, s)))
+        tension = segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
+        power += abs(property_of(chain, s, at.SHARE) * first - tension * length / chain.length)
+    return power * abs(motion.speed)
 
 
 @kernel
 def is_explained(conditions, drum, time, h, start, end, x, v, w):
-    """Whether the energies of chain and drum after a step of h [s] are at most those before it and what was put in.
+    """Whether the energy of chain and drum after a step of h [s] is at most that before it and what was put in.
 
     start, end : `Motion`.
     """
-    gained = 0.5 * drum.mass * (end.speed * end.speed - start.speed * start.speed)
-    power = power_at(conditions, drum, time, start.length, start.speed, w.x, w.v)
-    later = power_at(conditions, drum, time + h, end.length, end.speed, x, v)
-    even = between(conditions, time, h, start.length, end.length)
-    return gained <= h * (power + later) and second_order.is_explained(even, time, h, x, v, w)
+    before, power = second_order.energy_and_power(with_length(conditions, start.length), time, w.x, w.v, w.chain.mass)
+    after, later = second_order.energy_and_power(with_length(conditions, end.length), time + h, x, v, w.chain.mass)
+    before += 0.5 * drum.mass * start.speed * start.speed
+    after += 0.5 * drum.mass * end.speed * end.speed
+    motor = 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * (start.length - end.length)
+    power += power_of_growth(conditions, start, w.x, w.v) + power_of_growth(conditions, end, x, v)
+    rounding = second_order.ROUNDING * (abs(before) + abs(after) + abs(motor))
+    return after - before - motor <= h * (power + later) + rounding
 
 
 @kernel

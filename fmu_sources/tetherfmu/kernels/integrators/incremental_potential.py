@@ -1,0 +1,160 @@
+"""The incremental potential that a step of backward Euler makes as small as it can, its gradient and its matrix.
+
+    Phi(x) = sum_i m_i |x_i - y_i|^2/(2 h^2) + sum_s (k (l - l0)^2/2 + h c s^2/(2 b)) + drag,   v1 = (x - x0)/h
+    y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
+    s = (b l - e . r0)/h,  b = 1 - h (dl0/dt)/l0          the rate that the damper sees; r0: r before the step
+    drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
+    and of the nodes on the ground `equations/ground.py`: int m a_n dd + h mu m a_n0 sqrt(|v_t|^2 + v_r^2)
+
+Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
+Euler. Its matrix is made positive definite: it leaves out negative tension across a segment.
+
+k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
+at the start of the iteration; the friction on the ground is that of the old depth. A driven end is where its curve is; its
+old position counts as x - h v, so that the damper sees its exact velocity.
+
+Source: Martin, Thomaszewski, Grinspun and Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4.
+See docs/models/numerics.md, "Fixed step".
+"""
+
+from collections import namedtuple
+
+from ..compilation import kernel
+from ..equations import ground, segment
+from ..equations.properties import rest_length
+from ..linear_algebra.matrices import (
+    ZERO_MATRIX,
+    add_matrices,
+    add_to_diagonal,
+    apply,
+    get_matrix,
+    put_matrix,
+    scale_matrix,
+    subtract,
+    symmetric,
+)
+from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put, scale, sub
+
+ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
+SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
+
+Attempt = namedtuple("Attempt", "conditions chain h v")
+Attempt.__doc__ = """A step that is attempted.
+
+conditions : `BoundaryConditions`.  chain : `Chain` at the end of the step.  h : length of the step [s].
+v : velocities before it [m/s].
+"""
+
+
+@kernel
+def segment_at(attempt, s, x, w):
+    """Length l [m], direction, l0 [m], spring k [N/m], damper c [N s/m], rate that it sees [m/s], old vector r0 [m].
+
+    Of segment s; the mode of k is that of the positions x [m], that of c stands in w.modes.
+    """
+    chain = attempt.chain
+    r0 = sub(get(w.old, s + 1), get(w.old, s))
+    length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    rest = rest_length(chain, s)
+    k, _ = segment.stiffness(chain, s, length - rest, rest)
+    _, c = segment.stiffness(chain, s, w.modes[s], rest)
+    rate = segment.seen_rate(chain, length, (length - dot(e, r0)) / attempt.h)
+    return length, e, rest, k, c, rate, r0
+
+
+@kernel
+def shrinkage(attempt):
+    """b = 1 - h (dl0/dt)/l0 [-] as far as the damper sees it: above 0, the part of the unstretched length that is old."""
+    return 1.0 - attempt.h * attempt.chain.seen_growth
+
+
+@kernel
+def slant_of(b, length, e, r0):
+    """Direction in which the damper of a segment pulls: h/b d(its rate)/dr, from l [m], e and r before the step [m]."""
+    turned = add_scaled(r0, -dot(e, r0), e)
+    return add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
+
+
+@kernel
+def moved(s, x, w):
+    """Sum of the moves [m] of the nodes of a segment that are at x [m] after the step."""
+    return add(sub(get(x, s), get(w.old, s)), sub(get(x, s + 1), get(w.old, s + 1)))
+
+
+@kernel
+def velocity_change(attempt, s, x, w):
+    """Mean velocity change u [m/s] of the nodes of a segment that are at x [m] after the step."""
+    before = add(get(attempt.v, s), get(attempt.v, s + 1))
+    return scale(0.5, sub(scale(1.0 / attempt.h, moved(s, x, w)), before))
+
+
+@kernel
+def ground_potential(attempt, x, w):
+    """What the ground adds to Phi at the positions x [m]: [J]."""
+    of_ground = ground.ground_of(attempt.chain.parameters)
+    total = 0.0
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h)
+    return total
+
+
+@kernel
+def add_ground(attempt, x, w):
+    """Add the ground to the matrix of the iteration and minus its part of the gradient to w.move (both modified)."""
+    of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h)
+        put(w.move, i, add_scaled(get(w.move, i), w.mass[i], force))
+        block = get_matrix(diagonal, 9 * i)
+        put_matrix(diagonal, 9 * i, subtract(block, scale_matrix(w.mass[i], by_position)))
+
+
+@kernel
+def potential(attempt, x, w):
+    """Phi [J] at the positions x [m], and its error of rounding [J]."""
+    h, b = attempt.h, shrinkage(attempt)
+    total, size = 0.0, 0.0
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        away = sub(get(x, i), get(w.free, i))
+        total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
+    for s in range(attempt.chain.n):
+        length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, w)
+        total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c / b * rate * rate
+        size += (k * abs(length - rest) + c * abs(rate)) * (norm(get(x, s)) + length)
+        u = velocity_change(attempt, s, x, w)
+        work = dot(get(w.drag, s), moved(s, x, w))
+        total += h * dot(u, apply(get_matrix(w.slope, 9 * s), u)) - work
+        size += abs(work)
+    if ground.has_ground(attempt.chain.parameters):
+        total += ground_potential(attempt, x, w)
+    return total, ROUNDING * (size + abs(total))
+
+
+@kernel
+def linearize(attempt, x, w):
+    """Matrix of the iteration into w.matrix, minus the gradient of Phi into w.move (both modified)."""
+    n = attempt.chain.n
+    h, b = attempt.h, shrinkage(attempt)
+    diagonal, lower, upper = w.matrix
+    for i in range(n + 1):
+        m = w.mass[i] / (h * h)
+        put_matrix(diagonal, 9 * i, add_to_diagonal(ZERO_MATRIX, m))
+        put(w.move, i, scale(m, sub(get(w.free, i), get(x, i))))
+    for s in range(n):
+        length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
+        w.held[s] = length - rest
+        slant = slant_of(b, length, e, r0)
+        spring = k * (length - rest)
+        across = max(spring + c * rate, 0.0) / length
+        air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
+        pull = add(scale(spring, e), scale(c * rate, slant))
+        put(w.move, s, add(get(w.move, s), add(air, pull)))
+        put(w.move, s + 1, add(get(w.move, s + 1), sub(air, pull)))
+        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(b * c / h, slant)), across)
+        both = scale_matrix(0.5 / h, get_matrix(w.slope, 9 * s))
+        put_matrix(upper, 9 * s, subtract(both, stiff))
+        put_matrix(lower, 9 * s + 9, subtract(both, stiff))
+        for i in (s, s + 1):
+            put_matrix(diagonal, 9 * i, add_matrices(get_matrix(diagonal, 9 * i), add_matrices(stiff, both)))
+    if ground.has_ground(attempt.chain.parameters):
+        add_ground(attempt, x, w)
