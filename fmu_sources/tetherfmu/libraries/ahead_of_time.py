@@ -5,10 +5,9 @@ becomes internal, and the whole is optimized once for each architecture: all tha
 vanishes. llvmlite makes an object file for each platform, on x86-64 for two kinds of processors (`processors.py`), which is
 linked (`linking.py`) whatever machine this runs on.
 
-    python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ... browser=FILE     run by `ready`
+    python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ...     run by `ready`
 
-writes the libraries of each variant into its folder, and that of all variants for browsers (`webassembly.py`), and says on
-the standard output what is done.
+writes the libraries of each variant into its folder, and the name of each variant to the standard output when it is done.
 """
 
 import gzip
@@ -44,7 +43,6 @@ TARGETS = {
 }
 
 
-BROWSER = "browser"  # stands for a variant in the command
 CODE = "code.ll.gz"  # file beside the libraries: what numba has written, linked, for any target
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
@@ -193,8 +191,11 @@ def _write(path, content):
     unfinished.replace(path)
 
 
-def main(arguments):
-    """Write what is asked for; each variant is optimized by another process while numba goes on with the next one."""
+def main(arguments, more=None):
+    """Write the libraries of all variants; each is optimized by another process while numba goes on with the next one.
+
+    more : function of the way, after all variants: a function and its arguments, for another process, too.
+    """
     way, platforms, *variants = arguments
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
@@ -202,24 +203,18 @@ def main(arguments):
         waiting = []
         for each in variants:
             variant, _, place = each.partition("=")
-            waiting.append(pool.submit(*_task(variant, Path(place), way, platforms.split(","))))
+            folder = Path(place)
+            folder.mkdir(parents=True, exist_ok=True)
+            code = None if (folder / CODE).exists() else code_of(variant, way)
+            waiting.append(pool.submit(write_libraries, folder, variant, platforms.split(","), code))
+        if more is not None:
+            waiting.append(pool.submit(*more(way)))
         for done in as_completed(waiting):
             print(done.result(), flush=True)
 
 
-def _task(variant, place, way, platforms):
-    """Function and its arguments for the pool: the libraries of a variant, or the file for browsers."""
-    if variant == BROWSER:
-        from tetherfmu.libraries import webassembly
-
-        return webassembly.write, place, [_code_of(each, way) for each in webassembly.VARIANTS]
-    place.mkdir(parents=True, exist_ok=True)
-    code = None if (place / CODE).exists() else _code_of(variant, way)
-    return write_libraries, place, variant, platforms, code
-
-
 @cache
-def _code_of(variant, way):
+def code_of(variant, way):
     """`intermediate_code.Code` of a variant; numba is imported where it is needed, by no other process."""
     from tetherfmu.libraries import intermediate_code
 

@@ -43,10 +43,10 @@ def kernels(variant):
     return kernel_library.load(folders([variant], [this_platform()])[variant], variant)
 
 
-def folders(variants, platforms, more=()):
+def folders(variants, platforms, browser=None):
     """Folders that have the libraries of variants for platforms (`ahead_of_time.TARGETS`), compiled if they are missing.
 
-    more : arguments of `ahead_of_time`, of what is to be made in the same go.
+    browser : path of the file for browsers, if it is to be made in the same go (`webassembly.py`).
     Dict of variant to Path. RuntimeError if a platform is unknown, compiling or linking fails, or what compiles is missing.
     """
     unknown = set(platforms) - TARGETS.keys()
@@ -55,10 +55,10 @@ def folders(variants, platforms, more=()):
     in_wheel = {variant: place(IN_WHEEL, variant) for variant in variants}
     if all(has_all(folder, variant, platforms) for variant, folder in in_wheel.items()):
         return in_wheel
-    return compiled_in(cache_folder(), variants, platforms, more=more)
+    return compiled_in(cache_folder(), variants, platforms, browser=browser)
 
 
-def compiled_in(root, variants, platforms, way=None, more=()):
+def compiled_in(root, variants, platforms, way=None, browser=None):
     """As `folders`, below the folder `root`.
 
     way : "fast" or "plain", see `intermediate_code`; None for the one that fits the installed numba.
@@ -68,7 +68,7 @@ def compiled_in(root, variants, platforms, way=None, more=()):
     if missing:
         slowest_first = sorted(missing, key=SECONDS.get, reverse=True)
         wanted = [each for each in platforms if not all(has_all(found[variant], variant, [each]) for variant in missing)]
-        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way(), more)
+        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way(), browser)
     return found
 
 
@@ -109,7 +109,7 @@ def fitting_way():
     return "plain"
 
 
-def _compile(folders, platforms, way, more):
+def _compile(folders, platforms, way, browser):
     """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
     written = [variant for variant, folder in folders.items() if (folder / CODE).exists()]
     slow = SLOW_WAY if way == "plain" else 1
@@ -118,7 +118,8 @@ def _compile(folders, platforms, way, more):
     )
     print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
     variants = [f"{variant}={folder}" for variant, folder in folders.items()]
-    run("ahead_of_time", [way, ",".join(platforms), *variants, *more], next(iter(folders.values())).parent)
+    module, first = ("ahead_of_time", [way]) if browser is None else ("webassembly", [way, str(browser)])
+    run(module, [*first, ",".join(platforms), *variants], next(iter(folders.values())).parent)
 
 
 def run(module, arguments, root):

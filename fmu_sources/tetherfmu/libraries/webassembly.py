@@ -6,7 +6,9 @@ It exports the entry points of each variant (`kernels/entry_points.py`) by the n
 
 numba writes the functions of all variants in one go, so that what variants share is in the file once.
 
-The process that writes the libraries of all variants can write this file, too (`with_libraries`): numba is then done.
+    python -m tetherfmu.libraries.webassembly plain|fast FILE [PLATFORM,... VARIANT=FOLDER ...]     run by `browser_file`
+
+writes the libraries of variants, too, as `ahead_of_time` does: numba then need not write the functions again.
 """
 
 import re
@@ -52,15 +54,14 @@ def browser_file():
     path = _place()
     if not path.exists():
         print("compiling the kernels for the browser, once, about 80 s:", file=sys.stderr, flush=True)
-        ready.run("ahead_of_time", [ready.fitting_way(), "", f"{ahead_of_time.BROWSER}={path}"], path.parents[1])
+        ready.run("webassembly", [ready.fitting_way(), str(path)], path.parents[1])
     return path
 
 
 def with_libraries():
     """`browser_file`, and the libraries of all variants for all platforms; what is missing is compiled in one go."""
     path = _place()
-    more = () if path.exists() else [f"{ahead_of_time.BROWSER}={path}"]
-    ready.folders(ready.LIBRARIES, list(ahead_of_time.TARGETS), more)
+    ready.folders(ready.LIBRARIES, list(ahead_of_time.TARGETS), None if path.exists() else path)
     return browser_file()
 
 
@@ -152,3 +153,18 @@ def write(path, codes):
     path.parent.mkdir(exist_ok=True)
     ahead_of_time._write(path, content)
     return f"{path.name}, {len(content) // 1000} kB,"
+
+
+def main(arguments):
+    """Write the file for browsers, after libraries if there are any to be written."""
+    way, path, *libraries = arguments
+    ahead_of_time.main(
+        [way, *(libraries or [""])],
+        lambda way: (write, Path(path), [ahead_of_time.code_of(variant, way) for variant in VARIANTS]),
+    )
+
+
+if __name__ == "__main__":
+    from tetherfmu.libraries.webassembly import main  # by this name the other processes find what they are to do
+
+    main(sys.argv[1:])
