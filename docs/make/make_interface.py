@@ -54,8 +54,8 @@ the next good step works. A parameter out of range is refused when the initializ
 
 One warning each is logged, and the numbers are not changed, when a segment is stretched by more than 5 %, an end is
 accelerated beyond 1000 g or moves faster than sound, positions contradict velocities, the winch reels in a slack tether, or
-it was told a length that is far too long ([Plausibility](../models/theory.md#plausibility)). One more tells that a step would
-have taken [too many internal steps](../models/numerics.md#too-many-internal-steps) and was done with fixed steps.
+it was told a length that is far too long ([Plausibility](../models/theory.md#plausibility)). One more tells that a step
+would have taken [too many internal steps](../models/numerics.md#too-many-internal-steps) and was done with fixed steps.
 
 ## The winch
 
