@@ -4,8 +4,8 @@
 
 Each system flies 4 s in communication steps of 20 ms at the tolerance 1e-4 while its driven points move; then each of its
 lines flies alone, as a dynamic tether whose two ends are driven along the way of its points. The columns: processor time of
-the system over that of its single tethers, the same for an internal step (the system takes the steps of its worst line, and a
-single tether its own), and the time of an internal step for each line. Smallest of several flights that take turns.
+the system over that of its single tethers, the same for an internal step (the system takes the steps of its worst line, and
+a single tether its own), and the time of an internal step for each line. Smallest of several flights that take turns.
 """
 
 import argparse
