@@ -8,8 +8,9 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, state_size
+from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, split, state_size
 from ..compilation import kernel, part, view
+from ..linear_algebra.point_blocks import width_of
 from ..linear_algebra.points import row_size
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
@@ -21,10 +22,11 @@ System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
 plan : whole numbers; where the system is a single tether they are floats (`variants/resting_kite.py`).
 """
 
-Points = namedtuple("Points", "matrix pivots right mass stage_mass mass_rate change load_rate")
+Points = namedtuple("Points", "matrix pivots right solution mass stage_mass mass_rate change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
-matrix : of a step, m rows, see `linear_algebra.points`.  pivots : m.  right : right-hand side of a stage [N], or q [m/s], m.
+matrix : of a step, m rows, see `linear_algebra.point_blocks`, or `points` with pivots, m.  right, solution : right-hand side
+of a stage [N], q [m/s], m.
 mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
 mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
 load_rate : rates of the loads that are given for the communication step [N/s], m.
@@ -67,6 +69,12 @@ def free_points(system):
 def band_of(system):
     """Band of the matrix of the free points, see `linear_algebra.points`."""
     return int(system.plan[places.BAND])
+
+
+@kernel
+def size_of_blocks(system):
+    """Rows and width of the matrix of the free points in a step, see `linear_algebra.point_blocks`."""
+    return free_points(system), width_of(band_of(system))
 
 
 @view
@@ -137,7 +145,7 @@ def room_of(system, k):
 @kernel
 def points_size(points, band):
     """Length of what so many free points need of `work`, with this band of their matrix."""
-    return 3 * points * row_size(band) + 15 * points
+    return 3 * points * row_size(band) + 18 * points
 
 
 @view
@@ -147,10 +155,10 @@ def points_of(system):
     m = 3 * count
     size = m * row_size(band_of(system))
     matrix, room = part(room, 0, size), behind(size, room)
-    pivots, right, change, room = part(room, 0, m), part(room, m, m), part(room, 2 * m, m), behind(3 * m, room)
-    load_rate, room = part(room, 0, m), behind(m, room)
+    pivots, right, solution, room = split(m, room)
+    change, load_rate, room = part(room, 0, m), part(room, m, m), behind(2 * m, room)
     masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Points(matrix, pivots, right, *masses, change, load_rate)
+    return Points(matrix, pivots, right, solution, *masses, change, load_rate)
 
 
 @kernel

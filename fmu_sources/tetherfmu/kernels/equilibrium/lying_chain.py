@@ -103,12 +103,12 @@ def slowly(body, w):
 
 
 @kernel
-def by_piling(body, level, w):
+def by_piling(body, level, fans, w):
     """From the first guess of a chain with too much length: (found, iterations).
 
-    level : at which load continuation begins, see `load_continuation.at_level`.
+    level : at which load continuation begins, see `load_continuation.at_level`.  fans : see `pile`.
     """
-    if not pile(body, w):
+    if not pile(body, fans, w):
         return False, 0
     copy(body.x, w.anchor)
     still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.anchor, True)
@@ -149,7 +149,7 @@ def find(body, hangs, w):
     copy(w.tension, w.hung_tension)
     found, iterations = False, 0
     if is_long(body):
-        found, iterations = by_piling(body, load_continuation.LOWEST, w)
+        found, iterations = by_piling(body, load_continuation.LOWEST, False, w)
     if not found and hangs:
         copy(w.hung, body.x)
         copy(w.hung_tension, w.tension)
@@ -160,7 +160,10 @@ def find(body, hangs, w):
         found = found and not is_pressed(body, w)
         found = found and largest(w.tension) <= MOST_TIGHTENED * (largest(w.hung_tension) + friction)
     if not found:
-        found, more = by_piling(body, 1.0, w)
+        found, more = by_piling(body, 1.0, False, w)
+        iterations += more
+    if not found:
+        found, more = by_piling(body, load_continuation.LOWEST, True, w)
         iterations += more
     return found, iterations
 
@@ -276,11 +279,22 @@ def foot(body, point, away, e):
 
 
 @kernel
-def pile(body, w):
+def fanned(chord, from_start, from_end, rest):
+    """Sine by which two segments that reach to the same side turn away from each other, so that a third fits between them.
+
+    chord : distance of their upper ends.  from_start, from_end : how far they reach on the ground.  rest : length of the
+    third [m].
+    """
+    return max(0.0, min(1.0, (rest - chord) / max(from_start + from_end, rest)))
+
+
+@kernel
+def pile(body, fans, w):
     """First guess of a chain with too much length (positions and w.tension modified); False if it has not.
 
     Straight down from the ends, and on the ground on an arc of a circle, where it is unstretched: an equilibrium without
     wind and motion. The arc lies to the left of the way to the kite.
+    fans : whether a single segment on the ground, instead of an arc, is unstretched, too (`fanned`).
     """
     chain, x = body.chain, body.x
     for s in range(chain.n):
@@ -299,6 +313,9 @@ def pile(body, w):
         back = -e[0], -e[1]
     else:
         e = back = (-across[1] / chord, across[0] / chord) if chord > 0.0 else (0.0, 1.0)
+        if fans and last - first == 1:
+            sine = fanned(chord, from_start, from_end, rest_length(chain, first))
+            back, e = turned(e, sine), turned(e, -sine)
     put(x, first, foot(body, start, from_start, e))
     put(x, last, foot(body, end, from_end, back))
     if last - first < 2:

@@ -14,6 +14,7 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from ..linear_algebra.vectors import get
 from . import system_step
 from .drum_step import chain_with
 from .moving_drum import SMALLEST_PIECE
@@ -21,7 +22,7 @@ from .rodas4p import GAMMA
 from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, is_spent, next_step, step_after_event
 from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
 from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves
-from .system_step import apply_changes, collect_changes, end_velocities, whole_masses
+from .system_step import apply_changes, collect_changes, whole_masses
 
 
 @kernel
@@ -55,15 +56,18 @@ def error_of_lines(system, time, h):
     """
     clear(points_of(system).change)
     error = 0.0
+    changed = 0
     for k in range(lines_of(system)):
         if moves(system, k):
-            whole_masses(system, k)
-            before = end_velocities(system, k)
+            w = integrator_of(system, k).w
+            whole_masses(system, k, w)
+            before = get(w.v, 0), get(w.v, segments_of(system, k))
             error = larger(error, error_of_line(system, k, time, h))
-            collect_changes(system, k, before)
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            apply_changes(system, k)
+            changed += collect_changes(system, k, before, w)
+    if changed > 0:
+        for k in range(lines_of(system)):
+            if moves(system, k):
+                apply_changes(system, k)
     return error
 
 

@@ -23,20 +23,20 @@ from ..compilation import kernel, view
 from ..equations.drum import drum_of
 from ..equations.lines import (
     add_at,
-    band_of,
     conditions_of,
     lines_of,
     motion_of,
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
     state_of,
 )
 from ..equations.winch import NEUTRAL
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.matrices import outer, transposed_apply
-from ..linear_algebra.points import add_block
+from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, scale
 from . import drum_step, rosenbrock
 from .drum_step import border_of, chain_with, pivot_of, pull_of, put_in_column, put_rates, stage_length, stage_rest
@@ -179,7 +179,7 @@ def place_border(system, k, time, d, points):
             column = point_at(system, k, column_end)
             if row != places.DRIVEN and column != places.DRIVEN:
                 block = outer(column_of_drum, row_of(system, k, column_end, border, d))
-                add_block(band_of(system), row, column, block, points.matrix)
+                add_to_block(*size_of_blocks(system), row, column, block, points.matrix)
     return True
 
 

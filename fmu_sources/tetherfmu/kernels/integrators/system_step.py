@@ -6,8 +6,8 @@ points,
 
     S y = b,   S, b: sums over the lines that meet there, the load on the point,
 
-one system with a band (`linear_algebra.points`). Loops of lines are nothing special. Each line then has the solution of its
-ends, and with it that of its inner nodes. A free point stands at the end of each of its lines: same numbers, same
+one system with a band (`linear_algebra.point_blocks`). Loops of lines are nothing special. Each line then has the solution
+of its ends, and with it that of its inner nodes. A free point stands at the end of each of its lines: same numbers, same
 arithmetic, same motion.
 
 F at a stage counts times the mass of the start over that of the stage, as in a single tether, where the mass is that of the
@@ -16,11 +16,10 @@ whole point: `share_forces` gives each line its part.
 
 from tetherfmu.runtime import system_layout as places
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations.boundary import chain_during
 from ..equations.lines import (
     add_at,
-    band_of,
     clear,
     conditions_of,
     free_points,
@@ -30,16 +29,18 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
 )
 from ..equations.properties import point_mass
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.points import add_block, factorize_band, solve_band
+from ..linear_algebra.pairs import first, second
+from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
 from . import rosenbrock, system_drums
 from .rodas4p import ALPHA, GAMMA_I, STAGES
 from .system_drums import conditions_in_step
-from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, is_free, moves, turns
+from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, moves, turns
 
 # --- the matrix of a step
 
@@ -67,7 +68,7 @@ def factorize(system, time, h):
         place_loads(system, 0, False, time, 0.0, points)
         if not system_drums.place_drums(system, time, h):
             return False
-    return factorize_band(3 * free_points(system), band_of(system), points.matrix, points.pivots)
+    return factorize_blocks(*size_of_blocks(system), points.matrix)
 
 
 @kernel
@@ -97,34 +98,140 @@ def add_masses(system, k, time):
 def condense_line(system, k, points):
     """Condense line k to its free ends and add what is left to the matrix of the points (modified); False if singular."""
     n, room = segments_of(system, k), integrator_of(system, k)
-    matrix, columns = room.w.matrix, room.columns
-    if not condensed.condense(n, is_free(system, k, 0), is_free(system, k, 1), matrix, columns):
+    matrix, columns, size = room.w.matrix, room.columns, size_of_blocks(system)
+    start, end = point_at(system, k, 0), point_at(system, k, 1)
+    if not condensed.condense(n, start != places.DRIVEN, end != places.DRIVEN, matrix, columns):
         return False
-    for row_end in range(2):
-        row = point_at(system, k, row_end)
-        for column_end in range(2):
-            column = point_at(system, k, column_end)
-            if row != places.DRIVEN and column != places.DRIVEN:
-                block = condensed.condensed_block(n, row_end, column_end, matrix, columns)
-                add_block(band_of(system), row, column, block, points.matrix)
+    if start != places.DRIVEN and end != places.DRIVEN:
+        own, across = condensed.condensed_blocks(n, matrix, columns)
+        add_to_block(*size, start, start, first(own), points.matrix)
+        add_to_block(*size, end, end, second(own), points.matrix)
+        add_to_block(*size, start, end, first(across), points.matrix)
+        add_to_block(*size, end, start, second(across), points.matrix)
+    elif start != places.DRIVEN:
+        add_to_block(*size, start, start, condensed.condensed_block(n, 0, 0, matrix, columns), points.matrix)
+    elif end != places.DRIVEN:
+        add_to_block(*size, end, end, condensed.condensed_block(n, 1, 1, matrix, columns), points.matrix)
     return True
 
 
 # --- a stage
 
 
-@kernel
-def start_stage(system, k, stage, time, h):
-    """Argument and forces of a stage of line k into its scratch space, up to what `rosenbrock.right_hand_side` needs."""
-    conditions, w = conditions_in_step(system, k), integrator_of(system, k).w
+@view
+def start_stage(conditions, w, stage, time, h):
+    """Argument and forces of a stage of a line into its scratch space, up to what `rosenbrock.right_hand_side` needs."""
     now = time + ALPHA[stage] * h
     rosenbrock.combine(stage, h, w)
-    ends, driven = rosenbrock.curves_of(conditions)
-    rosenbrock.prescribe_ends(ends, driven, now, w)
+    if conditions.first == 1 or conditions.last == conditions.n - 1:
+        ends, driven = rosenbrock.curves_of(conditions)
+        rosenbrock.prescribe_ends(ends, driven, now, w)
     rosenbrock.stage_masses(conditions, stage, now, w)
     rosenbrock.stage_force(conditions, chain_during(conditions, now), now, w)
     if stage == 0:
         rosenbrock.take_force_rate(conditions, time, w)
+
+
+@view
+def reduce_line(system, k, conditions, w, stage, h, points):
+    """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
+    rosenbrock.right_hand_side(conditions, stage, h, w)
+    condensed.solve_inner(conditions.n, w.matrix, w.q)
+    for end in range(2):
+        point = point_at(system, k, end)
+        if point != places.DRIVEN:
+            add_at(points.right, point, condensed.what_is_left(conditions.n, end, w.matrix, w.q))
+
+
+@kernel
+def place_loads(system, stage, reels, time, h, points):
+    """Loads on the free points [N] at a stage as right-hand side of the points (modified), over masses as all forces.
+
+    With their rates as those of all forces; with h = 0 the loads at a time [s] alone.
+    """
+    for point in range(free_points(system)):
+        part_of_load = 1.0
+        if reels:
+            mass = points.mass[point]
+            part_of_load = mass / points.stage_mass[point] - GAMMA_I[stage] * h * points.mass_rate[point] / mass
+        load = scale(part_of_load, load_at(system, point, time + ALPHA[stage] * h))
+        put(points.right, point, add_scaled(load, GAMMA_I[stage] * h, get(points.load_rate, point)))
+
+
+@kernel
+def solve_points(system, points):
+    """Solution of a stage at the free points (modified) from their right-hand side."""
+    solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
+
+
+@view
+def expand_line(system, k, n, room, points):
+    """Solution of a stage of line k from that of the points, into its scratch space."""
+    start, end = point_at(system, k, 0), point_at(system, k, 1)
+    put(room.w.q, 0, ZERO_VECTOR if start == places.DRIVEN else get(points.solution, start))
+    put(room.w.q, n, ZERO_VECTOR if end == places.DRIVEN else get(points.solution, end))
+    condensed.expand(n, start != places.DRIVEN, end != places.DRIVEN, room.columns, room.w.q)
+
+
+@view
+def end_stage(n, w, stage, h):
+    """Velocities of a stage of a line, whose solution is in its scratch space, to their places there."""
+    rosenbrock.take_velocities(n, stage, w)
+    if stage >= STAGES - 2:
+        rosenbrock.add_stage(n, stage, h, w)
+
+
+# --- all stages
+
+
+@kernel
+def pass_line(system, k, stage, time, h, points):
+    """End the last stage of line k, and begin this one, up to its right-hand side in that of the points (modified)."""
+    conditions, room = conditions_in_step(system, k), integrator_of(system, k)
+    if stage > 0:
+        expand_line(system, k, conditions.n, room, points)
+        end_stage(conditions.n, room.w, stage - 1, h)
+    start_stage(conditions, room.w, stage, time, h)
+    reduce_line(system, k, conditions, room.w, stage, h, points)
+
+
+@kernel
+def solve_stages(system, time, h):
+    """All stages of lines whose lengths do not change; False if the matrix of the points is singular.
+
+    No line waits for another one but for the solution of the points: each stage goes over the lines once.
+    """
+    points = points_of(system)
+    if not factorize(system, time, h):
+        return False
+    for stage in range(STAGES):
+        place_loads(system, stage, False, time, h, points)
+        for k in range(lines_of(system)):
+            if moves(system, k):
+                pass_line(system, k, stage, time, h, points)
+        solve_points(system, points)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            n, room = segments_of(system, k), integrator_of(system, k)
+            expand_line(system, k, n, room, points)
+            end_stage(n, room.w, STAGES - 1, h)
+    return True
+
+
+@kernel
+def solve_stages_in_turn(system, time, h):
+    """All stages where lines reel: False if the matrix of the points is singular or a drum has no length.
+
+    The masses of the points at a stage are known once all lines have begun it, and so are forces, for drums that turn.
+    """
+    for stage in range(STAGES):
+        if not start_stages(system, stage, time, h):
+            return False
+        stage_masses(system, stage)
+        if stage == 0 and not factorize(system, time, h):
+            return False
+        solve_stage(system, stage, time, h)
+    return True
 
 
 @kernel
@@ -135,7 +242,7 @@ def start_stages(system, stage, time, h):
             if not system_drums.start_stage_with_drum(system, k, stage, time, h):
                 return False
         elif moves(system, k):
-            start_stage(system, k, stage, time, h)
+            start_stage(conditions_in_step(system, k), integrator_of(system, k).w, stage, time, h)
     return True
 
 
@@ -169,28 +276,6 @@ def share_forces(system, k, stage):
 
 
 @kernel
-def reduce_line(system, k, stage, h, points):
-    """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
-    n, conditions, w = segments_of(system, k), conditions_of(system, k), integrator_of(system, k).w
-    rosenbrock.right_hand_side(conditions, stage, h, w)
-    condensed.reduce(n, w.matrix, w.q)
-    for end in range(2):
-        point = point_at(system, k, end)
-        if point != places.DRIVEN:
-            add_at(points.right, point, get(w.q, n * end))
-
-
-@kernel
-def expand_line(system, k, points):
-    """Solution of a stage of line k from that of the points, into its scratch space."""
-    n, room = segments_of(system, k), integrator_of(system, k)
-    for end in range(2):
-        point = point_at(system, k, end)
-        put(room.w.q, n * end, ZERO_VECTOR if point == places.DRIVEN else get(points.right, point))
-    condensed.expand(n, is_free(system, k, 0), is_free(system, k, 1), room.columns, room.w.q)
-
-
-@kernel
 def stage_masses(system, stage):
     """Masses of the free points at a stage, and the forces that follow from them, in a system that reels (modified)."""
     clear(points_of(system).stage_mass)
@@ -203,39 +288,23 @@ def stage_masses(system, stage):
 
 
 @kernel
-def place_loads(system, stage, reels, time, h, points):
-    """Loads on the free points [N] at a stage as right-hand side of the points (modified), over masses as all forces.
-
-    With their rates as those of all forces; with h = 0 the loads at a time [s] alone.
-    """
-    for point in range(free_points(system)):
-        part_of_load = 1.0
-        if reels:
-            mass = points.mass[point]
-            part_of_load = mass / points.stage_mass[point] - GAMMA_I[stage] * h * points.mass_rate[point] / mass
-        load = scale(part_of_load, load_at(system, point, time + ALPHA[stage] * h))
-        put(points.right, point, add_scaled(load, GAMMA_I[stage] * h, get(points.load_rate, point)))
-
-
-@kernel
-def solve_stage(system, stage, reels, time, h):
-    """Solve a stage of all lines whose forces are known; the velocities go to their places."""
+def solve_stage(system, stage, time, h):
+    """Solve a stage of all lines whose forces are known, in a system that reels; the velocities go to their places."""
     points = points_of(system)
-    place_loads(system, stage, reels, time, h, points)
+    place_loads(system, stage, True, time, h, points)
     for k in range(lines_of(system)):
         if turns(system, k):
             system_drums.reduce_line_with_drum(system, k, stage, time, h, points)
         elif moves(system, k):
-            reduce_line(system, k, stage, h, points)
-    solve_band(3 * free_points(system), band_of(system), points.matrix, points.pivots, points.right)
+            reduce_line(system, k, conditions_of(system, k), integrator_of(system, k).w, stage, h, points)
+    solve_points(system, points)
     for k in range(lines_of(system)):
         if moves(system, k):
-            expand_line(system, k, points)
+            n, room = segments_of(system, k), integrator_of(system, k)
+            expand_line(system, k, n, room, points)
             if turns(system, k):
                 system_drums.turn_drum(system, k, stage, time, h)
-            rosenbrock.take_velocities(segments_of(system, k), stage, integrator_of(system, k).w)
-            if stage >= STAGES - 2:
-                rosenbrock.add_stage(segments_of(system, k), stage, h, integrator_of(system, k).w)
+            end_stage(n, room.w, stage, h)
 
 
 @kernel
@@ -246,15 +315,11 @@ def step(system, time, h):
     """
     if not prepare(system, time, h):
         return False
-    reels = is_any_reeling(system)
-    for stage in range(STAGES):
-        if not start_stages(system, stage, time, h):
+    if is_any_reeling(system):
+        if not solve_stages_in_turn(system, time, h):
             return False
-        if reels:
-            stage_masses(system, stage)
-        if stage == 0 and not factorize(system, time, h):
-            return False
-        solve_stage(system, stage, reels, time, h)
+    elif not solve_stages(system, time, h):
+        return False
     for k in range(lines_of(system)):
         if moves(system, k):
             rosenbrock.take_result(conditions_of(system, k), time + h, integrator_of(system, k).w)
@@ -266,33 +331,33 @@ def step(system, time, h):
 # --- after a step
 
 
-@kernel
-def whole_masses(system, k):
+@view
+def whole_masses(system, k, w):
     """Let the free ends of line k have the masses of their points [kg] (modified), for what judges and corrects a step."""
-    points, n, w = points_of(system), segments_of(system, k), integrator_of(system, k).w
+    points, n = points_of(system), segments_of(system, k)
     for end in range(2):
         point = point_at(system, k, end)
         if point != places.DRIVEN:
             w.mass[n * end] = points.mass[point]
 
 
-@kernel
-def end_velocities(system, k):
-    """Velocities [m/s] of start and end of line k in the result of the step."""
-    w = integrator_of(system, k).w
-    return get(w.v, 0), get(w.v, segments_of(system, k))
+@view
+def collect_changes(system, k, before, w):
+    """Add what changed the velocities of the free ends of line k since `before` [m/s] to `Points.change`, and undo it.
 
-
-@kernel
-def collect_changes(system, k, before):
-    """Add what changed the velocities of the free ends of line k since `before` [m/s] to `Points.change`, and undo it."""
-    points, n, w = points_of(system), segments_of(system, k), integrator_of(system, k).w
+    before : of start and end.  Returns how many have changed.
+    """
+    points, n = points_of(system), segments_of(system, k)
+    changed = 0
     for end in range(2):
         point, node = point_at(system, k, end), n * end
-        if point != places.DRIVEN:
-            velocity = before[1] if end == 1 else before[0]
-            add_at(points.change, point, sub(get(w.v, node), velocity))
+        velocity = before[1] if end == 1 else before[0]
+        change = sub(get(w.v, node), velocity)
+        if point != places.DRIVEN and not (change[0] == 0.0 and change[1] == 0.0 and change[2] == 0.0):
+            add_at(points.change, point, change)
             put(w.v, node, velocity)
+            changed += 1
+    return changed
 
 
 @kernel

@@ -49,46 +49,109 @@ def condense(n, start_is_free, end_is_free, matrix, columns):
 @kernel
 def find_all_columns(n, start_is_free, end_is_free, matrix, columns):
     """Columns of the free ends (modified) of a `Matrix` of two or more rows whose inner rows are factorized."""
-    if start_is_free:
-        find_columns(n, 0, get_matrix(matrix.lower, 9), matrix, columns_of(n, 0, columns))
-    if end_is_free:
-        find_columns(n, 1, get_matrix(matrix.upper, 9 * (n - 1)), matrix, columns_of(n, 1, columns))
+    if start_is_free and end_is_free:
+        find_both_columns(n, matrix, columns_of(n, 0, columns), columns_of(n, 1, columns))
+    elif start_is_free:
+        find_columns(n, pair(get_matrix(matrix.lower, 9), ZERO_MATRIX), matrix, columns_of(n, 0, columns))
+    elif end_is_free:
+        find_columns(n, pair(ZERO_MATRIX, get_matrix(matrix.upper, 9 * (n - 1))), matrix, columns_of(n, 1, columns))
 
 
 @kernel
-def find_columns(n, end, coupling, matrix, blocks):
-    """Columns of an end into `blocks` (modified): A^-1 of the block `coupling` in the row beside it.
+def pass_inwards(n, right, matrix, blocks):
+    """Right-hand side of the two rows in the middle, or the one twice, from that beside both ends; see `find_columns`."""
+    _, lower, upper = matrix
+    middle = n // 2
+    if middle == 1:
+        return right
+    pack_blocks(blocks, 1, blocks, n - 1, right)
+    for i in range(2, middle):
+        right = scale_matrix(-1.0, multiply(get_packed_blocks(lower, i, upper, n - i), right))
+        pack_blocks(blocks, i, blocks, n - i, right)
+    loss = multiply(get_packed_blocks(lower, middle, upper, n - middle), right)
+    return subtract(broadcast(ZERO_MATRIX, loss[0]), loss)
+
+
+@kernel
+def solve_middle(n, right, matrix):
+    """Columns in the two rows in the middle, or in the one twice, from their right-hand side, as a matrix of pairs."""
+    diagonal, lower, upper = matrix
+    middle, below = n // 2, n - n // 2
+    if middle == below:
+        both = subtract(first(right), scale_matrix(-1.0, second(right)))
+        at_middle = multiply(get_matrix(diagonal, 9 * middle), both)
+        return pair(at_middle, at_middle)
+    at_middle = subtract(first(right), multiply(get_matrix(upper, 9 * middle), second(right)))
+    at_middle = multiply(get_matrix(diagonal, 9 * middle), at_middle)
+    at_below = subtract(second(right), multiply(get_matrix(lower, 9 * below), at_middle))
+    return pair(at_middle, multiply(get_matrix(diagonal, 9 * below), at_below))
+
+
+@kernel
+def solve_middle_for_both(n, right, matrix):
+    """`solve_middle` of the columns of both ends, which have a right-hand side in the row of their own half only.
+
+    Two lanes: the columns of the start and those of the end.
+    """
+    diagonal, lower, upper = matrix
+    middle, below = n // 2, n - n // 2
+    inverted = broadcast(get_matrix(diagonal, 9 * middle), right[0])
+    if middle == below:
+        both = multiply(inverted, right)
+        return pair(first(both), first(both)), pair(second(both), second(both))
+    in_middle, in_below = pair(first(right), ZERO_MATRIX), pair(ZERO_MATRIX, second(right))
+    in_middle = subtract(in_middle, multiply(broadcast(get_matrix(upper, 9 * middle), right[0]), in_below))
+    at_middle = multiply(inverted, in_middle)
+    in_below = subtract(in_below, multiply(broadcast(get_matrix(lower, 9 * below), right[0]), at_middle))
+    at_below = multiply(broadcast(get_matrix(diagonal, 9 * below), right[0]), in_below)
+    return pair(first(at_middle), first(at_below)), pair(second(at_middle), second(at_below))
+
+
+@kernel
+def put_middle(n, two, blocks):
+    """Write the columns in the middle to `blocks` (modified)."""
+    middle, below = n // 2, n - n // 2
+    if middle == below:
+        put_matrix(blocks, 9 * middle, first(two))
+    else:
+        pack_blocks(blocks, middle, blocks, below, two)
+
+
+@kernel
+def find_columns(n, right, matrix, blocks):
+    """Columns of an end into `blocks` (modified): A^-1 of `right` in the rows beside both ends, a matrix of pairs.
 
     As `block_tridiagonal.solve` does it, with a right-hand side of three columns at once.
     """
     diagonal, lower, upper = matrix
-    middle, below = n // 2, n - n // 2
-    right = scale_matrix(pair(1.0 - end, 1.0 * end), broadcast(coupling, pair(0.0, 0.0)))
-    at_middle, at_below = first(right), second(right)
-    if middle > 1:
-        pack_blocks(blocks, 1, blocks, n - 1, right)
-        for i in range(2, middle):
-            right = scale_matrix(-1.0, multiply(get_packed_blocks(lower, i, upper, n - i), right))
-            pack_blocks(blocks, i, blocks, n - i, right)
-        loss = multiply(get_packed_blocks(lower, middle, upper, below), right)
-        at_middle, at_below = subtract(ZERO_MATRIX, first(loss)), subtract(ZERO_MATRIX, second(loss))
-    if middle == below:
-        at_middle = multiply(get_matrix(diagonal, 9 * middle), subtract(at_middle, scale_matrix(-1.0, at_below)))
-        at_below = at_middle
-        put_matrix(blocks, 9 * middle, at_middle)
-    else:
-        at_middle = subtract(at_middle, multiply(get_matrix(upper, 9 * middle), at_below))
-        at_middle = multiply(get_matrix(diagonal, 9 * middle), at_middle)
-        at_below = subtract(at_below, multiply(get_matrix(lower, 9 * below), at_middle))
-        at_below = multiply(get_matrix(diagonal, 9 * below), at_below)
-        pack_blocks(blocks, middle, blocks, below, pair(at_middle, at_below))
-    two = pair(at_middle, at_below)
-    for i in range(middle - 1, 0, -1):
+    two = solve_middle(n, pass_inwards(n, right, matrix, blocks), matrix)
+    put_middle(n, two, blocks)
+    for i in range(n // 2 - 1, 0, -1):
         rest = subtract(
             get_packed_blocks(blocks, i, blocks, n - i), multiply(get_packed_blocks(upper, i, lower, n - i), two)
         )
         two = multiply(get_packed_blocks(diagonal, i, diagonal, n - i), rest)
         pack_blocks(blocks, i, blocks, n - i, two)
+
+
+@kernel
+def find_both_columns(n, matrix, at_start, at_end):
+    """`find_columns` of both ends at once (both modified): on the way inwards, each has one half to itself."""
+    diagonal, lower, upper = matrix
+    coupling = pair(get_matrix(lower, 9), get_matrix(upper, 9 * (n - 1)))
+    right = pass_inwards(n, coupling, matrix, at_start)
+    of_start, of_end = solve_middle_for_both(n, right, matrix)
+    put_middle(n, of_start, at_start)
+    put_middle(n, of_end, at_end)
+    for i in range(n // 2 - 1, 0, -1):
+        outwards, inverted = get_packed_blocks(upper, i, lower, n - i), get_packed_blocks(diagonal, i, diagonal, n - i)
+        right = get_packed_blocks(at_start, i, at_start, n - i)
+        rest = subtract(pair(first(right), ZERO_MATRIX), multiply(outwards, of_start))
+        of_start = multiply(inverted, rest)
+        pack_blocks(at_start, i, at_start, n - i, of_start)
+        rest = subtract(pair(ZERO_MATRIX, second(right)), multiply(outwards, of_end))
+        of_end = multiply(inverted, rest)
+        pack_blocks(at_end, i, at_end, n - i, of_end)
 
 
 @kernel
@@ -113,21 +176,61 @@ def condensed_block(n, row_end, column_end, matrix, columns):
 
 
 @kernel
+def condensed_blocks(n, matrix, columns):
+    """`condensed_block` of both ends where both are free, as pairs: of each with itself, and with the other one."""
+    diagonal, lower, upper = matrix
+    coupling = pair(get_matrix(upper, 0), get_matrix(lower, 9 * n))
+    own = pair(get_matrix(diagonal, 0), get_matrix(diagonal, 9 * n))
+    if n == 1:
+        return own, coupling
+    start, end = columns_of(n, 0, columns), columns_of(n, 1, columns)
+    if n == 2:
+        beside_start, beside_end = get_matrix(start, 9), get_matrix(end, 9)
+        beside, across = pair(beside_start, beside_end), pair(beside_end, beside_start)
+    else:
+        of_start, of_end = get_packed_blocks(start, 1, start, n - 1), get_packed_blocks(end, 1, end, n - 1)
+        beside, across = pair(first(of_start), second(of_end)), pair(first(of_end), second(of_start))
+    return (
+        subtract(own, multiply(coupling, beside)),
+        subtract(broadcast(ZERO_MATRIX, own[0]), multiply(coupling, across)),
+    )
+
+
+@kernel
 def reduce(n, matrix, b):
     """Solve the inner rows of a right-hand side, and take their part out of its first and last row (modified)."""
     if n == 1:
         return
     solve(1, n - 1, matrix, b)
-    put(b, 0, sub(get(b, 0), apply(get_matrix(matrix.upper, 0), get(b, 1))))
-    put(b, n, sub(get(b, n), apply(get_matrix(matrix.lower, 9 * n), get(b, n - 1))))
+    put(b, 0, what_is_left(n, 0, matrix, b))
+    put(b, n, what_is_left(n, 1, matrix, b))
+
+
+@kernel
+def solve_inner(n, matrix, b):
+    """Solve the inner rows of a right-hand side (modified), and leave its first and last row as they are."""
+    if n > 1:
+        solve(1, n - 1, matrix, b)
+
+
+@kernel
+def what_is_left(n, end, matrix, b):
+    """Right-hand side of the condensed system in the row of an end, after `solve_inner`."""
+    if n == 1:
+        return get(b, end)
+    if end == 0:
+        return sub(get(b, 0), apply(get_matrix(matrix.upper, 0), get(b, 1)))
+    return sub(get(b, n), apply(get_matrix(matrix.lower, 9 * n), get(b, n - 1)))
 
 
 @kernel
 def expand(n, start_is_free, end_is_free, columns, y):
     """Solution in the inner rows (modified) from that of the ends, after `reduce`."""
-    if start_is_free:
+    if start_is_free and end_is_free:
+        subtract_both_columns(n, columns_of(n, 0, columns), columns_of(n, 1, columns), y)
+    elif start_is_free:
         subtract_columns(n, columns_of(n, 0, columns), get(y, 0), y)
-    if end_is_free:
+    elif end_is_free:
         subtract_columns(n, columns_of(n, 1, columns), get(y, n), y)
 
 
@@ -139,3 +242,17 @@ def subtract_columns(n, blocks, at_end, y):
         put_two(y, i, n - i, sub(get_two(y, i, n - i), apply(get_packed_blocks(blocks, i, blocks, n - i), both)))
     if n % 2 == 0:
         put(y, n // 2, sub(get(y, n // 2), apply(get_matrix(blocks, 9 * (n // 2)), at_end)))
+
+
+@kernel
+def subtract_both_columns(n, at_start, at_end, y):
+    """`subtract_columns` of both ends, of which these are the columns."""
+    start, end = get(y, 0), get(y, n)
+    starts, ends = broadcast(start, pair(0.0, 0.0)), broadcast(end, pair(0.0, 0.0))
+    for i in range(1, (n + 1) // 2):
+        rest = sub(get_two(y, i, n - i), apply(get_packed_blocks(at_start, i, at_start, n - i), starts))
+        put_two(y, i, n - i, sub(rest, apply(get_packed_blocks(at_end, i, at_end, n - i), ends)))
+    if n % 2 == 0:
+        middle = n // 2
+        rest = sub(get(y, middle), apply(get_matrix(at_start, 9 * middle), start))
+        put(y, middle, sub(rest, apply(get_matrix(at_end, 9 * middle), end)))

@@ -27,7 +27,7 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
-from ..equations.properties import chain_of
+from ..equations.properties import chain_of, property_of
 from ..equilibrium import end_tensions, newton
 from ..equilibrium.rigid_body import Body, spring
 from ..linear_algebra import condensed
@@ -184,7 +184,9 @@ def add_slopes(system, k, search):
     if n == 1:
         assembly.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.matrix)
     else:
-        if not newton.factorize(body, 0.0, w):
+        # nodes in a heap have no stiffness of their own: that of their weight, where friction is none
+        give = body.chain.gravity * property_of(body.chain, 0, at.LINE_DENSITY) if search.slides[0] != 0.0 else 0.0
+        if not newton.factorize(body, give, w):
             return False
         condensed.find_all_columns(n, is_sought(system, k, 0), is_sought(system, k, 1), w.matrix, columns)
     for row_end in range(2):

@@ -11,6 +11,9 @@ The friction of the ground holds a point: what pulls it sideways counts beyond m
 
 Where that fails, pseudo-transient continuation follows the points as if they sank in honey: steps of the same equation, each
 shorter than a part of the shortest line, whatever the potential does.
+Lines on the ground that push, since they are too short to fold, jam under friction, and far from the equilibrium. The last
+way to search is along the forces without friction, which are those of a potential again, in short steps; it ends where
+friction holds the points.
 Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
 """
 
@@ -21,8 +24,9 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN, OK
 
-from ..arrays import behind, copy
+from ..arrays import behind, copy, split
 from ..compilation import kernel, part, view
+from ..equations.ground import has_ground
 from ..equations.lines import (
     add_at,
     band_of,
@@ -66,21 +70,25 @@ OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at th
 SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # of a move for the next trial; how many
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
 SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient continuation
+SLIDE_PART = 0.5  # the same without friction
+ALONG, SLOWLY, SLIDING, WAYS = 0, 1, 2, 3  # ways to search
 
-Search = namedtuple("Search", "slopes factors x trial residual move outer size rounding grip spent")
+Search = namedtuple("Search", "slopes factors x trial residual held move outer size rounding grip spent slides")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
-residual : R [N], m.  move : dX [m], m.  outer : load and weight of the points [N], m.
+residual : R [N], m, without friction if the points slide.  held : R with friction [N], m.  move : dX [m], m.
+outer : load and weight of the points [N], m.
 size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
 grip : friction of the ground at the points [N], F.  spent : Newton iterations for the shapes of all lines, one number.
+slides : 1 in a search without friction, else 0.
 """
 
 
 @kernel
 def search_size(points, band):
     """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 18 * points + 1
+    return 6 * points * row_size(band) + 21 * points + 2
 
 
 @view
@@ -91,10 +99,11 @@ def search_of(system):
     m = 3 * count
     size = m * row_size(band)
     slopes, factors, room = part(room, 0, size), part(room, size, size), behind(2 * size, room)
-    x, trial, residual = part(room, 0, m), part(room, m, m), part(room, 2 * m, m)
-    move, outer, room = part(room, 3 * m, m), part(room, 4 * m, m), behind(5 * m, room)
+    x, trial, residual, room = split(m, room)
+    held, move, outer, room = split(m, room)
     sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Search(slopes, factors, x, trial, residual, move, outer, *sizes, part(room, 3 * count, 1))
+    numbers = part(room, 3 * count, 1), part(room, 3 * count + 1, 1)
+    return Search(slopes, factors, x, trial, residual, held, move, outer, *sizes, *numbers)
 
 
 # --- all of them
@@ -124,17 +133,18 @@ def find_residual(system, x, search):
                     add_support(system, k, end, search)
     for point in range(free_points(system)):
         hold(point, search)
+    if search.slides[0] == 0.0:
+        copy(search.held, search.residual)
     return True
 
 
 @kernel
 def hold(point, search):
-    """Take from R of a point what friction holds (modified)."""
+    """R of a point without what friction holds, into `search` (modified)."""
     x, y, z = get(search.residual, point)
     sideways = norm((x, y, 0.0))
     left = 1.0 - search.grip[point] / sideways if sideways > search.grip[point] else 0.0
-    if search.grip[point] > 0.0:
-        put(search.residual, point, (left * x, left * y, z))
+    put(search.held, point, (left * x, left * y, z) if search.grip[point] > 0.0 else (x, y, z))
 
 
 @kernel
@@ -174,7 +184,7 @@ def least_balanced(stalled, search):
         allowed = ACCURATE * search.size[point]
         if stalled:
             allowed = BALANCED * search.size[point] + ROUNDED * search.rounding[point]
-        residual = norm(get(search.residual, point))
+        residual = norm(get(search.held, point))
         over = residual / allowed if residual > 0.0 else 0.0
         if not over <= most:
             worst, most = point, over
@@ -222,28 +232,34 @@ def work_along(search):
 
 
 @kernel
-def go_along(system, search):
+def part_within(limit, search):
+    """Part of a move that is no longer than a limit [m] at any point."""
+    longest = 0.0
+    for point in range(len(search.size)):
+        longest = max(longest, norm(get(search.move, point)))
+    return 1.0 if longest <= limit else limit / longest
+
+
+@kernel
+def go_along(system, most, search):
     """Move search.x [m] by the part of a move after which the potential does not rise much again; secant steps.
 
-    Returns the part [-], and whether all lines have an equilibrium there.
+    most : of the move.  Returns the part of `most` [-], and whether all lines have an equilibrium there.
     """
-    start, taken = work_along(search), 1.0
+    start, taken = work_along(search), most
     for trial in range(TRIALS):
         left = try_part(system, taken, search)
         if left >= -OVERSHOT * start or trial == TRIALS - 1:
             copy(search.trial, search.x)
-            return taken, left > -inf
+            return taken / most, left > -inf
         taken *= min(max(start / (start - left), SHORTEST_PART), LONGEST_PART)
     return taken, False
 
 
 @kernel
 def go_slowly(system, limit, search):
-    """Move search.x [m] by a move that is no longer than a limit [m] at any point; as `go_along`."""
-    longest = 0.0
-    for point in range(len(search.size)):
-        longest = max(longest, norm(get(search.move, point)))
-    taken = 1.0 if longest <= limit else limit / longest
+    """Move search.x [m] by a move that is no longer than a limit [m] at any point; as `go_along`, but the part of it all."""
+    taken = part_within(limit, search)
     for _ in range(TRIALS):
         if try_part(system, taken, search) > -inf:
             copy(search.trial, search.x)
@@ -253,12 +269,13 @@ def go_slowly(system, limit, search):
 
 
 @kernel
-def search_from(system, slowly, search):
+def search_from(system, way, search):
     """Search for the equilibrium from search.x [m] (modified): the least balanced point in the end, and whether it is found.
 
-    slowly : by pseudo-transient continuation.
+    way : ALONG the fall of the potential, SLOWLY by pseudo-transient continuation, or SLIDING without friction.
     """
     limit = shortest_line(system)
+    search.slides[0] = 1.0 if way == SLIDING else 0.0
     damping, last, worst = 0.0, inf, first_sought(system)
     found = find_residual(system, search.x, search)
     for _ in range(ITERATIONS):
@@ -276,10 +293,11 @@ def search_from(system, slowly, search):
         damping, found = find_move(system, damping, search)
         if not found:
             return worst, False
-        if slowly:
+        if way == SLOWLY:
             taken, found = go_slowly(system, SLOW_PART * limit, search)
         else:
-            taken, found = go_along(system, search)
+            most = part_within(SLIDE_PART * limit, search) if way == SLIDING else 1.0
+            taken, found = go_along(system, most, search)
         damping *= SOFTER if taken == 1.0 else HARDER
     worst, over = least_balanced(True, search)
     return worst, over <= 1.0
@@ -322,10 +340,11 @@ def find(system, begins_as_given):
     search.spent[0] = 0.0
     find_outer(system, search)
     worst, found = 0, False
-    for slowly in range(2):
+    on_ground = has_ground(parameters_of(system, 0))
+    for way in range(WAYS if on_ground else SLIDING):
         for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
             if not found and set_off(system, start, search):
-                worst, found = search_from(system, slowly == 1, search)
+                worst, found = search_from(system, way, search)
     if not found:
         return NO_EQUILIBRIUM_OF_POINT | worst << 8
     for k in range(lines_of(system)):
