@@ -110,6 +110,11 @@ def linked(content, exported, stack=65536):
         return (folder / FILE).read_bytes()
 
 
+def _small(text):
+    """Intermediate code whose loops are not unrolled where that only makes it longer: a browser has to fetch the file."""
+    return re.sub(r"^(define .*\)[^{]*) \{$", r"\1 optsize {", text, flags=re.MULTILINE)
+
+
 def _with_instructions(text):
     """Intermediate code with instructions in place of functions of mathematics."""
     for name in INSTRUCTIONS:
@@ -149,7 +154,7 @@ def write(path, codes):
     names = {name: exported for code in codes for name, exported in code.names.items()}
     text = str(ahead_of_time._first_round(Code(list(texts), names)))
     exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant)]
-    content = linked(object_file(text, exported, f"{FEATURES},{LANES}"), exported)
+    content = linked(object_file(_small(text), exported, f"{FEATURES},{LANES}"), exported)
     path.parent.mkdir(exist_ok=True)
     ahead_of_time._write(path, content)
     return f"{path.name}, {len(content) // 1000} kB,"
