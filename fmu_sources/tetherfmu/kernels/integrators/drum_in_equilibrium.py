@@ -28,7 +28,7 @@ from . import secant
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
 MOST_PIECES = 100_000  # of a communication step
-SHARES = 2  # of the budget of iterations
+SHARES = 4  # of the budget of iterations
 SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 MOST_EVALUATIONS = 80  # of the tension for one length
 MOST_FAILURES = 2  # shapes that are not found, each after the whole ladder of `equilibrium.solve`, until it is given up
