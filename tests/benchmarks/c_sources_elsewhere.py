@@ -1,7 +1,7 @@
 """The C sources of TetherDynamic on other processors, and what the slowest of many fixed steps costs.
 
     python tests/benchmarks/c_sources_elsewhere.py processors
-    taskset -c 1 python tests/benchmarks/c_sources_elsewhere.py steps [--steps 1000000] [--segments 5,10,20,40]
+    chrt -f 50 taskset -c 1 python tests/benchmarks/c_sources_elsewhere.py steps [--steps 1000000] [--segments 5,10,20,40]
 
 processors : compiles for several processors with all warnings as errors, by the compiler inside `ziglang` with its small C
 library, runs each program (needs qemu-user), compares the forces of a circle with those of this processor, and looks for
@@ -9,7 +9,7 @@ warnings in the sources of a system of tethers.
 steps : fixed steps of 5 ms in communication steps of 20 ms, in a host in C compiled by gcc, as a table: the circle, on which
 the tether is taut, and one on which it goes slack and snaps taut every 4 s. By the clock, and of the processor, with 0.5 us
 of the measurement in it; what the operating system does to caches in between counts in both. Run it on a core that nothing
-else uses (`taskset` keeps it on one): eight minutes. With `--into docs/use/real_time.md` the table goes into the manual.
+else uses (`taskset` keeps it on one, and `chrt` first in the queue for it): eight minutes. With `--into docs/use/real_time.md` the table goes into the manual.
 """
 
 import argparse
