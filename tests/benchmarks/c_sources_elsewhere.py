@@ -9,7 +9,8 @@ warnings in the sources of a system of tethers.
 steps : fixed steps of 5 ms in communication steps of 20 ms, in a host in C compiled by gcc, as a table: the circle, on which
 the tether is taut, and one on which it goes slack and snaps taut every 4 s. By the clock, and of the processor, with 0.5 us
 of the measurement in it; what the operating system does to caches in between counts in both. Run it on a core that nothing
-else uses (`taskset` keeps it on one, and `chrt` first in the queue for it): eight minutes. With `--into docs/use/real_time.md` the table goes into the manual.
+else uses (`taskset` keeps it on one, `chrt` first in the queue for it): eight minutes. With `--into docs/use/real_time.md`
+the table goes into the manual.
 """
 
 import argparse
