@@ -9,8 +9,6 @@ A wind that is given at points is the one at the same part of the chord as of th
 Source: docs/models/theory.md, "Straight line" and "Elastic catenary".
 """
 
-from math import sqrt
-
 import numpy as np
 
 from tetherfmu.runtime import layout as at
@@ -20,16 +18,14 @@ from ..compilation import kernel, view
 from ..equations import segment, wind_points
 from ..equations.air import air_density, varying_density
 from ..equations.properties import chain_of, has_node_winds, property_of
-from ..linear_algebra.pairs import broadcast, first, pair, second
+from ..linear_algebra.pairs import first, pair, second, swapped
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put_at, scale, sub
 from .sheared_air import sheared_load
 
 # Gauss-Legendre points and weights on 0 .. 1, for uniform air: exact to degree 9, so for the turning tether without wind
 POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332))
 WEIGHTS = np.array((0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095))
-# three for each of several pieces between wind points, exact to degree 5: for a cross-wind that keeps its direction there
-OFFSET = sqrt(0.15)  # of the outer ones from the middle, in lengths of the piece
-OUTER_WEIGHT, MIDDLE_WEIGHT = 5.0 / 18.0, 8.0 / 18.0
+OF_SIMPSON = 1.0 / 6.0  # weight of the ends of each piece between wind points; exact for a cross-wind of one direction
 
 
 @view
@@ -109,64 +105,65 @@ def load_by_points(line, state, height, rise, e):
 
 @view
 def load_of_pieces(line, state, height, rise, e, thins_out):
-    """`load_by_points`, piece by piece; thins_out : whether the density changes with the height.
+    """`load_by_points` by Simpson's rule in each piece; thins_out : whether the density changes with the height.
 
-    Wind and velocity are linear between two points, and so is the cross-wind w = m + g b: m in the middle of a piece, b from
-    its one end to the other, g = -1/2 .. 1/2. Pairs: a piece and its mirror image, from the ends of the chord to its middle;
-    a piece that is its own image counts half in both.
+    Where the cross-wind is a at one end of a piece and b at the other, linear in between, the mean of |w| w in it is
+
+        1/6 (|a| a + |a + b| (a + b) + |b| b)
+
+    Pairs: a point, or the middle of a piece, and its mirror image, from the ends of the chord to its middle, in steps of
+    half a piece; what is its own image counts half in both.
     """
     pieces = wind_points.count_of(line.parameters) - 1
-    width, motion = 1.0 / pieces, motion_along(state)
-    mean = moment = pair(ZERO_VECTOR, ZERO_VECTOR)  # the moment about the own end, in widths of a piece
-    start = across_at_points(line, state, e, motion, 0, width)
-    for k in range((pieces + 1) // 2):
-        end = across_at_points(line, state, e, motion, k + 1, width)
-        middle, change = scale(0.5, add(start, end)), sub(end, start)
-        start, outwards, place = end, scale(OFFSET, change), k + 0.5
-        share = 0.5 if 2 * k + 1 == pieces else 1.0
-        near = share * mass_flux(line, height, rise, width * (place - OFFSET), sub(middle, outwards), thins_out)
-        inner = share * mass_flux(line, height, rise, width * place, middle, thins_out)
-        far = share * mass_flux(line, height, rise, width * (place + OFFSET), add(middle, outwards), thins_out)
-        load, turning = load_of_piece(middle, change, near, inner, far)
-        mean, moment = add(mean, load), add(moment, add_scaled(turning, place, load))
-    near_ground, near_kite = first(mean), second(mean)
-    moment = add_scaled(near_kite, width, sub(first(moment), second(moment)))
-    factor = 2.0 * width * segment.half_drag_factor(line, 0, 1.0, 1.0)
-    return scale(factor, add(near_ground, near_kite)), scale(factor, moment)
+    half, (at_ground, more) = 0.5 / pieces, motion_along(state)
+    velocity, change = pair(at_ground, add(at_ground, more)), scale(pair(2.0 * half, -2.0 * half), more)
+    a = across_at_points(line, state, e, velocity, 0)
+    load = scale(speed_in_density(line, height, rise, 0.0, a, thins_out), a)
+    moment = pair(ZERO_VECTOR, ZERO_VECTOR)  # about the middle of the chord, in half pieces: a load is added at each step
+    for k in range(1, pieces // 2 + 1):
+        part = 2 * k * half
+        velocity = add(velocity, change)
+        b = across_at_points(line, state, e, velocity, k)
+        between = add(a, b)
+        moment = add(moment, load)
+        load = add_scaled(load, speed_in_density(line, height, rise, part - half, between, thins_out), between)
+        moment = add(moment, load)
+        share = 1.0 if 2 * k == pieces else 2.0
+        load = add_scaled(load, share * speed_in_density(line, height, rise, part, b, thins_out), b)
+        a = b
+    if pieces % 2 == 1:
+        between = add(a, swapped(a))
+        moment = add(moment, load)
+        load = add_scaled(load, 0.5 * speed_in_density(line, height, rise, 0.5, between, thins_out), between)
+    all_of_it, turning = add(first(load), second(load)), sub(second(moment), first(moment))
+    density = 1.0 if thins_out else line.parameters[at.AIR_DENSITY]
+    factor = 4.0 * half * OF_SIMPSON * segment.half_drag_factor(line, 0, 1.0, density)
+    return scale(factor, all_of_it), scale(factor, add_scaled(scale(0.5, all_of_it), half, turning))
 
 
 @kernel
-def across_at_points(line, state, e, motion, k, width):
+def across_at_points(line, state, e, velocity, k):
     """Cross-winds [m/s] at the k-th wind point from the ground end and at the k-th from the kite end, as pairs.
 
-    e : direction of the chord.  motion : of `motion_along`.  width : of a piece between two points, in chords.
+    e : direction of the chord.  velocity : of the chord there [m/s], pairs.
     """
-    last, part = wind_points.count_of(line.parameters) - 1, k * width
+    last = wind_points.count_of(line.parameters) - 1
     wind = wind_points.winds_at(1, line.parameters, state, (k, last - k))
-    velocity = add_scaled(motion[0], pair(part, 1.0 - part), motion[1])
     w, _ = segment.apparent_wind(wind, e, velocity)
     return w
 
 
 @kernel
-def mass_flux(line, height, rise, part, w, thins_out):
-    """rho |w| [kg/(m2 s)] at a part of the chord from the ground end and from the kite end; w [m/s] and this are pairs."""
+def speed_in_density(line, height, rise, part, w, thins_out):
+    """|w| [m/s] at a part of the chord from the ground end and from the kite end; w [m/s] and this are pairs.
+
+    If the air thins out, rho |w| [kg/(m2 s)].
+    """
+    speed = segment.speed_across(w)
     if thins_out:
         density, _ = varying_density(height + rise * pair(part, 1.0 - part), line.parameters)
-    else:
-        density = broadcast((line.parameters[at.AIR_DENSITY],), w[0])[0]
-    return density * segment.speed_across(w)
-
-
-@kernel
-def load_of_piece(middle, change, near, inner, far):
-    """Mean of rho |w| w in a piece, where w = m + g b, and that of g rho |w| w; from rho |w| at g = -`OFFSET`, 0, `OFFSET`.
-
-    S0 m + S1 b,   S1 m + S2 b,   Sj = sum weight g^j rho |w|
-    """
-    both, twist = OUTER_WEIGHT * (near + far), OUTER_WEIGHT * OFFSET * (far - near)
-    load = add_scaled(scale(both + MIDDLE_WEIGHT * inner, middle), twist, change)
-    return load, add_scaled(scale(twist, middle), OFFSET * OFFSET * both, change)
+        return speed * density
+    return speed
 
 
 @kernel
