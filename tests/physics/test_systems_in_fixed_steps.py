@@ -224,10 +224,3 @@ def test_steps_are_hurried_when_their_iterations_have_spent_the_budget_and_refus
     assert system.counters["steps"] == 1000
     assert budget < spent <= budget + WORST_WORK + LAST_ITERATIONS * 1000
     assert any("was ended at its bound on factorizations" in each for each in system.implausible)
-
-
-def test_a_winch_that_is_told_a_force_is_refused_in_words():
-    points = [Point("winch", (0.0, 0.0, 0.0)), Point("kite", (60.0, 0.0, 80.0))]
-    line = Line("rope", "winch", "kite", Tether(initial_length=101.0), winch=Winch(winch_control="force"))
-    with pytest.raises(ValueError, match=r"the line rope: winch_control is 2 \(force\); with a fixed_step"):
-        TetherSystem(points, [line], solver=Solver(fixed_step=0.01))
