@@ -222,7 +222,8 @@ def step(conditions, method, time, h, known, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
     method : of `backward_euler.FixedSteps`.  known : as for `stage`.
-    Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`, negative where the matrix is singular; and whether it was one of three stages, 0, of backward Euler alone, 1, or of
+    Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`,
+    negative where the matrix is singular; and whether it was one of three stages, 0, of backward Euler alone, 1, or of
     backward Euler after stages that were left, 2.
     """
     has_one_stage = method == at.BACKWARD_EULER

@@ -117,7 +117,7 @@ def move_with_drums(system, step):
             return False
         if system_fixed_drums.find_drums(system, step) == 0:
             return True
-    system_fixed_drums.hold(system, step)
+    system_fixed_drums.give(system, step)
     return move_points(system, step)
 
 

@@ -7,9 +7,13 @@ with the ends held, and q the moves of the ends,
     r_0 = -(1 + C_0,1) T_x,   r_n = -C_n,1 T_x,   with one segment r_0 = -T_x, r_n = T_x
 
 so that what is left of the line on its free ends loses c r/P, with c the column of the drum left there. That is so of a drum
-that turns in a direction s. One that friction or a stop holds, or that comes as far as it may in an iteration, has a given
-u'. Which of these it is shows only in the solution: each drum is sought as it turns now, then as it was found, until all of
-them are found as they were sought, or else with the speeds that were found last.
+that turns in a direction s; one at a limit of its speed, and one that friction holds, have a given u'. Which of these it is
+shows only in the solution. In the order of u' they are
+
+    AT_LOWEST, INWARDS, HELD, OUTWARDS, AT_HIGHEST;    without friction AT_LOWEST, OUTWARDS, AT_HIGHEST
+
+Each drum is sought as it turns now, and then one place nearer to where it was found, until all of them are found where they
+were sought. If they are not after `MOST_TRIES`, the speeds that were found last are taken, and the iteration does not rest.
 """
 
 from ..compilation import kernel, view
@@ -35,7 +39,9 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, sca
 from . import drum_in_backward_euler as of_one
 from .system_fixed_room import (
     CHANGE,
+    IS_FOUND,
     ONWARD,
+    SOUGHT,
     SPEED,
     WAY,
     attempt_of,
@@ -46,7 +52,8 @@ from .system_fixed_room import (
 )
 from .system_room import is_free, moves
 
-MOST_TRIES = 4  # at ways in which the drums are found in an iteration
+MOST_TRIES = 8  # at ways in which the drums are found in an iteration
+AT_LOWEST, AT_HIGHEST, GIVEN = -2.0, 2.0, 3.0  # beside the directions of `equations/drum.py`; GIVEN: at any other speed
 
 # --- the equations of a line
 
@@ -98,9 +105,10 @@ def place_drum(system, k, step, points):
     n, room, trial = segments_of(system, k), room_in_fixed_steps(system, k), trial_of_line(system, k, step)
     numbers, column = room.numbers, room.column
     speed, way = numbers[SPEED], numbers[WAY]
+    turns = abs(way) == OUTWARDS
     border, pivot, tension = equation_of(system, k, step)
-    change = numbers[ONWARD] - speed
-    if way != HELD:
+    change = numbers[SOUGHT] - speed
+    if turns:
         change = -(of_one.residual_of(trial, speed, tension) + way * trial.drum.friction) / pivot
     for row_end in range(2):
         row = point_at(system, k, row_end)
@@ -108,7 +116,7 @@ def place_drum(system, k, step, points):
             left = get(column, n * row_end)
             add_at(points.right, row, scale(change, left))
             for column_end in range(2):
-                if way != HELD and is_free(system, k, column_end):
+                if turns and is_free(system, k, column_end):
                     block = outer(scale(-1.0 / pivot, left), row_of(system, k, column_end, border.turning))
                     add_block(band_of(system), row, point_at(system, k, column_end), block, points.matrix)
 
@@ -117,32 +125,49 @@ def place_drum(system, k, step, points):
 
 
 @kernel
-def way_of(trial, speed, wanted, pivot, farthest):
-    """Direction in which a drum turns to the speed wanted without friction [m/s]; HELD if it comes to a given one."""
-    drawn = abs(wanted) - trial.drum.friction / pivot
-    onward = drawn if wanted > 0.0 else -drawn
-    is_within = trial.lowest < onward < trial.highest and abs(onward - speed) < farthest
-    if drawn < 0.0 or not is_within:
+def way_at(speed, lowest, highest, friction):
+    """Which way a drum with a speed [m/s] and friction [N] goes whose speed is from the lowest to the highest one [m/s]."""
+    if speed <= lowest:
+        return AT_LOWEST
+    if speed >= highest:
+        return AT_HIGHEST
+    if friction == 0.0:
+        return OUTWARDS
+    if speed == 0.0:
         return HELD
-    return OUTWARDS if wanted > 0.0 else INWARDS
+    return OUTWARDS if speed > 0.0 else INWARDS
 
 
 @kernel
-def way_at(trial, speed):
-    """Direction in which a drum with a speed [m/s] turns; HELD if friction or a stop holds it there."""
-    if not trial.lowest < speed < trial.highest or (speed == 0.0 and trial.drum.friction > 0.0):
-        return HELD
-    return OUTWARDS if speed >= 0.0 else INWARDS
+def nearer(way, found, lowest, highest, friction):
+    """The next way on from one way to that which was found; ways without a speed from the lowest to the highest are none."""
+    if found == way:
+        return way
+    if friction == 0.0 or lowest >= 0.0:
+        return found if way == OUTWARDS else OUTWARDS
+    if highest <= 0.0:
+        return found if way == INWARDS else INWARDS
+    return way + 1.0 if found > way else way - 1.0
 
 
 @kernel
-def seek(system, step, is_held):
-    """Let all drums (modified) be sought as they are now, or held at the speeds that they have."""
+def speed_on(way, lowest, highest):
+    """Speed [m/s] of a drum that goes a way on which it is given."""
+    if way == AT_LOWEST:
+        return lowest
+    return highest if way == AT_HIGHEST else 0.0
+
+
+@kernel
+def seek(system, step, is_given):
+    """Let all drums (modified) be sought as they turn now, or at the speeds that they have."""
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            numbers = room_in_fixed_steps(system, k).numbers
-            numbers[WAY] = HELD if is_held else way_at(trial_of_line(system, k, step), numbers[SPEED])
-            numbers[ONWARD] = numbers[SPEED]
+            numbers, trial = room_in_fixed_steps(system, k).numbers, trial_of_line(system, k, step)
+            limits = trial.lowest, trial.highest
+            way = GIVEN if is_given else way_at(numbers[SPEED], *limits, trial.drum.friction)
+            numbers[WAY], numbers[SOUGHT] = way, numbers[SPEED] if is_given else speed_on(way, *limits)
+            numbers[ONWARD], numbers[IS_FOUND] = numbers[SPEED], 1.0
 
 
 @kernel
@@ -157,17 +182,20 @@ def find_drum(system, k, step, points):
     for end in range(2):
         if is_free(system, k, end):
             tension += dot(row_of(system, k, end, border.turning), get(points.right, point_at(system, k, end)))
-    speed, way, onward = numbers[SPEED], numbers[WAY], numbers[ONWARD]
+    speed, way, friction = numbers[SPEED], numbers[WAY], trial.drum.friction
     wanted = speed - of_one.residual_of(trial, speed, tension) / pivot
-    numbers[WAY] = way_of(trial, speed, wanted, pivot, of_one.farthest_change(chain, step.h))
-    numbers[ONWARD] = of_one.speed_after(chain, trial, speed, wanted, pivot)
-    is_other = way != numbers[WAY] or (way == HELD and onward != numbers[ONWARD])
-    return is_other and (is_free(system, k, 0) or is_free(system, k, 1))
+    onward, farthest = of_one.speed_after(chain, trial, speed, wanted, pivot), of_one.farthest_change(chain, step.h)
+    limits = max(trial.lowest, speed - farthest), min(trial.highest, speed + farthest)
+    found = way_at(onward, *limits, friction)
+    is_other = found != way and (is_free(system, k, 0) or is_free(system, k, 1))
+    numbers[ONWARD], numbers[WAY] = onward, nearer(way, found, *limits, friction)
+    numbers[SOUGHT], numbers[IS_FOUND] = speed_on(numbers[WAY], *limits), 0.0 if is_other else 1.0
+    return is_other
 
 
 @kernel
 def find_drums(system, step):
-    """`find_drum` of all drums (modified); how many are found in another way."""
+    """`find_drum` of all drums (modified); how many are found as they were not sought."""
     points, others = points_of(system), 0
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
@@ -176,11 +204,12 @@ def find_drums(system, step):
 
 
 @kernel
-def hold(system, step):
+def give(system, step):
     """Let all drums (modified) be sought at the speeds that were found last."""
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            room_in_fixed_steps(system, k).numbers[WAY] = HELD
+            numbers = room_in_fixed_steps(system, k).numbers
+            numbers[WAY], numbers[SOUGHT] = GIVEN, numbers[ONWARD]
 
 
 # --- after it
@@ -237,10 +266,11 @@ def move_along(system, k):
 
 @kernel
 def restless_drums(system, step):
-    """Number of drums that pay out or reel in more in the last iteration than a node of each segment may move."""
+    """Number of drums that are not found, or pay out more in the last iteration than each node of their lines may move."""
     count = 0
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
             room = room_in_fixed_steps(system, k)
-            count += not step.h * abs(room.numbers[CHANGE]) <= segments_of(system, k) * room.goal[0]
+            moved = step.h * abs(room.numbers[CHANGE])
+            count += not (moved <= segments_of(system, k) * room.goal[0] and room.numbers[IS_FOUND] == 1.0)
     return count

@@ -20,12 +20,13 @@ from .system_room import has_drum
 FROM_LENGTH, FROM_SPEED = 0, 1  # L0 [m], u0 [m/s] of the step that is attempted
 LOWEST, HIGHEST = 2, 3  # limits of the speed in it [m/s]
 SPEED, CHANGE = 4, 5  # u of the iteration, and by how much the last iteration changed it [m/s]
-WAY, ONWARD = 6, 7  # how u is found in the iteration, see `system_fixed_drums.py`, and u' [m/s]
-BEFORE = 8  # the speed in the second stage of the last step [m/s]
-FIRST, SECOND = 9, 10  # the speeds in the first two stages [m/s]
-REACHED = 11  # the length after a stage [m]
-ONWARD_LENGTH, ONWARD_SPEED = 12, 13  # the start of the third stage but for the result of the second one [m], [m/s]
-DRUM_NUMBERS = 14
+WAY, SOUGHT, ONWARD = 6, 7, 8  # how u' is sought in the iteration, its value where that is given, and u' as found [m/s]
+IS_FOUND = 9  # 1 if u' was found as it was sought, else 0
+BEFORE = 10  # the speed in the second stage of the last step [m/s]
+FIRST, SECOND = 11, 12  # the speeds in the first two stages [m/s]
+REACHED = 13  # the length after a stage [m]
+ONWARD_LENGTH, ONWARD_SPEED = 14, 15  # the start of the third stage but for the result of the second one [m], [m/s]
+DRUM_NUMBERS = 16
 
 FixedRoom = namedtuple("FixedRoom", "stages columns goal column numbers")
 FixedRoom.__doc__ = """Scratch arrays of a line in fixed steps.

@@ -23,6 +23,7 @@ from .system_fixed_room import (
     FROM_LENGTH,
     FROM_SPEED,
     HIGHEST,
+    IS_FOUND,
     LOWEST,
     ONWARD_LENGTH,
     ONWARD_SPEED,
@@ -47,7 +48,7 @@ def attempt(system, k, start, limits, guess):
     numbers[FROM_LENGTH], numbers[FROM_SPEED] = start
     lowest, highest = limits
     numbers[LOWEST], numbers[HIGHEST] = lowest, highest
-    numbers[SPEED], numbers[CHANGE] = min(highest, max(lowest, guess)), 0.0
+    numbers[SPEED], numbers[CHANGE], numbers[IS_FOUND] = min(highest, max(lowest, guess)), 0.0, 0.0
     put_reeling(system, k, (start[0], 0.0, 0.0, NEUTRAL))
 
 
