@@ -15,7 +15,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
-from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_CAREFUL_WITH_DRUM, WORST_WORK, WORST_WORK_WITH_DRUM
+from tetherfmu.runtime.limits import most_of_a_step
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.plausibility import sentences
@@ -469,9 +469,7 @@ class TetherModel:
         if parameters[at.FIXED_STEP] == 0.0 or not self._variant.has_waves:
             return 0
         has_one_stage = parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
-        if parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE:
-            return WORST_CAREFUL_WITH_DRUM if has_one_stage else WORST_WORK_WITH_DRUM
-        return WORST_CAREFUL if has_one_stage else WORST_WORK
+        return most_of_a_step(has_one_stage, parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE)
 
     def _set(self, wind_velocity=None, **given):
         """Set those inputs that are not None, the wind as it may be given at each node; ValueError if a shape is wrong."""

@@ -1,28 +1,32 @@
 """What systems of tethers cost: time over that of single tethers with the same segments, printed as a table.
 
-    python tests/benchmarks/system_cost.py
+    python tests/benchmarks/system_cost.py [--fixed-step H] [--force]
 
 Each system flies 4 s in communication steps of 20 ms at the tolerance 1e-4 while its driven points move; then each of its
 lines flies alone, as a dynamic tether whose two ends are driven along the way of its points. The columns: processor time of
 the system over that of its single tethers, the same for an internal step (the system takes the steps of its worst line, and
 a single tether its own), and the time of an internal step for each line. Smallest of several flights that take turns.
+
+With --fixed-step all take such steps [s] of order 2; with --force the winch of each line, with a mass, is told the tension
+that it has at the start.
 """
 
 import argparse
+from dataclasses import replace
 from itertools import pairwise
 from time import process_time
 
 import numpy as np
 import pandas as pd
 
-from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, compiled_flight
+from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch, compiled_flight
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.layout import INPUTS
 from tetherfmu.study.measuring.tables import circumstances, markdown
 from tetherfmu.systems import tether_system
 
 STEP, STEPS, WIND = 0.02, 200, (8.0, 1.0, 0.0)
-SOLVER = Solver(relative_tolerance=1e-4)
+DRUM = Winch(winch_control="force", winch_mass=50.0, winch_damping=20.0)
 
 
 def tether(segments, length):
@@ -101,9 +105,9 @@ class Flight:
         return self.model.counters["steps"] + self.model.counters["rejections"]
 
 
-def singles(system, positions, velocities, points):
-    """A `Flight` of each line alone along the way of its points, known after each step."""
-    flown = system.fly(STEPS, STEP, positions=positions, velocities=velocities)
+def singles(system, given, points, solver):
+    """A `Flight` of each line alone along the way of its points, known after each step; given : to the system."""
+    flown = system.fly(STEPS, STEP, **given)
     flights = []
     for line in system.lines:
         inputs = np.zeros((STEPS, INPUTS))
@@ -114,7 +118,8 @@ def singles(system, positions, velocities, points):
             rows[f"{end}_position"][:] = np.vstack([point.position, x[:-1]])
             rows[f"{end}_velocity"][:] = np.vstack([point.velocity, v[:-1]])
         rows["wind_velocity"][:] = WIND
-        model = TetherDynamic(line.tether, solver=SOLVER)
+        rows["winch_force"][:] = given["winch_forces"].get(line.name, 0.0)
+        model = TetherDynamic(line.tether, solver=solver, winch=line.winch)
         first = {name: rows[name][0] for name in ("ground_position", "kite_position", "wind_velocity")}
         model.initialize(**first)
         fly = lambda model=model, inputs=inputs: model.fly(inputs, STEP, every=0, outputs=False)  # noqa: E731
@@ -122,15 +127,19 @@ def singles(system, positions, velocities, points):
     return flights
 
 
-def measured(kind, segments, rounds):
+def measured(kind, segments, rounds, solver, by_force):
     """A row of the table."""
     make, count = SYSTEMS[kind]
     points, lines = make(count, segments)
+    if by_force:
+        lines = [replace(line, winch=DRUM) for line in lines]
     positions, velocities = motions(points)
-    system = TetherSystem(points, lines, solver=SOLVER)
-    system.initialize(WIND)
-    whole = Flight(system, lambda: system.fly(STEPS, STEP, positions=positions, velocities=velocities, every=0))
-    parts = singles(system, positions, velocities, points)
+    system = TetherSystem(points, lines, solver=solver)
+    start = system.initialize(WIND)
+    forces = {line.name: float(start.lines[line.name].ground_tension) for line in lines if by_force}
+    given = {"positions": positions, "velocities": velocities, "winch_forces": forces}
+    whole = Flight(system, lambda: system.fly(STEPS, STEP, **given, every=0))
+    parts = singles(system, given, points, solver)
     seconds, alone = np.inf, np.full(len(lines), np.inf)
     for _ in range(rounds):
         seconds = min(seconds, whole.fly())
@@ -152,9 +161,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rounds", type=int, default=7, help="flights of each, of which the fastest counts")
     parser.add_argument("--only", default="", help="systems whose name contains this")
+    parser.add_argument("--fixed-step", type=float, default=0.0, help="s; 0: adaptive")
+    parser.add_argument("--force", action="store_true", help="winches that are told a force")
     options = parser.parse_args()
+    solver = Solver(relative_tolerance=1e-4, fixed_step=options.fixed_step)
     compiled_flight.perf_counter = tether_system.perf_counter = process_time  # other work on the machine does not count
-    rows = [measured(kind, n, options.rounds) for kind, n in ROWS if options.only in f"{kind}, n = {n}"]
+    wanted = [(kind, n) for kind, n in ROWS if options.only in f"{kind}, n = {n}"]
+    rows = [measured(kind, n, options.rounds, solver, options.force) for kind, n in wanted]
     print(f"{markdown(pd.DataFrame(rows))}\n\n{circumstances()}")
 
 

@@ -17,6 +17,7 @@ from tetherfmu.commands.build import main
 from tetherfmu.export import systems
 from tetherfmu.runtime import system_variables
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.systems import files
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
@@ -91,6 +92,7 @@ def as_fmu(system, outputs):
         own = outputs.lines[line.name]
         found |= {f"{line.name}.{name}": getattr(own, OF_A_LINE[name]) for name in OF_A_LINE}
         found[f"{line.name}.shape"] = own.shape.ravel().tolist()
+    found["solver_iteration_limit"] = outputs.solver_iteration_limit
     return {**found, **{f"solver_{name}": count for name, count in system.counters.items()}}
 
 
@@ -121,6 +123,7 @@ def test_fixed_steps_are_those_of_python(folder):
     for k in range(STEPS):
         assert step_of_fmu(host, k) == as_fmu(system, step_of_python(system, k))
     assert system.counters["steps"] == 2 * STEPS
+    assert host.get("solver_iteration_limit") == 2 * system.most_factorizations == 2 * WORST_WORK
 
 
 @every_flavour

@@ -4,10 +4,12 @@ import pytest
 
 from isolation import in_own_process
 from runtime.host import Host
-from tetherfmu import TetherSystem
+from tetherfmu import Solver, TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.limits import WORST_WORK_WITH_DRUM
+from tetherfmu.systems import files
 
 FILE = """
 name = "TwoWinches"
@@ -56,11 +58,13 @@ def winches(built_once):
 
 
 @pytest.mark.parametrize("native", [0, 2, 3])
+@pytest.mark.parametrize("fixed_step", [0.0, 0.01])
 @in_own_process
-def test_the_numbers_of_the_python_api(winches, native):
-    system = TetherSystem.from_file(winches / "winches.toml")
+def test_the_numbers_of_the_python_api(winches, native, fixed_step):
+    found = files.load(winches / "winches.toml")
+    system = TetherSystem(found.points, found.lines, found.environment, Solver(fixed_step=fixed_step), found.ground)
     system.initialize(winch_lengths={"a": 39.0})
-    host = Host(winches / str(native) / "TwoWinches.fmu").start()
+    host = Host(winches / str(native) / "TwoWinches.fmu").start(fixed_step=fixed_step)
     for k in range(20):
         force, length = 200.0 + 10.0 * k, 39.0 - 0.002 * k
         host.step(STEP, **{"main.winch_force": force, "a.winch_length": length})
@@ -69,9 +73,11 @@ def test_the_numbers_of_the_python_api(winches, native):
             assert host.get(f"{name}.tether_length") == line.tether_length
             assert host.get(f"{name}.winch_speed") == line.winch_speed
             assert host.get(f"{name}.tension_to") == line.kite_tension
+        assert host.get("solver_iterations") == system.counters["iterations"]
     assert wanted.lines["main"].tether_length != 100.0
     assert wanted.lines["main"].winch_speed != 0.0
     assert wanted.lines["a"].tether_length == pytest.approx(length, abs=0.01)
+    assert host.get("solver_iteration_limit") == (2 * WORST_WORK_WITH_DRUM if fixed_step else 0)
 
 
 @pytest.mark.parametrize("native", [0, 2, 3])
@@ -81,15 +87,6 @@ def test_stops_that_cross_are_refused_with_the_line(winches, native):
     with pytest.raises(Exception, match="fmi"):
         host.start(**{"main.shortest_length": 50.0, "main.longest_length": 40.0})
     assert "the line main: shortest_length is 50" in str(host.messages)
-
-
-@pytest.mark.parametrize("native", [0, 2, 3])
-@in_own_process
-def test_a_force_in_fixed_steps_is_refused_with_the_line(winches, native):
-    host = Host(winches / str(native) / "TwoWinches.fmu")
-    with pytest.raises(Exception, match="fmi"):
-        host.start(fixed_step=0.01)
-    assert "the line main: winch_control is 2 (force); with a fixed_step" in str(host.messages)
 
 
 def test_check_passes(winches, capsys):

@@ -15,7 +15,7 @@ import pytest
 from networks import Network
 from random_systems import random_network
 from tetherfmu import Ground, Line, Point, Solver, StepRefused, Tether, TetherDynamic, TetherSystem, Winch
-from tetherfmu.runtime.limits import ITERATION_BUDGET, LAST_ITERATIONS, STAGES, WORST_WORK
+from tetherfmu.runtime.limits import COARSE_WORK, ITERATION_BUDGET, LAST_ITERATIONS, STAGES, WORST_WORK
 
 WIND = (8.0, 1.0, 0.0)
 METHODS = ("second_order", "backward_euler")
@@ -226,8 +226,30 @@ def test_steps_are_hurried_when_their_iterations_have_spent_the_budget_and_refus
     assert any("was ended at its bound on factorizations" in each for each in system.implausible)
 
 
-def test_a_winch_that_is_told_a_force_is_refused_in_words():
-    points = [Point("winch", (0.0, 0.0, 0.0)), Point("kite", (60.0, 0.0, 80.0))]
-    line = Line("rope", "winch", "kite", Tether(initial_length=101.0), winch=Winch(winch_control="force"))
-    with pytest.raises(ValueError, match=r"the line rope: winch_control is 2 \(force\); with a fixed_step"):
-        TetherSystem(points, [line], solver=Solver(fixed_step=0.01))
+def slack_line_beside_a_hoist(**solver):
+    """System of a long, stiff and undamped slack line, straight, and of a load on a winch that is told a force, started."""
+    hard = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
+    points = [Point("low", (0.0, 0.0, 0.0)), Point("high", (300.0, 0.0, 400.0)), Point("load", (0.0, 0.0, -9.9), mass=40.0)]
+    drum = Winch(winch_control="force", winch_mass=30.0)
+    lines = [Line("hard", "low", "high", hard), Line("rope", "low", "load", Tether(4, 10.0), 0.0, drum)]
+    system = TetherSystem(points, lines, solver=Solver(initial_shape="straight", **solver))
+    system.initialize((20.0, 0.0, 0.0))
+    return system
+
+
+@quiet
+def test_a_step_that_is_given_up_is_done_with_fixed_steps():
+    """As that of a tether (`test_guards.py`): bit for bit with 40 000/304 fixed steps, told once; the next is adaptive."""
+    system = slack_line_beside_a_hoist(relative_tolerance=1e-6)
+    fixed = slack_line_beside_a_hoist(fixed_step=304.0 / COARSE_WORK)
+    for each in (system, fixed):
+        found = each.step(1.0, winch_forces={"rope": 300.0})
+    for name in ("hard", "rope"):
+        np.testing.assert_array_equal(system.positions[name], fixed.positions[name])
+        np.testing.assert_array_equal(system.velocities[name], fixed.velocities[name])
+        assert system.outputs().lines[name].winch_speed == found.lines[name].winch_speed
+    assert found.lines["rope"].winch_speed > 0.1
+    assert sum("was done with fixed steps of 0.0076 s" in each for each in system.implausible) == 1
+    before = system.counters["steps"]
+    system.step(1e-4)
+    assert 0 < system.counters["steps"] - before < 100

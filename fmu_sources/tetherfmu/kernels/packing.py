@@ -44,7 +44,6 @@ STIFFNESS, DAMPING, DRAG = map(_NAMES.index, ("axial_stiffness", "axial_damping"
 PROFILE, HEIGHT = map(_NAMES.index, ("wind_profile", "wind_reference_height"))
 ROUGHNESS = _NAMES.index("surface_roughness")
 GRAVITY, CONTACT = map(_NAMES.index, ("gravity", "ground_contact"))
-CONTROL, FIXED_STEP = map(_NAMES.index, ("winch_control", "fixed_step"))
 SHORTEST, LONGEST = map(_NAMES.index, ("shortest_length", "longest_length"))
 KITE_MASS, KITE_START = map(_NAMES.index, ("kite_mass", "kite_start"))
 
@@ -117,13 +116,6 @@ def check(tethers, kites, quantities, has_nodes):
     if 0.0 < quantities[shift + LONGEST] <= quantities[shift + SHORTEST]:
         return refused(STOPS_CROSSED, shift + SHORTEST)
     return check_series(tethers, quantities, has_nodes)
-
-
-@kernel
-def follows_force_in_fixed_steps(tethers, quantities):
-    """Whether quantities without a free kite ask for a winch that is told a force, and for fixed steps."""
-    shift = (tethers - 1) * QUANTITIES_OF_TETHER
-    return quantities[shift + CONTROL] == at.WINCH_BY_FORCE and quantities[shift + FIXED_STEP] > 0.0
 
 
 @kernel

@@ -11,7 +11,7 @@ from numba import carray, types
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.kernel_library import SystemKernels
-from tetherfmu.runtime.status import FORCE_IN_FIXED_STEPS, OK
+from tetherfmu.runtime.status import OK
 
 from . import packing
 from .arrays import copy, parameters_size
@@ -79,8 +79,6 @@ def pack(tethers, quantities, tolerance, start_is_free, end_is_free, start_mass,
     """
     given = carray(quantities, packing.count_of_quantities(tethers, 0))
     n = packing.count_segments(tethers, given, True)
-    if packing.follows_force_in_fixed_steps(tethers, given):
-        return FORCE_IN_FIXED_STEPS
     p = carray(parameters, parameters_size(n))
     status = packing.pack(tethers, 0, given, tolerance, True, True, p)
     if status == OK:

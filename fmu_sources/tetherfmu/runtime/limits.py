@@ -30,3 +30,10 @@ WORST_WORK = STAGES * MOST_ITERATIONS + WORST_CAREFUL  # factorizations for one 
 # chain takes them alone, see `kernels/integrators/drum_in_backward_euler.py`
 WORST_CAREFUL_WITH_DRUM = WORST_CAREFUL + LAST_ITERATIONS * FINEST
 WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_CAREFUL_WITH_DRUM
+
+
+def most_of_a_step(has_one_stage, has_drum):
+    """Factorizations at most [-] for one fixed step: of backward Euler alone or not, with a winch told a force or not."""
+    if has_one_stage:
+        return WORST_CAREFUL_WITH_DRUM if has_drum else WORST_CAREFUL
+    return WORST_WORK_WITH_DRUM if has_drum else WORST_WORK

@@ -35,8 +35,6 @@ NO_EQUILIBRIUM_OF_POINT = 22
 NO_POINT_IS_GIVEN = 23
 # of a free kite
 NO_EQUILIBRIUM_OF_KITE = 24
-# of a system with a fixed step
-FORCE_IN_FIXED_STEPS = 25
 
 SENTENCES = {
     OK: "done",
@@ -108,10 +106,6 @@ SENTENCES = {
         "no equilibrium was found in which the free kite is at rest; check kite_load, kite_mass, wind_velocity, the length "
         "(tether_length {length} m) and axial_stiffness, give an initial_kite_position closer to it, or set kite_start to 1 "
         "(given)"
-    ),
-    FORCE_IN_FIXED_STEPS: (
-        "winch_control is 2 (force); with a fixed_step the winches of a system are told a speed (1) or a length (3): set "
-        "one of these, or fixed_step to 0 (adaptive)"
     ),
 }
 

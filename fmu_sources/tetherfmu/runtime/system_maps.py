@@ -11,7 +11,7 @@ from . import layout as at
 from . import system_layout as plan
 from .inputs import components
 from .parameters import Ground, Tether, Winch
-from .system_variables import COUNTERS, GIVEN, OF_A_LINE, OF_THE_SYSTEM
+from .system_variables import COUNTERS, GIVEN, OF_A_LINE, OF_THE_SYSTEM, SUMMED
 
 
 def inputs_of(structure, places):
@@ -59,7 +59,7 @@ def outputs_of(structure, places):
                 found[f"{line.name}.shape[{k + 1},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
     for name in COUNTERS:
         every = [first + outputs.PLACES[name] for first in firsts.values()]
-        found[name] = every if name == "solver_iterations" else every[:1]
+        found[name] = every if name in SUMMED else every[:1]
     return [(places[name], tuple(those)) for name, those in found.items() if name in places]
 
 

@@ -30,7 +30,8 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
 }
-COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations")  # the last one of all lines together
+COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit")
+SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 

@@ -32,10 +32,14 @@ class SystemOutputs(NamedTuple):
         By the names of the points.
     lines : dict of str to Outputs
         By the names of the lines; the start of a line is the ground end of its `Outputs`, its end the kite end.
+    solver_iteration_limit : int
+        The most iterations of all lines together that the last communication step could take with its fixed steps (before
+        the first: one fixed step); 0 with adaptive steps.
     """
 
     points: dict[str, PointOutputs]
     lines: dict[str, Outputs]
+    solver_iteration_limit: int
 
 
 class SystemFlown(NamedTuple):

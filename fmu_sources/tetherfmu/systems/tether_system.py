@@ -15,7 +15,7 @@ from tetherfmu.results import PlausibilityWarning, StepRefused, outputs_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.inputs import PLACES
-from tetherfmu.runtime.limits import WORST_CAREFUL, WORST_WORK
+from tetherfmu.runtime.limits import most_of_a_step
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
@@ -40,7 +40,6 @@ class TetherSystem:
     lines : sequence of Line
     environment : Environment
     solver : Solver
-        With a `fixed_step` the winches are told a speed or a length.
     ground : Ground
 
     Raises
@@ -335,7 +334,8 @@ class TetherSystem:
         found = self._arrays.take_outputs()
         values = {line.name: each for line, each in zip(self.lines, found, strict=True)}
         lines = {name: outputs_of(each) for name, each in values.items()}
-        return SystemOutputs(self._points(self._arrays.state, values), lines)
+        most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
+        return SystemOutputs(self._points(self._arrays.state, values), lines, most)
 
     @property
     def counters(self) -> dict[str, int]:
@@ -350,7 +350,8 @@ class TetherSystem:
         """Bound on the factorizations of all lines for one fixed step; 0 with adaptive steps, which have none."""
         if self._solver.fixed_step == 0.0:
             return 0
-        return WORST_CAREFUL if self._solver.fixed_step_method == at.BACKWARD_EULER else WORST_WORK
+        has_drum = any(line.winch.winch_control == at.WINCH_BY_FORCE for line in self.lines)
+        return most_of_a_step(self._solver.fixed_step_method == at.BACKWARD_EULER, has_drum)
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:

@@ -184,6 +184,13 @@ def store_conditions(conditions, room):
 
 
 @kernel
+def put_reeling(system, k, reeling):
+    """Let the unstretched length of line k have these coefficients, see `winch.py`, in what `store_conditions` wrote."""
+    room = room_of(system, k)
+    room[24], room[25], room[26], room[27] = reeling
+
+
+@kernel
 def curve_at(room, first):
     """The curve that `put_curve` wrote."""
     return vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)

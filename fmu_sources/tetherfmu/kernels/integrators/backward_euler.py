@@ -34,6 +34,8 @@ CLOSE_IN_STAGE = 1e-5  # the same in a stage of `second_order.py`
 WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of which the accelerations can be expected
 
 
+FixedSteps = namedtuple("FixedSteps", "size method")
+FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
 Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held restless")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
@@ -302,30 +304,39 @@ def careful_step(conditions, time, h, x, v, w):
 
     Returns the number of iterations, at most `limits.WORST_CAREFUL`; negative where the matrix is singular.
     """
-    iterations, done, size = 0, 0, FINEST  # the last two in parts of the finest kind
+    iterations, done, size = 0, 0, FINEST
     while done < FINEST:
         start = time + h * done / FINEST
         taken, more = step(conditions, start, h * size / FINEST, WHOLE, size == 1, x, v, w)
         if more < 0:
             return more
         iterations += more
-        if not taken:
-            size //= PARTS
-            continue
-        done += size
-        while size < FINEST and done % (size * PARTS) == 0:
-            size *= PARTS
+        done, size = next_part(done, size, taken)
     return iterations
 
 
 @kernel
-def count_of_steps(conditions, duration, most):
-    """Number of fixed steps in a communication step of `duration` [s]; 0 if it is above `most`."""
-    return count_in(conditions.parameters, duration, most)
+def next_part(done, size, taken):
+    """How much of a step is done, and the size of its next part, both in parts of the finest kind, after one was tried.
+
+    done, size : the same before it.  taken : whether it came to rest; if not, it is to be divided.
+    """
+    if not taken:
+        return done, size // PARTS
+    done += size
+    while size < FINEST and done % (size * PARTS) == 0:
+        size *= PARTS
+    return done, size
 
 
 @kernel
-def count_in(parameters, duration, most):
-    """`count_of_steps` with the fixed step of these parameters."""
-    wanted = duration / parameters[at.FIXED_STEP] - 1e-6
+def given_steps(parameters):
+    """`FixedSteps` that the parameters ask for."""
+    return FixedSteps(parameters[at.FIXED_STEP], parameters[at.FIXED_STEP_METHOD])
+
+
+@kernel
+def count_of_steps(steps, duration, most):
+    """Number of `FixedSteps` in a communication step of `duration` [s]; 0 if it is above `most`."""
+    wanted = duration / steps.size - 1e-6
     return max(1, ceil(wanted)) if wanted <= most else 0

@@ -16,7 +16,7 @@ holds, and one that is at a stop, is no case of its own. See docs/models/numeric
 from collections import namedtuple
 from math import inf
 
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS
 
 from ..arrays import behind, copy
 from ..compilation import kernel, part, view
@@ -39,6 +39,11 @@ Trial.__doc__ = """A step that is attempted.
 
 drum : `Drum`.  time, h : its start within the communication step and its length [s].  length, speed : L0 [m], u0 [m/s].
 lowest, highest : limits of the speed [m/s].
+"""
+Border = namedtuple("Border", "tension turning by_speed lowest_pivot")
+Border.__doc__ = """The equation of the drum in an iteration.
+
+tension : T [N].  turning : dT/dr of the first segment [N/m].  by_speed : dr/du [N s/m].  lowest_pivot : of P [N s/m].
 """
 Workspace = namedtuple("Workspace", "steps column")
 Workspace.__doc__ = """Scratch arrays of a step.
@@ -77,22 +82,47 @@ def pull_by_speed(attempt, length, k, c, rate):
 
 
 @kernel
-def put_column(attempt, time, w, column):
-    """-dg/du at w.x into the column (modified): masses, springs and dampers change with the length."""
-    chain, conditions, h = attempt.chain, attempt.conditions, attempt.h
-    b = incremental_potential.shrinkage(attempt)
-    for i in range(chain.n + 1):
-        gained = h / chain.length * (w.mass[i] - point_mass(chain, i))
-        gain = scale(gained / (h * h), sub(get(w.free, i), get(w.x, i)))
-        if i == chain.n and conditions.last == chain.n:
-            gain = add_scaled(gain, -gained / w.mass[i], load_during(conditions, time + h))
-        put(column, i, gain)
+def mass_by_speed(attempt, i, w):
+    """What the mass of node i gains with u [kg s/m]."""
+    chain = attempt.chain
+    return attempt.h / chain.length * (w.mass[i] - point_mass(chain, i))
+
+
+@kernel
+def begin_column(attempt, w, column):
+    """What the masses add to -dg/du at w.x into the column (modified)."""
+    h = attempt.h
+    for i in range(attempt.chain.n + 1):
+        gained = mass_by_speed(attempt, i, w)
+        put(column, i, scale(gained / (h * h), sub(get(w.free, i), get(w.x, i))))
+
+
+@kernel
+def add_load(attempt, i, mass, load, w, column):
+    """What a load [N] on node i adds to -dg/du (modified), whose free flight depends on its whole mass [kg]."""
+    put(column, i, add_scaled(get(column, i), -mass_by_speed(attempt, i, w) / mass, load))
+
+
+@kernel
+def add_pulls(attempt, w, column):
+    """What springs and dampers add to -dg/du at w.x (modified)."""
+    chain, b = attempt.chain, incremental_potential.shrinkage(attempt)
     for s in range(chain.n):
         length, e, _, k, c, rate, r0 = incremental_potential.segment_at(attempt, s, w.x, w)
         along, aslant = pull_by_speed(attempt, length, k, c, rate)
         pull = add(scale(along, e), scale(aslant, incremental_potential.slant_of(b, length, e, r0)))
         put(column, s, add(get(column, s), pull))
         put(column, s + 1, sub(get(column, s + 1), pull))
+
+
+@kernel
+def put_column(attempt, time, w, column):
+    """-dg/du at w.x into the column (modified): masses, springs and dampers change with the length."""
+    conditions, n = attempt.conditions, attempt.chain.n
+    begin_column(attempt, w, column)
+    if conditions.last == n:
+        add_load(attempt, n, w.mass[n], load_during(conditions, time + attempt.h), w, column)
+    add_pulls(attempt, w, column)
 
 
 @kernel
@@ -125,22 +155,54 @@ def nearest_speed(trial, speed, pivot, friction):
 
 
 @kernel
-def next_speed(attempt, trial, speed, w, column):
-    """u' [m/s] after a speed [m/s], with p in w.move and y in the column."""
-    drum, h, chain = trial.drum, trial.h, attempt.chain
+def border_of(attempt, drum, w):
+    """`Border` at w.x."""
+    h, chain = attempt.h, attempt.chain
     length, e, rest, k, c, rate, r0 = incremental_potential.segment_at(attempt, 0, w.x, w)
     b = incremental_potential.shrinkage(attempt)
     turning = add(scale(k, e), scale(c * b / h, incremental_potential.slant_of(b, length, e, r0)))
     along, aslant = pull_by_speed(attempt, length, k, c, rate)
     inertia = drum.mass / h + drum.damping
-    tension = k * (length - rest) + c * rate + dot(turning, first_difference(w.move))
+    lowest = LEAST_PIVOT * (inertia + (h * k + c) * length / chain.length)
+    return Border(k * (length - rest) + c * rate, turning, inertia - along - aslant, lowest)
+
+
+@kernel
+def pivot_of(border, yielded):
+    """P [N s/m]; yielded : T_x y, what the tension gains as the chain yields to u [N s/m]."""
+    return max(border.by_speed - yielded, border.lowest_pivot)
+
+
+@kernel
+def residual_of(trial, speed, tension):
+    """r [N] with a speed [m/s] and a tension [N]."""
+    drum, h = trial.drum, trial.h
     residual = drum.mass * (speed - trial.speed) / h + drum.damping * speed
-    residual += force_at(drum, trial.time + h) - tension
-    pivot = inertia - along - aslant - dot(turning, first_difference(column))
-    pivot = max(pivot, LEAST_PIVOT * (inertia + (h * k + c) * length / chain.length))
-    farthest = MOST_REELED * chain.length / h
-    change = nearest_speed(trial, speed - residual / pivot, pivot, drum.friction) - speed
+    return residual + (force_at(drum, trial.time + h) - tension)
+
+
+@kernel
+def farthest_change(chain, h):
+    """By how much the speed changes at most in an iteration [m/s]."""
+    return MOST_REELED * chain.length / h
+
+
+@kernel
+def speed_after(chain, trial, speed, wanted, pivot):
+    """u' [m/s] after a speed [m/s], from the one that is wanted without friction and stops."""
+    farthest = farthest_change(chain, trial.h)
+    change = nearest_speed(trial, wanted, pivot, trial.drum.friction) - speed
     return speed + max(-farthest, min(farthest, change))
+
+
+@kernel
+def next_speed(attempt, trial, speed, w, column):
+    """u' [m/s] after a speed [m/s], with p in w.move and y in the column."""
+    border = border_of(attempt, trial.drum, w)
+    tension = border.tension + dot(border.turning, first_difference(w.move))
+    pivot = pivot_of(border, dot(border.turning, first_difference(column)))
+    wanted = speed - residual_of(trial, speed, tension) / pivot
+    return speed_after(attempt.chain, trial, speed, wanted, pivot)
 
 
 @view
@@ -305,11 +367,7 @@ def careful_step(conditions, drum, time, h, length, speed, x, v, b):
         if more < 0:
             return more, length, speed
         iterations += more
-        if not taken:
-            size //= PARTS
-            continue
-        length, speed = at_end(trial, found)
-        done += size
-        while size < FINEST and done % (size * PARTS) == 0:
-            size *= PARTS
+        done, size = backward_euler.next_part(done, size, taken)
+        if taken:
+            length, speed = at_end(trial, found)
     return iterations, length, speed

@@ -142,13 +142,13 @@ def stages(conditions, drum, time, h, known, start, x, v, b):
 
 
 @kernel
-def step(conditions, drum, time, h, known, start, x, v, b):
+def step(conditions, method, drum, time, h, known, start, x, v, b):
     """`second_order.step` with a drum from its `Motion` at the start: also returns that at the end.
 
     At most `limits.WORST_WORK_WITH_DRUM` iterations.
     """
     iterations, way = 0, 1
-    has_one_stage = conditions.parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
+    has_one_stage = method == at.BACKWARD_EULER
     is_stiff = stiffest(chain_with(conditions, start.length, 0.0)) >= STIFF
     if not (has_one_stage or is_stiff or second_order.is_on_ground(conditions, x)):
         taken, iterations, end = stages(conditions, drum, time, h, known, start, x, v, b)
@@ -179,14 +179,14 @@ def balanced(conditions, drum, time, d, end, x, v):
 
 
 @kernel
-def integrate(conditions, duration, state, x, v, b):
+def integrate(conditions, steps, duration, state, x, v, b):
     """Advance (x, v) (modified) over a communication step of `duration` [s] as `second_order.integrate` does, with a drum.
 
     b : `drum_in_backward_euler.Workspace`. Length and speed of the drum, the counters in `state` and the restless steps are
     modified. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
     """
     budget = at.ITERATION_BUDGET // conditions.n
-    count = backward_euler.count_of_steps(conditions, duration, budget)
+    count = backward_euler.count_of_steps(steps, duration, budget)
     if count == 0:
         return FIXED_STEPS_TOO_MANY
     h = duration / count
@@ -204,7 +204,7 @@ def integrate(conditions, duration, state, x, v, b):
             length, speed = at_end(trial, speed)
             motion = Motion(length, speed, speed)
         else:
-            iterations, way, motion = step(conditions, drum, time, h, known, motion, x, v, b)
+            iterations, way, motion = step(conditions, steps.method, drum, time, h, known, motion, x, v, b)
         if iterations < 0:
             return STATE_NOT_FINITE
         motion, status = balanced(conditions, drum, time + h, GAMMA * h if way == 0 else h, motion, x, v)

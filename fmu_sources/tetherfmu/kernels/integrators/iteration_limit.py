@@ -8,37 +8,39 @@ iterations, with w those of a hard step and l those of the steps after more than
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import (
-    LAST_ITERATIONS,
-    STAGES,
-    WORST_CAREFUL,
-    WORST_CAREFUL_WITH_DRUM,
-    WORST_WORK,
-    WORST_WORK_WITH_DRUM,
-)
+from tetherfmu.runtime.limits import LAST_ITERATIONS, STAGES, most_of_a_step
 
 from ..compilation import kernel
 from ..equations import winch
-from .backward_euler import count_in
+from .backward_euler import count_of_steps, given_steps
+
+worst = kernel(most_of_a_step)
 
 
 @kernel
-def of_one(parameters):
-    """Iterations of a hard fixed step, and of one after the budget of iterations is spent."""
-    has_drum = winch.follows_force(parameters)
-    if parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER:
-        most = WORST_CAREFUL_WITH_DRUM if has_drum else WORST_CAREFUL
-    else:
-        most = WORST_WORK_WITH_DRUM if has_drum else WORST_WORK
-    return most, 2 * LAST_ITERATIONS if has_drum else LAST_ITERATIONS
+def of_one(method, has_drum):
+    """Iterations of a hard fixed step, and of one after the budget of iterations is spent.
+
+    method : of `backward_euler.FixedSteps`.  has_drum : whether a winch is told a force.
+    """
+    return worst(method == at.BACKWARD_EULER, has_drum), 2 * LAST_ITERATIONS if has_drum else LAST_ITERATIONS
+
+
+@kernel
+def of_steps(n, steps, has_drum, duration):
+    """The most iterations in a communication step of `duration` [s] of n segments with `backward_euler.FixedSteps`.
+
+    0 with adaptive steps.
+    """
+    if steps.size == 0.0:
+        return 0.0
+    budget = at.ITERATION_BUDGET // n
+    count, (hard, hurried) = count_of_steps(steps, duration, budget), of_one(steps.method, has_drum)
+    most = min(hard * count, STAGES * budget + hard + hurried * count)
+    return float(min(most, at.LARGEST_INTEGER))
 
 
 @kernel
 def of_step(n, parameters, duration):
-    """The most iterations in a communication step of `duration` [s] of a chain of n segments; 0 with adaptive steps."""
-    if parameters[at.FIXED_STEP] == 0.0:
-        return 0.0
-    budget = at.ITERATION_BUDGET // n
-    count, (hard, hurried) = count_in(parameters, duration, budget), of_one(parameters)
-    most = min(hard * count, STAGES * budget + hard + hurried * count)
-    return float(min(most, at.LARGEST_INTEGER))
+    """`of_steps` of a chain."""
+    return of_steps(n, given_steps(parameters), winch.follows_force(parameters), duration)

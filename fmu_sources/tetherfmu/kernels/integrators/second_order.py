@@ -218,14 +218,15 @@ def stages(conditions, time, h, known, x, v, w):
 
 
 @kernel
-def step(conditions, time, h, known, x, v, w):
+def step(conditions, method, time, h, known, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    known : as for `stage`.  Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`,
+    method : of `backward_euler.FixedSteps`.  known : as for `stage`.
+    Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`,
     negative where the matrix is singular; and whether it was one of three stages, 0, of backward Euler alone, 1, or of
     backward Euler after stages that were left, 2.
     """
-    has_one_stage = conditions.parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
+    has_one_stage = method == at.BACKWARD_EULER
     if has_one_stage or is_on_ground(conditions, x) or stiffest(chain_during(conditions, time)) >= STIFF:
         return backward_euler.careful_step(conditions, time, h, x, v, w.chain), 1
     taken, iterations = stages(conditions, time, h, known, x, v, w)
@@ -238,16 +239,16 @@ def step(conditions, time, h, known, x, v, w):
 
 
 @kernel
-def integrate(conditions, duration, state, x, v, w):
-    """Advance (x, v) (modified) over a communication step of `duration` [s] with steps of `fixed_step`.
+def integrate(conditions, steps, duration, state, x, v, w):
+    """Advance (x, v) (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
 
-    A communication step that is no multiple is divided evenly into steps of at most `fixed_step`. Counters in `state` and
+    A communication step that is no multiple is divided evenly into steps of at most their size. Counters in `state` and
     w.chain.restless are modified. Once the budget of iterations is spent, which takes hard steps, the others are backward
     Euler steps, taken as they are after `limits.LAST_ITERATIONS`. Returns a status: OK, FIXED_STEPS_TOO_MANY or
     STATE_NOT_FINITE.
     """
     budget = at.ITERATION_BUDGET // conditions.n
-    count = backward_euler.count_of_steps(conditions, duration, budget)
+    count = backward_euler.count_of_steps(steps, duration, budget)
     if count == 0:
         return FIXED_STEPS_TOO_MANY
     h = duration / count
@@ -259,7 +260,7 @@ def integrate(conditions, duration, state, x, v, w):
             w.chain.restless[0] += 1.0
             way = 1
         else:
-            iterations, way = step(conditions, i * h, h, known, x, v, w)
+            iterations, way = step(conditions, steps.method, i * h, h, known, x, v, w)
         if iterations < 0:
             return STATE_NOT_FINITE
         known = 3 if way == 0 else 0

@@ -19,7 +19,7 @@ from . import system_step
 from .drum_step import chain_with
 from .moving_drum import SMALLEST_PIECE
 from .rodas4p import GAMMA
-from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, is_spent, next_step, step_after_event
+from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, is_given_up, next_step, step_after_event
 from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
 from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves
 from .system_step import apply_changes, collect_changes, whole_masses
@@ -109,7 +109,7 @@ def integrate(system, duration):
     piece, weight = inf, 1.0
     beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
     while time < duration:
-        if is_spent(tried, budget, time, duration):
+        if is_given_up(memory, tried, budget, time, duration):
             return STEP_BUDGET_SPENT
         if h < SMALLEST_STEP * duration:
             return STEP_TOO_SMALL

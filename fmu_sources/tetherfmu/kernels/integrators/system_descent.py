@@ -10,77 +10,33 @@ shorter one is taken of all lines together, and all of them come to rest before 
 and so is what is left of them at the points.
 """
 
-from collections import namedtuple
 from math import inf
 
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind, copy
-from ..compilation import kernel, part, view
+from ..arrays import copy
+from ..compilation import kernel
 from ..equations.assembly import longest_part
-from ..equations.boundary import chain_during, hold_ends
+from ..equations.boundary import hold_ends
 from ..equations.lines import (
-    CONDITIONS,
     add_at,
     band_of,
     clear,
-    conditions_of,
     free_points,
     lines_of,
-    motion_of,
     point_at,
     points_of,
-    room_of,
     segments_of,
 )
 from ..linear_algebra import condensed
 from ..linear_algebra.points import add_block, factorize_band, solve_band
 from ..linear_algebra.vectors import get, put
-from . import backward_euler, second_order
+from . import backward_euler, system_fixed_drums
 from .backward_euler import MOST_HALVINGS
-from .system_room import has_free_nodes, is_free
+from .system_fixed_room import attempt_of, is_turning, room_in_fixed_steps, scratch_of
+from .system_room import is_free, moves
 
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
-
-FixedRoom = namedtuple("FixedRoom", "stages columns goal")
-FixedRoom.__doc__ = """Scratch arrays of a line in fixed steps.
-
-stages : `second_order.Workspace`.  columns : of its ends, see `linear_algebra.condensed`.
-goal : 1, the largest move of a node with which it has come to rest [m].
-"""
-
-Step = namedtuple("Step", "time h kind")
-Step.__doc__ = """A step of all lines: its start [s] in the communication step, h [s], its kind (`backward_euler.start`)."""
-
-
-@kernel
-def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, as in `system_room.py`."""
-    size = CONDITIONS + second_order.workspace_size(n) + condensed.columns_size(n) + 1
-    return size + size % 2
-
-
-@view
-def room_in_fixed_steps(system, k):
-    """`FixedRoom` of line k."""
-    n, room = segments_of(system, k), behind(CONDITIONS, room_of(system, k))
-    own, columns = second_order.workspace_size(n), condensed.columns_size(n)
-    return FixedRoom(second_order.workspace(n, room), part(room, own, columns), part(room, own + columns, 1))
-
-
-@view
-def scratch_of(system, k):
-    """`backward_euler.Workspace` of line k."""
-    return room_in_fixed_steps(system, k).stages.chain
-
-
-@view
-def attempt_of(system, k, step):
-    """`backward_euler.Attempt` of line k."""
-    conditions = conditions_of(system, k)
-    _, v = motion_of(system, k)
-    return backward_euler.Attempt(conditions, chain_during(conditions, step.time + step.h), step.h, v)
-
 
 # --- the potential and its minimum
 
@@ -90,7 +46,7 @@ def potential(system, step, is_trial):
     """Phi [J] of all lines at the positions of the iteration, or at those to try, and its error of rounding [J]."""
     total, rounding = 0.0, 0.0
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             w = scratch_of(system, k)
             own, error = backward_euler.potential(attempt_of(system, k, step), w.trial if is_trial else w.x, w)
             total += own
@@ -99,15 +55,24 @@ def potential(system, step, is_trial):
 
 
 @kernel
-def place_line(system, k, points):
-    """Condense the matrix of line k to its free ends, and add it and its forces to those of the points (modified).
-
-    False if it is singular.
-    """
-    n, w, columns = segments_of(system, k), scratch_of(system, k), room_in_fixed_steps(system, k).columns
+def condense_line(system, k, step):
+    """Matrix and forces of the iteration of line k, and of its drum, condensed to its ends; False if it is singular."""
+    n, room = segments_of(system, k), room_in_fixed_steps(system, k)
+    w, columns = room.stages.chain, room.columns
+    backward_euler.linearize(attempt_of(system, k, step), w.x, w)
     if not condensed.condense(n, is_free(system, k, 0), is_free(system, k, 1), w.matrix, columns):
         return False
     condensed.reduce(n, w.matrix, w.move)
+    if is_turning(system, k, step):
+        system_fixed_drums.form_column(system, k, step)
+        condensed.reduce(n, w.matrix, room.column)
+    return True
+
+
+@kernel
+def place_line(system, k, points):
+    """Add what is left of line k at its free ends to the equations of the points (modified)."""
+    n, w, columns = segments_of(system, k), scratch_of(system, k), room_in_fixed_steps(system, k).columns
     for row_end in range(2):
         row = point_at(system, k, row_end)
         if row != places.DRIVEN:
@@ -117,7 +82,6 @@ def place_line(system, k, points):
                 if column != places.DRIVEN:
                     block = condensed.condensed_block(n, row_end, column_end, w.matrix, columns)
                     add_block(band_of(system), row, column, block, points.matrix)
-    return True
 
 
 @kernel
@@ -131,6 +95,33 @@ def solve_points(system, points):
 
 
 @kernel
+def move_points(system, step):
+    """Moves of the free points [m] (modified), with drums as they are sought; False if the equations are singular."""
+    points = points_of(system)
+    clear(points.matrix)
+    clear(points.right)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            place_line(system, k, points)
+            if is_turning(system, k, step):
+                system_fixed_drums.place_drum(system, k, step, points)
+    return solve_points(system, points)
+
+
+@kernel
+def move_with_drums(system, step):
+    """`move_points` with the speeds of the drums (modified) that go with it."""
+    system_fixed_drums.seek(system, step, False)
+    for _ in range(system_fixed_drums.MOST_TRIES):
+        if not move_points(system, step):
+            return False
+        if system_fixed_drums.find_drums(system, step) == 0:
+            return True
+    system_fixed_drums.give(system, step)
+    return move_points(system, step)
+
+
+@kernel
 def move_line(system, k, step, points):
     """Move of the nodes of line k [m] from that of the points into its scratch space; the part of it to try."""
     n, room, attempt = segments_of(system, k), room_in_fixed_steps(system, k), attempt_of(system, k, step)
@@ -140,46 +131,98 @@ def move_line(system, k, step, points):
         point = point_at(system, k, end)
         if point != places.DRIVEN:
             put(move, n * end, get(points.right, point))
+    if is_turning(system, k, step):
+        system_fixed_drums.move_along(system, k)
     condensed.expand(n, is_free(system, k, 0), is_free(system, k, 1), room.columns, move)
     return longest_part(attempt.chain, move)
 
 
 @kernel
-def direction(system, step):
-    """Move of all nodes [m] by Newton's method into the scratch space; the part to try, 0 where a matrix is singular."""
-    points = points_of(system)
-    clear(points.matrix)
-    clear(points.right)
+def move_lines(system, step):
+    """`move_line` of all lines, with the speeds of their drums (modified) that were found: the part to try."""
+    if step.turns:
+        system_fixed_drums.turn(system, step)
+    points, taken = points_of(system), 1.0
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            w = scratch_of(system, k)
-            backward_euler.linearize(attempt_of(system, k, step), w.x, w)
-            if not place_line(system, k, points):
-                return 0.0
-    if not solve_points(system, points):
-        return 0.0
-    taken = 1.0
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             taken = min(taken, move_line(system, k, step, points))
     return taken
 
 
 @kernel
-def descend(system, step, before):
+def keep_moves(system, is_back):
+    """Keep what is solved of the moves of all lines in the place of the positions to try, or take it back from there."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            w = scratch_of(system, k)
+            if is_back:
+                copy(w.trial, w.move)
+            else:
+                copy(w.move, w.trial)
+
+
+@kernel
+def rests_with_drums_held(system, step):
+    """Whether the next move leads no node further than where it has come to rest, as long as no drum changes its speed.
+
+    The move with drums held is then forgotten, else it is that of the lines (modified).
+    """
+    keep_moves(system, False)
+    system_fixed_drums.seek(system, step, True)
+    if move_points(system, step):
+        move_lines(system, step)
+        if restless_lines(system, 1.0) > 0:
+            return False
+    keep_moves(system, True)
+    return True
+
+
+@kernel
+def longest_part_of_lines(system, step):
+    """The part of the moves of all lines to try."""
+    taken = 1.0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            taken = min(taken, longest_part(attempt_of(system, k, step).chain, scratch_of(system, k).move))
+    return taken
+
+
+@kernel
+def direction(system, step, is_late):
+    """Move of all nodes [m] by Newton's method into the scratch space; the part to try, 0 where a matrix is singular.
+
+    is_late : whether drums only change their speeds where the lines rest with them.
+    """
+    for k in range(lines_of(system)):
+        if moves(system, k) and not condense_line(system, k, step):
+            return 0.0
+    if step.turns:
+        if is_late and not rests_with_drums_held(system, step):
+            return longest_part_of_lines(system, step)
+        return move_lines(system, step) if move_with_drums(system, step) else 0.0
+    return move_lines(system, step) if move_points(system, step) else 0.0
+
+
+@kernel
+def descend(system, step, before, is_late):
     """One iteration of all lines (modified) from where Phi is `before` [J], see `backward_euler.descend`.
 
-    Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is singular.
+    is_late : as for `direction`.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
+    singular.
     """
-    taken = direction(system, step)
-    return (before, inf) if taken == 0.0 else go_along(system, step, taken, before)
+    taken = direction(system, step, is_late)
+    if taken == 0.0:
+        return before, inf
+    if step.turns:
+        before, _ = potential(system, step, False)
+    return go_along(system, step, taken, before)
 
 
 @kernel
 def try_part(system, taken):
     """Positions to try (modified) after a part of the move."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             backward_euler.try_part(taken, scratch_of(system, k))
 
 
@@ -200,7 +243,7 @@ def go_along(system, step, taken, before):
 def take_trial(system):
     """Let the iteration (modified) have the positions to try."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             w = scratch_of(system, k)
             copy(w.trial, w.x)
 
@@ -217,7 +260,7 @@ def restless_lines(system, taken):
     """Number of lines that have not come to rest."""
     count = 0
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             count += is_restless(system, k, taken)
     return count
 
@@ -226,7 +269,7 @@ def restless_lines(system, taken):
 def holds(system, step):
     """Whether all springs still have the mode with which the matrix was made."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             w = scratch_of(system, k)
             if not backward_euler.holds(attempt_of(system, k, step).chain, w.x, w):
                 return False

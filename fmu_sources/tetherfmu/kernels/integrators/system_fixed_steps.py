@@ -7,7 +7,7 @@ nobody put in) makes that of all lines one; the energy is that of all lines and 
 from math import inf
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STAGES, STIFF
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES, STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
@@ -18,7 +18,6 @@ from ..equations.lines import (
     lines_of,
     load_at,
     motion_of,
-    parameters_of,
     point_at,
     points_of,
     segments_of,
@@ -26,23 +25,15 @@ from ..equations.lines import (
 )
 from ..equations.properties import stiffest
 from ..linear_algebra.vectors import get, norm
-from . import backward_euler, second_order
+from . import backward_euler, second_order, system_turning
 from .backward_euler import EXPECTED, STAGE, WHOLE
 from .second_order import GAMMA, MIDDLE, ROUNDING, TO_NEXT
 from .system_control import work_of
-from .system_descent import (
-    STUCK,
-    Step,
-    attempt_of,
-    descend,
-    holds,
-    is_restless,
-    restless_lines,
-    room_in_fixed_steps,
-    scratch_of,
-)
+from .system_descent import STUCK, descend, holds, is_restless, restless_lines
+from .system_fixed_drums import restless_drums
+from .system_fixed_room import Step, any_drum, attempt_of, room_in_fixed_steps, scratch_of
 from .system_guess import begin_as_expected, guess, start
-from .system_room import has_free_nodes, is_free
+from .system_room import has_drum, is_free, moves
 
 # --- backward Euler
 
@@ -51,60 +42,90 @@ from .system_room import has_free_nodes, is_free
 def take_all(system, step):
     """Let all lines (modified) have the result of the iteration."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             x, v = motion_of(system, k)
             backward_euler.take(attempt_of(system, k, step), step.time, step.kind, x, v, scratch_of(system, k))
 
 
 @kernel
-def take_step(system, step, in_any_case):
-    """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations."""
+def take_step(system, step, most, in_any_case):
+    """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations, at most `most`.
+
+    Drums that turn in it are not told its result.
+    """
     start(system, step)
     iterations, taken, restless, phi = 0, inf, 1, 0.0
     if step.kind == EXPECTED:
         phi, taken = begin_as_expected(system, step)
-        iterations, restless = 1, restless_lines(system, taken) if taken < inf else 1
+        iterations = 1
+        restless = restless_lines(system, taken) + restless_drums(system, step) if taken < inf else 1
     else:
         phi = guess(system, step)
-    most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
-    while iterations < most and (restless > 0 or not holds(system, step)):
-        phi, taken = descend(system, step, phi)
+    while iterations < most and (restless > 0 or not holds(system, step)) and not (step.turns and taken == STUCK):
+        phi, taken = descend(system, step, phi, iterations >= MOST_ITERATIONS)
         iterations += 1
         if taken == inf:
             return False, -1
-        restless = restless_lines(system, taken)
+        restless = restless_lines(system, taken) + restless_drums(system, step)
     if not (in_any_case or (restless == 0 and taken != STUCK)):
         return False, iterations
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k) and is_restless(system, k, taken):
+        if moves(system, k) and is_restless(system, k, taken):
             scratch_of(system, k).restless[0] += 1.0
     take_all(system, step)
     return True, iterations
 
 
 @kernel
-def careful_step(system, time, h):
-    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.careful_step`; the iterations."""
-    iterations, done, size = 0, 0, FINEST
-    while done < FINEST:
-        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE)
-        taken, more = take_step(system, own, size == 1)
-        if more < 0:
-            return more
-        iterations += more
-        if not taken:
-            size //= PARTS
-            continue
-        done += size
-        while size < FINEST and done % (size * PARTS) == 0:
-            size *= PARTS
-    return iterations
+def note_all_restless(system):
+    """Note in the scratch space of all lines (modified) that a step was ended before it came to rest."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            scratch_of(system, k).restless[0] += 1.0
 
 
 @kernel
-def wants_backward_euler(system):
-    """Whether all steps are to be of one stage."""
-    return parameters_of(system, 0)[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
+def take_in_any_case(system, time, h, turns):
+    """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
+
+    Where it does not come to rest with drums, the lines take it alone with their last speeds, in as many iterations again.
+    turns : whether there are drums.
+    """
+    iterations = 0
+    if turns:
+        own = Step(time, h, WHOLE, True)
+        taken, iterations = take_step(system, own, LAST_ITERATIONS, False)
+        if taken or iterations < 0:
+            return iterations
+        note_all_restless(system)
+        system_turning.turn_evenly(system, own)
+    _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
+    return more if more < 0 else iterations + more
+
+
+@kernel
+def careful_step(system, time, h, turns):
+    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.careful_step`; the iterations.
+
+    turns : whether there are drums.
+    """
+    iterations, done, size = 0, 0, FINEST
+    while done < FINEST:
+        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, turns)
+        if turns:
+            system_turning.attempt_whole_step(system, own.time, own.h)
+        taken, more = True, 0
+        if size == 1:
+            more = take_in_any_case(system, own.time, own.h, turns)
+        else:
+            taken, more = take_step(system, own, MOST_ITERATIONS, False)
+        if more < 0:
+            return more
+        if taken and turns:
+            system_turning.end_whole_step(system, own)
+        iterations += more
+        done, size = backward_euler.next_part(done, size, taken)
+    return iterations
 
 
 # --- whether a step is one of backward Euler
@@ -124,7 +145,7 @@ def is_any_on_ground(system):
 def is_any_stiff(system, time):
     """Whether a segment is as stiff as `limits.STIFF` at a time [s] of the communication step."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k) and stiffest(chain_during(conditions_of(system, k), time)) >= STIFF:
+        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), time)) >= STIFF:
             return True
     return False
 
@@ -133,7 +154,7 @@ def is_any_stiff(system, time):
 def crosses(system, start, end):
     """Whether a segment went slack or taut since the step was started; start, end : times [s]."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             x, _ = motion_of(system, k)
             if second_order.crosses(conditions_of(system, k), start, room_in_fixed_steps(system, k).stages.x, end, x):
                 return True
@@ -155,23 +176,34 @@ def power_of_load(system, k, end, time, v):
 
 
 @kernel
+def energy_and_power_of_line(system, k, time, is_new):
+    """Energy [J] and largest power [W] of line k with its drum, see `energy_and_power`."""
+    w = room_in_fixed_steps(system, k).stages
+    x, v = motion_of(system, k)
+    here, speed = (x, v) if is_new else (w.x, w.v)
+    of_drum, grown = 0.0, 0.0
+    if has_drum(system, k):
+        system_turning.hold_length(system, k, is_new)
+        of_drum, grown = system_turning.energy_and_power(system, k, is_new, here, speed)
+    energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
+    for end in range(2):
+        if is_free(system, k, end):
+            power += power_of_load(system, k, end, time, speed)
+    return energy + of_drum, power + grown
+
+
+@kernel
 def energy_and_power(system, time, is_new):
-    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines and points.
+    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines, points and drums.
 
     is_new : whether of the state, else of that at the start of the step.
     """
     energy, power = 0.0, 0.0
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            w = room_in_fixed_steps(system, k).stages
-            x, v = motion_of(system, k)
-            here, speed = (x, v) if is_new else (w.x, w.v)
-            own, given = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
+        if moves(system, k):
+            own, given = energy_and_power_of_line(system, k, time, is_new)
             energy += own
             power += given
-            for end in range(2):
-                if is_free(system, k, end):
-                    power += power_of_load(system, k, end, time, speed)
     return energy, power
 
 
@@ -180,7 +212,9 @@ def is_explained(system, time, h):
     """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
     before, power = energy_and_power(system, time, False)
     after, later = energy_and_power(system, time + h, True)
-    return after - before <= h * (power + later) + ROUNDING * (abs(before) + abs(after))
+    motors = system_turning.work_of_motors(system, time, h)
+    rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
+    return after - before - motors <= h * (power + later) + rounding
 
 
 # --- the stages
@@ -210,7 +244,7 @@ def go_back(system):
 def expect(system, onward, known):
     """`second_order.expect` of all lines (modified)."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             second_order.expect(onward, known, room_in_fixed_steps(system, k).stages)
 
 
@@ -218,7 +252,7 @@ def expect(system, onward, known):
 def go_on(system, is_second):
     """Put all lines (modified), the results of a stage, where the second or the third one starts."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             w = room_in_fixed_steps(system, k).stages
             x, v = motion_of(system, k)
             if is_second:
@@ -236,38 +270,51 @@ def place_all_ends(system, time):
 
 
 @kernel
-def stage(system, time, known, reach):
-    """`second_order.stage` of all lines (modified): whether it came to rest, and the iterations."""
-    taken, iterations = take_step(system, Step(time, reach, EXPECTED if known > 0 else STAGE), False)
+def stage(system, start, h, time, known, turns):
+    """`second_order.stage` of all lines (modified) over g h, which begins at a time [s]: whether it is good, the iterations.
+
+    start, h : of the step [s].  turns : whether there are drums, which begin it already; their lengths after it go with it.
+    """
+    reach = GAMMA * h
+    own = Step(time, reach, EXPECTED if known > 0 else STAGE, turns)
+    taken, iterations = take_step(system, own, MOST_ITERATIONS, False)
+    if taken and turns:
+        taken = system_turning.end_stage(system, start, time + reach - start, reach)
     return taken, max(iterations, 0)
 
 
 @kernel
-def stages(system, time, h, known):
+def stages(system, time, h, known, turns):
     """One step of h [s] of all lines (modified) at a time [s]; whether it is to be taken, and the number of iterations.
 
-    known : as for `second_order.stage`.
+    known : as for `second_order.stage`.  turns : whether there are drums, which are not told the result.
     """
     reach = GAMMA * h
     remember(system)
     if known > 0:
         expect(system, TO_NEXT[0], known)
-    taken, iterations = stage(system, time, known, reach)
+    if turns:
+        system_turning.go_to_first(system, reach, known)
+    taken, iterations = stage(system, time, h, time, known, turns)
     if not taken:
         return False, iterations
     does_cross = crosses(system, time, time + reach)
     go_on(system, True)
     expect(system, TO_NEXT[1], known)
-    taken, more = stage(system, time + (MIDDLE - GAMMA) * h, 1, reach)
+    if turns:
+        system_turning.go_to_second(system, reach)
+    taken, more = stage(system, time, h, time + (MIDDLE - GAMMA) * h, 1, turns)
     iterations += more
     if not taken:
         return False, iterations
     does_cross = does_cross or crosses(system, time, time + MIDDLE * h)
     go_on(system, False)
     expect(system, TO_NEXT[2], 2)
-    taken, more = stage(system, time + (1.0 - GAMMA) * h, 2, reach)
+    if turns:
+        system_turning.go_to_third(system, reach)
+    taken, more = stage(system, time, h, time + (1.0 - GAMMA) * h, 2, turns)
     iterations += more
-    if not taken or is_any_on_ground(system):
+    if not taken or (turns and not system_turning.turn_smoothly(system)) or is_any_on_ground(system):
         return False, iterations
     place_all_ends(system, time + h)
     does_cross = does_cross or crosses(system, time, time + h)
@@ -276,49 +323,64 @@ def stages(system, time, h, known):
 
 
 @kernel
-def step(system, time, h, known):
-    """One step of h [s] of all lines (modified) at a time [s]; iterations and the way, see `second_order.step`."""
-    if wants_backward_euler(system) or is_any_on_ground(system) or is_any_stiff(system, time):
-        return careful_step(system, time, h), 1
-    taken, iterations = stages(system, time, h, known)
+def step(system, method, time, h, known, turns):
+    """One step of h [s] of all lines (modified) at a time [s]; iterations and the way, see `second_order.step`.
+
+    turns : whether there are drums.
+    """
+    if method == at.BACKWARD_EULER or is_any_on_ground(system) or is_any_stiff(system, time):
+        return careful_step(system, time, h, turns), 1
+    taken, iterations = stages(system, time, h, known, turns)
     if taken:
+        if turns:
+            system_turning.end_stages(system)
         return iterations, 0
     go_back(system)
-    more = careful_step(system, time, h)
+    more = careful_step(system, time, h, turns)
     return more if more < 0 else iterations + more, 2
 
 
 @kernel
-def hurried_step(system, time, h):
+def hurried_step(system, time, h, turns):
     """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as restless."""
-    _, iterations = take_step(system, Step(time, h, WHOLE), True)
-    for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
-            room_in_fixed_steps(system, k).stages.chain.restless[0] += 1.0
+    own = Step(time, h, WHOLE, turns)
+    if turns:
+        system_turning.attempt_whole_step(system, time, h)
+    iterations = take_in_any_case(system, time, h, turns)
+    if turns:
+        system_turning.end_whole_step(system, own)
+    note_all_restless(system)
     return iterations
 
 
 @kernel
-def integrate(system, duration):
+def integrate(system, steps, duration):
     """Advance all lines (modified) over a communication step of `duration` [s], see `second_order.integrate`.
 
-    Counters stand in the state of the first line, how often iterations were ended in the scratch space of each.
+    Counters stand in the state of the first line, how often iterations were ended in the scratch space of each; drums have
+    their lengths and speeds in the states of their lines. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or,
+    about a line, NO_LENGTH.
     """
     budget = at.ITERATION_BUDGET // work_of(system)
-    count = backward_euler.count_of_steps(conditions_of(system, 0), duration, budget)
+    count = backward_euler.count_of_steps(steps, duration, budget)
     if count == 0:
         return FIXED_STEPS_TOO_MANY
     h = duration / count
     for k in range(lines_of(system)):
         room_in_fixed_steps(system, k).stages.chain.restless[0] = 0.0
+    turns = any_drum(system)
     spent, left, known = 0, 0, 0
     for i in range(count):
         if spent > STAGES * budget:
-            iterations, way = hurried_step(system, i * h, h), 1
+            iterations, way = hurried_step(system, i * h, h, turns), 1
         else:
-            iterations, way = step(system, i * h, h, known)
+            iterations, way = step(system, steps.method, i * h, h, known, turns)
         if iterations < 0:
             return STATE_NOT_FINITE
+        if turns:
+            status = system_turning.balance(system, i * h + h, GAMMA * h if way == 0 else h)
+            if status != OK:
+                return status
         known = 3 if way == 0 else 0
         spent += iterations
         left += 1 if way == 2 else 0

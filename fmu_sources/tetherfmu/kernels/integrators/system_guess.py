@@ -16,7 +16,6 @@ from ..equations.lines import (
     clear,
     conditions_of,
     lines_of,
-    load_at,
     motion_of,
     point_at,
     points_of,
@@ -24,45 +23,34 @@ from ..equations.lines import (
 )
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.points import add_block
-from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..linear_algebra.vectors import get, scale, sub
 from . import backward_euler
 from .system_descent import (
-    attempt_of,
     direction,
     go_along,
     holds,
     potential,
     restless_lines,
-    room_in_fixed_steps,
-    scratch_of,
     solve_points,
     take_trial,
     try_part,
 )
-from .system_room import has_free_nodes, is_free
+from .system_fixed_drums import fly_points, sum_masses
+from .system_fixed_room import FROM_LENGTH, attempt_of, room_in_fixed_steps, scratch_of
+from .system_room import has_drum, is_free, moves
 
 
 @kernel
 def start(system, step):
     """Fill what `backward_euler.start` does of all lines; free points have their loads in their free flight."""
-    points = points_of(system)
-    clear(points.mass)
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             attempt, room = attempt_of(system, k, step), room_in_fixed_steps(system, k)
-            w = room.stages.chain
             x, _ = motion_of(system, k)
-            backward_euler.start(attempt, step.time, step.kind, x, w)
+            backward_euler.start(attempt, step.time, step.kind, x, room.stages.chain)
             room.goal[0] = backward_euler.goal_of(attempt, step.kind)
-            for end in range(2):
-                if is_free(system, k, end):
-                    points.mass[point_at(system, k, end)] += w.mass[segments_of(system, k) * end]
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if is_free(system, k, end):
-                point, free, node = point_at(system, k, end), scratch_of(system, k).free, segments_of(system, k) * end
-                by_load = scale(step.h * step.h / points.mass[point], load_at(system, point, step.time + step.h))
-                put(free, node, add_scaled(get(free, node), 1.0, by_load))
+    sum_masses(system)
+    fly_points(system, step)
 
 
 @kernel
@@ -74,9 +62,17 @@ def move_of_driven(system, k, end):
 
 
 @kernel
+def length_before(system, k):
+    """Unstretched length of line k [m] at the start of the communication step, of one with a drum at that of the step."""
+    return (
+        room_in_fixed_steps(system, k).numbers[FROM_LENGTH] if has_drum(system, k) else conditions_of(system, k).reeling[0]
+    )
+
+
+@kernel
 def add_weight(system, k, points):
     """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
-    weight = 1.0 / conditions_of(system, k).reeling[0]
+    weight = 1.0 / length_before(system, k)
     block = add_to_diagonal(ZERO_MATRIX, weight)
     for end in range(2):
         row, other = point_at(system, k, end), point_at(system, k, 1 - end)
@@ -96,7 +92,7 @@ def carry_points(system, points):
     clear(points.right)
     held = 0
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             held += add_weight(system, k, points)
     if held == 0 or not solve_points(system, points):
         clear(points.right)
@@ -115,10 +111,10 @@ def carry(system, step):
     points = points_of(system)
     carry_points(system, points)
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             x, _ = motion_of(system, k)
-            moves = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
-            backward_euler.carry_by(attempt_of(system, k, step), *moves, x, scratch_of(system, k))
+            ways = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
+            backward_euler.carry_by(attempt_of(system, k, step), *ways, x, scratch_of(system, k))
     carried, _ = potential(system, step, True)
     return carried
 
@@ -127,7 +123,7 @@ def carry(system, step):
 def add_drag(system, step):
     """`backward_euler.add_drag` of all lines (modified) at the positions of the iteration."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             w = scratch_of(system, k)
             backward_euler.add_drag(attempt_of(system, k, step), w.x, w)
 
@@ -144,7 +140,7 @@ def guess(system, step):
     """`backward_euler.guess` of all lines (modified): free, or carried along; Phi [J] there."""
     carried = carry(system, step)
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             w = scratch_of(system, k)
             copy(w.free, w.x)
     if carried < phi_of(system, step):
@@ -157,11 +153,11 @@ def guess(system, step):
 def begin_as_expected(system, step):
     """`backward_euler.begin_as_expected` of all lines (modified); results as those of `system_descent.descend`."""
     for k in range(lines_of(system)):
-        if has_free_nodes(system, k):
+        if moves(system, k):
             x, _ = motion_of(system, k)
             backward_euler.fly_as_expected(attempt_of(system, k, step), x, scratch_of(system, k))
     add_drag(system, step)
-    taken = direction(system, step)
+    taken = direction(system, step, False)
     if taken > 0.0 and restless_lines(system, taken) == 0:
         try_part(system, taken)
         take_trial(system)

@@ -137,10 +137,10 @@ def note_damping_of_steps(chain, parameters, state):
 
 
 @kernel
-def note_restless(count, parameters, state):
+def note_restless(count, h, state):
     """Note a fixed step [s] in the state (modified), if in any iterations were ended before they came to rest: `count`."""
     if count > 0.0:
-        note(state, limits.FIXED_STEP_RESTLESS, parameters[at.FIXED_STEP] ** 2, 0.0)
+        note(state, limits.FIXED_STEP_RESTLESS, h**2, 0.0)
 
 
 @kernel

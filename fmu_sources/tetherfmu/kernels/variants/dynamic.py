@@ -21,6 +21,7 @@ from ..integrators import (
     second_order,
     step_control,
 )
+from ..integrators.backward_euler import FixedSteps, given_steps
 from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack, note_unresolved
 from . import dynamic_chain, resting_kite
 
@@ -50,27 +51,27 @@ def initialize(n, parameters, inputs, state, work):
 
 
 @kernel
-def move(n, parameters, given, before, state, work):
-    """Move the chain of a state (modified) over a communication step, as `advance` does; arguments and status as there."""
+def move(n, parameters, given, steps, before, state, work):
+    """Move the chain of a state (modified) over a communication step with `FixedSteps`; other arguments as of `advance`."""
     x, v = positions_and_velocities(n, state)
     conditions = conditions_of_chain(n, parameters, given, before, x, v)
     status = OK
     has_drum = winch.follows_force(parameters)
     if conditions.first <= conditions.last or has_drum:
-        if parameters[at.FIXED_STEP] > 0.0:
+        if steps.size > 0.0:
             b = drum_in_backward_euler.workspace(n, work)
             if has_drum:
-                status = drum_in_fixed_steps.integrate(conditions, given.step, state, x, v, b)
+                status = drum_in_fixed_steps.integrate(conditions, steps, given.step, state, x, v, b)
             else:
-                status = second_order.integrate(conditions, given.step, state, x, v, b.steps)
-            note_restless(b.steps.chain.restless[0], parameters, state)
+                status = second_order.integrate(conditions, steps, given.step, state, x, v, b.steps)
+            note_restless(b.steps.chain.restless[0], steps.size, state)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:
             w = drum_step.workspace(n, work).chain
             status = step_control.integrate(conditions, given.step, state, x, v, w)
     if status == OK:
-        if parameters[at.FIXED_STEP] == 0.0 and (conditions.first <= conditions.last or has_drum):
+        if steps.size == 0.0 and (conditions.first <= conditions.last or has_drum):
             note_stiff_and_slack(chain_of(n, parameters, state), x, state)
         place_ends(conditions, given.step, x, v)
     return status
@@ -85,10 +86,7 @@ def move_coarsely(n, parameters, given, before, state, work):
     h = given.step * n / at.COARSE_WORK
     for k in range(at.STATE_HEADER, state_size(n)):
         state[k] = before[k]
-    method, parameters[at.FIXED_STEP] = parameters[at.FIXED_STEP_METHOD], h
-    parameters[at.FIXED_STEP_METHOD] = at.SECOND_ORDER
-    status = move(n, parameters, given, before, state, work)
-    parameters[at.FIXED_STEP_METHOD], parameters[at.FIXED_STEP] = method, 0.0
+    status = move(n, parameters, given, FixedSteps(h, float(at.SECOND_ORDER)), before, state, work)
     state[at.SOLVER_STEP], state[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
     note_unresolved(h, state)
     return status
@@ -100,7 +98,7 @@ def advance(n, parameters, given, before, state, work):
 
     Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
     """
-    status = move(n, parameters, given, before, state, work)
+    status = move(n, parameters, given, given_steps(parameters), before, state, work)
     if status == STEP_BUDGET_SPENT and move_coarsely(n, parameters, given, before, state, work) == OK:
         status = OK
     if status != OK:

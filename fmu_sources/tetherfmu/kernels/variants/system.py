@@ -5,7 +5,7 @@ The lines are started, and their outputs are found, one by one as dynamic tether
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
-from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, STEP_BUDGET_SPENT
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
 from ..compilation import kernel, part
@@ -28,10 +28,18 @@ from ..equations.lines import (
 )
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import system_control, system_descent, system_fixed_steps, system_room
+from ..integrators import (
+    iteration_limit,
+    step_control,
+    system_control,
+    system_fixed_room,
+    system_fixed_steps,
+    system_room,
+)
+from ..integrators.backward_euler import FixedSteps, given_steps
 from ..step import transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack
+from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack, note_unresolved
 from . import dynamic_chain, resting_line, resting_points
 
 # --- the plan
@@ -40,7 +48,7 @@ from . import dynamic_chain, resting_line, resting_points
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    adaptive, fixed = system_room.line_work_size(n), system_descent.line_work_size(n)
+    adaptive, fixed = system_room.line_work_size(n), system_fixed_room.line_work_size(n)
     return max(adaptive, fixed, resting_line.line_work_size(n))
 
 
@@ -75,17 +83,26 @@ def complete_plan(plan):
 
 
 @kernel
+def iteration_limit_of(system):
+    """The most iterations of all lines in the last communication step: each factorizes the matrix of each line once."""
+    steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]
+    return iteration_limit.of_steps(system_control.work_of(system), steps, system_fixed_room.any_drum(system), duration)
+
+
+@kernel
 def take_outputs(system, outputs):
     """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they are as they were.
 
     The plan (modified) says which line a status is about.
     """
     found = part(system.work, system.plan[places.OUTPUTS_WORK], system.plan[places.OUTPUTS_SIZE])
+    most = iteration_limit_of(system)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, found)
         points = system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.SHAPE_POINTS]
         dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
+        own[at.SOLVER_ITERATION_LIMIT] = most
         status = complete(n, state, own)
         if status != OK:
             return status
@@ -190,17 +207,52 @@ def begin(system, step):
 
 
 @kernel
-def has_fixed_steps(system):
-    """Whether the steps of the solver are those of `fixed_step`."""
-    return parameters_of(system, 0)[at.FIXED_STEP] > 0.0
+def move(system, steps, step):
+    """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
+    if steps.size == 0.0:
+        status = system_control.integrate(system, step)
+        for k in range(lines_of(system)):
+            if status == OK:
+                n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
+                note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
+        return status
+    status = system_fixed_steps.integrate(system, steps, step)
+    for k in range(lines_of(system)):
+        note_restless(system_fixed_room.scratch_of(system, k).restless[0], steps.size, state_of(system, k))
+    return status
 
 
 @kernel
-def integrate(system, step):
-    """Advance all lines (modified) over a communication step [s]; a status."""
-    if has_fixed_steps(system):
-        return system_fixed_steps.integrate(system, step)
-    return system_control.integrate(system, step)
+def go_back(system, before):
+    """Put the nodes and the drums of all lines (modified) back to the states of before."""
+    old = System(system.plan, system.parameters, system.inputs, before, system.work)
+    for k in range(lines_of(system)):
+        n, state, first = segments_of(system, k), state_of(system, k), state_of(old, k)
+        for i in range(at.STATE_HEADER, state_size(n)):
+            state[i] = first[i]
+        if system_room.has_drum(system, k):
+            state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
+
+
+@kernel
+def move_coarsely(system, step, before):
+    """As `dynamic.move_coarsely`: with fixed steps of order 2, from the start of a step that the adaptive solver gave up."""
+    h = step * system_control.work_of(system) / at.COARSE_WORK
+    go_back(system, before)
+    status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
+    memory = state_of(system, 0)
+    memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
+    note_unresolved(h, memory)
+    return status
+
+
+@kernel
+def integrate(system, step, before):
+    """Advance all lines (modified) over a communication step [s], from their states `before`; a status."""
+    status = move(system, given_steps(parameters_of(system, 0)), step)
+    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
+        return OK
+    return status
 
 
 @kernel
@@ -208,10 +260,6 @@ def end_line(system, k, step):
     """Put line k (modified) in its state at the end of a communication step [s], as `dynamic.advance` does."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     x, v = motion_of(system, k)
-    if has_fixed_steps(system):
-        note_restless(system_descent.scratch_of(system, k).restless[0], parameters, state)
-    else:
-        note_stiff_and_slack(chain_of(n, parameters, state), x, state)
     place_ends(conditions_of(system, k), step, x, v)
     end_tensions.forget(state)
     compressed_chain.leave(chain_of(n, parameters, state), x, v)
@@ -257,7 +305,7 @@ def advance(system, step, before):
     status = begin(system, step)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
-        status = integrate(system, step)
+        status = integrate(system, step, before)
     if status == OK:
         status = commit(system, step, before)
     if status != OK:
