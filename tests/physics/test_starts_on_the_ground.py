@@ -60,7 +60,7 @@ def test_few_are_refused():
     refused = 0
     for number in range(40):
         try:
-            # 18 has 1.2e-9, or 1e-8 N: the rounding errors of the tensions at its point, 200 m from the origin, add up to that
+            # 18 has 1.2e-9, which is 1e-8 N: as much as the rounding errors of the tensions at a point 200 m from the origin
             assert unbalanced(*found(number)) < 2e-9
         except StepRefused:
             refused += 1
