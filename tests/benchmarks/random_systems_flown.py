@@ -1,11 +1,14 @@
 """Random systems of tethers: how many are refused, and how far is the default tolerance from a tight one?
 
-    python tests/benchmarks/random_systems_flown.py [--count N] [--seed S]
+    python tests/benchmarks/random_systems_flown.py [--count N] [--seed S] [--ground]
 
 Systems as in tests/random_systems.py: up to 12 points, 20 lines and 160 segments of the default 4 mm tether, 1 % taut to
 30 % slack, loads, wind, driven points at constant velocity; every fifth free point without a mass of its own. Each flies
 50 steps of 20 ms, then again with a relative tolerance of 1e-7. Wrong: a number that is not finite, or forces on the points
 that differ by more than 1 % (root mean square, of the largest force).
+
+With --ground flat ground is under all, every second system has no load, every third no wind, and the free points are found
+at rest first, as by `random_systems_started.py`: many lie there. Each then flies 10 steps. Refused starts are counted apart.
 """
 
 import argparse
@@ -17,17 +20,29 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from random_systems import fly, random_network, started
-from tetherfmu import Solver, StepRefused
+from random_systems import DEFAULT, fly, random_network, started
+from tetherfmu import Ground, Solver, StepRefused, TetherSystem
 
-STEPS, STEP = 50, 0.02
+STEPS, STEPS_ON_GROUND, STEP = 50, 10, 0.02
 TIGHT = Solver(relative_tolerance=1e-7)
 WRONG = 0.01
 
 
-def differences(network):
-    """Largest difference of positions [m], and of forces on points (rms, of the largest force), default against tight."""
-    flown, tight = (fly(network, started(network, solver), STEPS, STEP) for solver in (Solver(), TIGHT))
+def found_on_ground(network, solver):
+    """System of a network on flat ground with all free points found at rest; the driven ones move on from there."""
+    system = TetherSystem(network.points, network.lines, network.environment, solver, ground=Ground(ground_contact="flat"))
+    free = {point.name: None for point in network.points if not point.is_driven}
+    still = {name: (0.0, 0.0, 0.0) for name in free}
+    system.initialize(network.wind, positions=free, velocities=still, loads=network.loads)
+    return system
+
+
+def differences(network, systems, steps):
+    """Largest difference of positions [m], and of forces on points (rms, of the largest force), default against tight.
+
+    systems : that of the network at the default tolerance, and a tight one.
+    """
+    flown, tight = (fly(network, system, steps, STEP) for system in systems)
     positions = max(np.abs(flown.positions[name] - tight.positions[name]).max() for name in flown.positions)
     forces = [np.array([each.points[name].force for name in each.points]) for each in (flown, tight)]
     return positions, np.sqrt(np.mean((forces[0] - forces[1]) ** 2)) / np.abs(forces[1]).max()
@@ -37,17 +52,29 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--ground", action="store_true")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
-    refused, found = Counter(), []
+    start, steps = (found_on_ground, STEPS_ON_GROUND) if options.ground else (started, STEPS)
+    unfound, refused, found = 0, Counter(), {}
     for k in range(options.count):
+        network = random_network(np.random.default_rng((options.seed, k)))
+        if options.ground:
+            network.loads = network.loads if k % 2 else {}
+            network.wind = network.wind if k % 3 else np.zeros(3)
         try:
-            found.append(differences(random_network(np.random.default_rng((options.seed, k)))))
+            systems = [start(network, solver) for solver in (DEFAULT, TIGHT)]
+        except StepRefused:
+            unfound += 1
+            continue
+        try:
+            found[k] = differences(network, systems, steps)
         except StepRefused as problem:
             refused[str(problem)] += 1
-    found = np.array(found)
-    wrong = int(np.sum(~np.isfinite(found).all(axis=1) | (found[:, 1] > WRONG)))
-    print(f"{options.count} systems: {sum(refused.values())} refused, {wrong} wrong")
+    numbers, found = np.array(list(found)), np.array(list(found.values()))
+    wrong = numbers[~np.isfinite(found).all(axis=1) | (found[:, 1] > WRONG)]
+    counts = f"{unfound} starts and {sum(refused.values())} flights refused, {len(wrong)} wrong {wrong}"
+    print(f"{options.count} systems: {counts}")
     for problem, count in refused.most_common():
         print(f"  {count} x {problem}")
     print("difference of              median       90 %       99 %    largest")

@@ -82,10 +82,11 @@ def relax_slowly(body, thickness, load_stiffness, w):
 
 
 @kernel
-def thin(body, thickness, load_stiffness, w):
+def thin(body, thickness, load_stiffness, most, w):
     """Lead the equilibrium in a layer [m], in the body and in w.tension (both modified), to that in the thinnest one.
 
     load_stiffness : stiffness [N/m] that the loads alone give a node; 0: by Newton's method alone.
+    most : Newton iterations after which it ends.
     w.load (modified) : motion of each node over the change of the thickness.
     Returns whether it has been found, and the number of Newton iterations.
     """
@@ -96,7 +97,7 @@ def thin(body, thickness, load_stiffness, w):
     factor = FIRST_FACTOR
     iterations = 0
     for _ in range(MOST_LAYERS):
-        if thickness <= THINNEST or factor > LARGEST_FACTOR:
+        if thickness <= THINNEST or factor > LARGEST_FACTOR or iterations >= most:
             break
         thinner = max(factor * thickness, THINNEST)
         change = thinner - thickness

@@ -62,17 +62,18 @@ def relax(body, factor, pseudo_transient, load, w):
 
 
 @kernel
-def stiffen(body, factor, load, w):
+def stiffen(body, factor, load, most, w):
     """Lead the equilibrium with a factor on all EA, in the body and in w.tension (both modified), to that with the given EA.
 
-    load : mean load per unstretched length [N/m]. Returns whether it has been found, and the number of Newton iterations.
+    load : mean load per unstretched length [N/m].  most : Newton iterations after which it ends.
+    Returns whether it has been found, and the number of Newton iterations.
     """
     copy(body.x, w.kept)
     copy(w.tension, w.kept_tension)
     rise = LARGEST_RISE
     iterations = 0
     for _ in range(MOST_RISES):
-        if factor >= 1.0 or rise < SMALLEST_RISE:
+        if factor >= 1.0 or rise < SMALLEST_RISE or iterations >= most:
             break
         stiffer = min(1.0, rise * factor)
         found, more = relax(body, stiffer, False, load, w)

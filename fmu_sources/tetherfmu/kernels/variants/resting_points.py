@@ -14,11 +14,17 @@ shorter than a part of the shortest line, whatever the potential does.
 Lines on the ground that push, since they are too short to fold, jam under friction, and far from the equilibrium. The last
 way to search is along the forces without friction, which are those of a potential again, in short steps; it ends where
 friction holds the points.
+
+Lines in heaps on the ground find no equilibrium in wind at places that the search has to pass. Where nothing is found on
+the ground, the equilibrium is sought in no air or in thin air, and the air gets denser from one equilibrium to the next;
+then it is sought without friction, and from there with it.
 Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
 """
 
 from collections import namedtuple
 from math import inf
+
+import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
@@ -72,8 +78,10 @@ FIRST_PART = 0.3  # of the shortest line, which the first step of the most loade
 SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient continuation
 SLIDE_PART = 0.5  # the same without friction
 ALONG, SLOWLY, SLIDING, WAYS = 0, 1, 2, 3  # ways to search
+AIR = np.array((0.0, 0.25, 0.5, 0.75, 1.0))  # density over the given one, from one equilibrium to the next
+DENSEST = 0.25  # of these, in which the first equilibrium is sought
 
-Search = namedtuple("Search", "slopes factors x trial residual held move outer size rounding grip spent slides")
+Search = namedtuple("Search", "slopes factors x trial residual held move outer size rounding grip spent slides kept")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
@@ -81,14 +89,14 @@ residual : R [N], m, without friction if the points slide.  held : R with fricti
 outer : load and weight of the points [N], m.
 size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
 grip : friction of the ground at the points [N], F.  spent : Newton iterations for the shapes of all lines, one number.
-slides : 1 in a search without friction, else 0.
+slides : 1 in a search without friction, else 0.  kept : an equilibrium to continue from [m], m.
 """
 
 
 @kernel
 def search_size(points, band):
     """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 21 * points + 2
+    return 6 * points * row_size(band) + 24 * points + 2
 
 
 @view
@@ -102,8 +110,8 @@ def search_of(system):
     x, trial, residual, room = split(m, room)
     held, move, outer, room = split(m, room)
     sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    numbers = part(room, 3 * count, 1), part(room, 3 * count + 1, 1)
-    return Search(slopes, factors, x, trial, residual, held, move, outer, *sizes, *numbers)
+    numbers, kept = (part(room, 3 * count, 1), part(room, 3 * count + 1, 1)), part(room, 3 * count + 2, m)
+    return Search(slopes, factors, x, trial, residual, held, move, outer, *sizes, *numbers, kept)
 
 
 # --- all of them
@@ -304,6 +312,77 @@ def search_from(system, way, search):
 
 
 @kernel
+def search_everywhere(system, begins_as_given, search):
+    """Search from all starts, in one way after the other: the least balanced point in the end, and whether it is found."""
+    worst, found = 0, False
+    for way in range(WAYS if has_ground(parameters_of(system, 0)) else SLIDING):
+        for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
+            if not found and set_off(system, start, search):
+                worst, found = search_from(system, way, search)
+    return worst, found
+
+
+@kernel
+def search_on(system, search):
+    """Search in all ways from an equilibrium in other conditions: as `search_from`.
+
+    It is in search.x [m], which is modified if another one is found.
+    """
+    copy(search.x, search.kept)
+    worst, found = 0, False
+    for way in range(WAYS):
+        if not found:
+            copy(search.kept, search.x)
+            worst, found = search_from(system, way, search)
+    if not found:
+        copy(search.kept, search.x)
+    return worst, found
+
+
+@kernel
+def put_conditions(system, density, friction):
+    """Give all lines (modified) an air density [kg/m3] and a friction coefficient of the ground [-]."""
+    for k in range(lines_of(system)):
+        parameters_of(system, k)[at.AIR_DENSITY] = density
+        parameters_of(system, k)[at.GROUND_FRICTION] = friction
+
+
+@kernel
+def search_in_rising_air(system, density, friction, begins_as_given, search):
+    """Search from the equilibrium in no air or thin air: as `search_from`.
+
+    density, friction : the given ones, of the air [kg/m3] and of the ground [-].
+    """
+    worst, found, begun = 0, False, False
+    for k in range(len(AIR)):
+        put_conditions(system, AIR[k] * density, friction)
+        if begun:
+            worst, found = search_on(system, search)
+        elif AIR[k] <= DENSEST:
+            worst, begun = search_everywhere(system, begins_as_given, search)
+    return worst, found
+
+
+@kernel
+def search_by_continuation(system, begins_as_given, search):
+    """Search from the equilibrium in thinner air, then from that without friction: as `search_from`.
+
+    It may take as many Newton iterations again as all before it.
+    """
+    search.spent[0] = 0.0
+    parameters = parameters_of(system, 0)
+    density, friction = parameters[at.AIR_DENSITY], parameters[at.GROUND_FRICTION]
+    worst, found = search_in_rising_air(system, density, friction, begins_as_given, search)
+    if not found:
+        put_conditions(system, density, 0.0)
+        worst, found = search_everywhere(system, begins_as_given, search)
+        put_conditions(system, density, friction)
+        if found:
+            worst, found = search_on(system, search)
+    return worst, found
+
+
+@kernel
 def check(system):
     """Give all lines at sought points (modified) their first states but for the inner nodes: OK, or why they cannot be.
 
@@ -339,12 +418,9 @@ def find(system, begins_as_given):
     search = search_of(system)
     search.spent[0] = 0.0
     find_outer(system, search)
-    worst, found = 0, False
-    on_ground = has_ground(parameters_of(system, 0))
-    for way in range(WAYS if on_ground else SLIDING):
-        for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
-            if not found and set_off(system, start, search):
-                worst, found = search_from(system, way, search)
+    worst, found = search_everywhere(system, begins_as_given, search)
+    if not found and has_ground(parameters_of(system, 0)):
+        worst, found = search_by_continuation(system, begins_as_given, search)
     if not found:
         return NO_EQUILIBRIUM_OF_POINT | worst << 8
     for k in range(lines_of(system)):
