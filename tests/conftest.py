@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from xdist.scheduler import LoadScopeScheduling
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -41,19 +42,31 @@ SHARING = {  # tests that use what one process makes once: folder or file, and t
 }
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Let one worker run all tests of a file, or of a group of files, so that what they share is made once.
+LONG = ("tests/kernels/", "tests/libraries/test_", "tests/study/measuring/test_cluster.py")  # begin first, or one worker waits
 
-    Kernels that are compiled just in time are not optimized: that takes longer than to run them, and changes no bit.
+
+class ByFile(LoadScopeScheduling):
+    """Lets one worker run all tests of a file, or of a group of files, so that what they share is made once.
+
+    The marks of xdist for groups would do, but xdist 3.8 does not see them where pytest is 9.2.
     """
+
+    def _split_scope(self, nodeid):
+        file = nodeid.partition("::")[0]
+        return next((group for place, group in SHARING.items() if file.startswith(place)), file)
+
+
+def pytest_xdist_make_scheduler(config, log):
+    """The scheduler of this run."""
+    return ByFile(config, log)
+
+
+def pytest_collection_modifyitems(items):
+    """Kernels that are compiled just in time are not optimized: that takes longer than to run them, and changes no bit."""
     from numba.core import config
 
     config.OPT = config._OptLevel("0")
-    for item in items:
-        file = item.nodeid.partition("::")[0]
-        group = next((name for place, name in SHARING.items() if file.startswith(place)), file)
-        item.add_marker(pytest.mark.xdist_group(group))
+    items.sort(key=lambda item: not item.nodeid.startswith(LONG))
 
 
 @pytest.hookimpl(trylast=True)
