@@ -10,6 +10,9 @@ import pytest
 from xdist.scheduler import LoadScopeScheduling
 
 sys.path.insert(0, str(Path(__file__).parent))
+gc.disable()  # until all tests are collected
+# a worker has one core: the threads of numpy's linear algebra would wait for each other, at up to 40 times the processor time
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 LONGEST_BUILD = 1800.0  # seconds, for what hangs; a cold build takes half a minute on an idle machine
 
@@ -81,6 +84,7 @@ def pytest_runtest_teardown(item, nextitem):
 def pytest_collection_finish():
     """What was imported and collected stays: it need not be looked through each time when memory is freed."""
     gc.freeze()
+    gc.enable()
 
 
 FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "native_fmi3": ("--native", "--header", "--fmi", "3")}
