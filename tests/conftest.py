@@ -11,7 +11,7 @@ from xdist.scheduler import LoadScopeScheduling
 
 sys.path.insert(0, str(Path(__file__).parent))
 gc.disable()  # until all tests are collected
-# a worker has one core: the threads of numpy's linear algebra would wait for each other, at up to 40 times the processor time
+# a worker has one core; threads of numpy's linear algebra would wait for each other, with up to 40 times the processor time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 LONGEST_BUILD = 1800.0  # seconds, for what hangs; a cold build takes half a minute on an idle machine
@@ -45,7 +45,8 @@ SHARING = {  # tests that use what one process makes once: folder or file, and t
 }
 
 
-LONG = ("tests/kernels/", "tests/libraries/test_", "tests/study/measuring/test_cluster.py")  # begin first, or one worker waits
+# begin first, or one worker waits for the other at the end
+LONG = ("tests/kernels/", "tests/libraries/test_", "tests/study/measuring/test_cluster.py")
 
 
 class ByFile(LoadScopeScheduling):

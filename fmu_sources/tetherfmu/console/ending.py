@@ -59,7 +59,7 @@ def _said(text, status):
 
 def remedy(package):
     """How to install a package that is missing: with the extra of this project that it belongs to."""
-    from importlib.metadata import PackageNotFoundError, requires  # half of what a command needs to start
+    from importlib.metadata import PackageNotFoundError, requires  # rarely needed, slow to import
 
     try:
         found = filter(None, map(REQUIREMENT.match, requires("tetherfmu") or ()))
