@@ -7,8 +7,12 @@ import time
 from pathlib import Path
 
 import pytest
+from xdist.scheduler import LoadScopeScheduling
 
 sys.path.insert(0, str(Path(__file__).parent))
+gc.disable()  # until all tests are collected
+# a worker has one core; threads of numpy's linear algebra would wait for each other, with up to 40 times the processor time
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 LONGEST_BUILD = 1800.0  # seconds, for what hangs; a cold build takes half a minute on an idle machine
 
@@ -41,19 +45,32 @@ SHARING = {  # tests that use what one process makes once: folder or file, and t
 }
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Let one worker run all tests of a file, or of a group of files, so that what they share is made once.
+# begin first, or one worker waits for the other at the end
+LONG = ("tests/kernels/", "tests/libraries/test_", "tests/study/measuring/test_cluster.py")
 
-    Kernels that are compiled just in time are not optimized: that takes longer than to run them, and changes no bit.
+
+class ByFile(LoadScopeScheduling):
+    """Lets one worker run all tests of a file, or of a group of files, so that what they share is made once.
+
+    The marks of xdist for groups would do, but xdist 3.8 does not see them where pytest is 9.2.
     """
+
+    def _split_scope(self, nodeid):
+        file = nodeid.partition("::")[0]
+        return next((group for place, group in SHARING.items() if file.startswith(place)), file)
+
+
+def pytest_xdist_make_scheduler(config, log):
+    """The scheduler of this run."""
+    return ByFile(config, log)
+
+
+def pytest_collection_modifyitems(items):
+    """Kernels that are compiled just in time are not optimized: that takes longer than to run them, and changes no bit."""
     from numba.core import config
 
     config.OPT = config._OptLevel("0")
-    for item in items:
-        file = item.nodeid.partition("::")[0]
-        group = next((name for place, name in SHARING.items() if file.startswith(place)), file)
-        item.add_marker(pytest.mark.xdist_group(group))
+    items.sort(key=lambda item: not item.nodeid.startswith(LONG))
 
 
 @pytest.hookimpl(trylast=True)
@@ -68,6 +85,7 @@ def pytest_runtest_teardown(item, nextitem):
 def pytest_collection_finish():
     """What was imported and collected stays: it need not be looked through each time when memory is freed."""
     gc.freeze()
+    gc.enable()
 
 
 FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "native_fmi3": ("--native", "--header", "--fmi", "3")}

@@ -38,7 +38,6 @@ def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
             assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
-@pytest.mark.xfail(reason="what was compiled before changes the order of some instructions, and no number")
 def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path, capfd, monkeypatch):
     """And that something is compiled is told, with an estimate; other platforms follow without numba, as it is forbidden."""
     alone = ready.compiled_in(tmp_path, ["straight"], HERE)["straight"]

@@ -17,10 +17,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
 
-pytestmark = [
-    pytest.mark.skipif(os.name == "nt", reason="the engine is given the functions of mathematics of a POSIX system"),
-    pytest.mark.xdist_group("webassembly"),  # one process compiles the file
-]
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="the engine is given the functions of mathematics of a POSIX system")
 STEP, STEPS = 0.02, 60
 SIZE = 400_000  # bytes
 

@@ -9,7 +9,6 @@
 import re
 import sys
 from functools import wraps
-from importlib.metadata import PackageNotFoundError, requires
 
 FAILED, WRONG_USE, STOPPED = 1, 2, 130
 REQUIREMENT = re.compile(r"([\w-]+).*extra == ['\"](\w+)['\"]")
@@ -60,6 +59,8 @@ def _said(text, status):
 
 def remedy(package):
     """How to install a package that is missing: with the extra of this project that it belongs to."""
+    from importlib.metadata import PackageNotFoundError, requires  # rarely needed, slow to import
+
     try:
         found = filter(None, map(REQUIREMENT.match, requires("tetherfmu") or ()))
     except PackageNotFoundError:

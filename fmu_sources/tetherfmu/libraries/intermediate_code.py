@@ -58,6 +58,31 @@ def keep_texts():
     NRTContext.incref = lambda self, builder, kind, value: None
     NRTContext.decref = lambda self, builder, kind, value: None
     _remember_operators()
+    _forget_callers()
+
+
+def _forget_callers():
+    """Let the code of a function not depend on its first caller, and so on what was compiled before.
+
+    numba inlines a function by force if its first caller is inlined so, and compiles an overload, such as `min`, once for
+    each set of flags that its callers have; all of them then call the latest.
+    """
+    from numba.core.cpu import CPUTargetOptions
+    from numba.core.typing.templates import _OverloadFunctionTemplate
+
+    finalize = CPUTargetOptions.finalize
+
+    def finalize_alone(self, flags, options):
+        if not flags.is_set("forceinline"):
+            flags.forceinline = False
+        finalize(self, flags, options)
+
+    def get_impl(self, args, kws):
+        key = self.context, tuple(args), tuple(kws.items())
+        return self._impl_cache[key] if key in self._impl_cache else self._build_impl(key, args, kws)
+
+    CPUTargetOptions.finalize = finalize_alone
+    _OverloadFunctionTemplate._get_impl = get_impl
 
 
 def _remember_operators():
