@@ -110,7 +110,7 @@ which leads the drum to the pairs of tension and speed that the flight controlle
 | tether and kite iterate | FMU | 4040 | 4031 | 3593 |
 | tether and kite iterate | inside the tether | 4037 | 4023 | 4009 |
 | `winch_inside.ssp` in libcosim | inside the tether | 4036 | diverges | diverges |
-| its `OspSystemStructure.xml`: tether and kite 20 ms, controller and motor so much | inside the tether | 4036 | 4035 | 4037 |
+| its `OspSystemStructure.xml`: tether and kite always 20 ms | inside the tether | 4036 | 4035 | 4037 |
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.png)
 
@@ -193,7 +193,8 @@ is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
 ## Systems as SSP files
 
 `kite_power_system.ssp` is the system above, `winch_inside.ssp` the same with
-[the winch inside the tether](#the-winch-inside-the-tether), its motor in the place of the winch; `circular_flight.ssp` is `KiteOnPath` and `TetherDynamic`: the circle of
+[the winch inside the tether](#the-winch-inside-the-tether), its motor in the place of the winch;
+`circular_flight.ssp` is `KiteOnPath` and `TetherDynamic`: the circle of
 `examples/first_flight/circular_flight.py`. The FMUs in them carry their start values, because not every importer sets
 enumerations or reads parameter sets. Three system structures of the power system differ in the parameter set of the tether:
 
