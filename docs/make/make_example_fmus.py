@@ -32,13 +32,14 @@ needs, and no kernels; `TurbulentWind` alone needs numpy as well.
 tetherfmu build --examples
 ```
 
-builds them beside the tethers, and four systems of them as SSP files.
+builds them beside the tethers, and five systems of them as SSP files.
 
 | FMU | in | out | for |
 |---|---|---|---|
 | `PointMassKite` | motion of the kite, wind, steering, depower | `kite_load` | `TetherDynamicFree`, which has the mass |
 | `FlyingKite` | `kite_force`, wind, steering, depower | motion of the kite | tethers with a driven kite end |
 | `Winch` | `ground_tension`, `tether_length`, set point | `reel_out_speed` | every tether |
+| `WinchMotor` | `ground_tension`, `winch_speed`, `kite_position`, depower | `winch_force` | tethers with the drum inside |
 | `FlightController` | motion of the kite, tension, length | steering, depower, `set_speed` | both kites, the winch |
 | `KiteOnPath` | | motion of the kite | tethers with a driven kite end |
 | `TurbulentWind` | position of the kite, `shape` | `wind_velocity`, `kite_wind`, `wind_at` | tethers and kites |
@@ -98,15 +99,18 @@ measured one.
 
 `python examples/power_system/winch_inside.py` flies the same system twice: with the `Winch` FMU, and with the drum
 inside the tether, `winch_control` = force. Then `winch_mass` is the inertia of the drum over the square of its radius,
-301 kg, `winch_damping` and `winch_friction` are its friction, and the only thing left outside is the motor
-(`motor.py`): a function from the speed of the drum and the tension at the start of a step to `winch_force`, which leads
-the drum to the pairs of tension and speed that the flight controller wants. Mean power over a cycle in 8 m/s [W]:
+301 kg, `winch_damping` and `winch_friction` are its friction, and the only thing left outside is the motor, the FMU
+`WinchMotor`: from the speed of the drum and the tension at the end of a step it computes the `winch_force` of the next one,
+which leads the drum to the pairs of tension and speed that the flight controller wants. Mean power over a cycle in 8 m/s
+[W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
 |---|---|---|---|---|
 | `pumping_cycle.py`, either master | FMU | 4039 | diverges after 0.5 s | diverges after 0.6 s |
 | tether and kite iterate | FMU | 4040 | 4031 | 3593 |
-| tether and kite iterate | inside the tether | 4037 | 4027 | 4001 |
+| tether and kite iterate | inside the tether | 4037 | 4023 | 4009 |
+| `winch_inside.ssp` in libcosim | inside the tether | 4036 | diverges | diverges |
+| its `OspSystemStructure.xml`: tether and kite always 20 ms | inside the tether | 4036 | 4035 | 4037 |
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.png)
 
@@ -188,7 +192,9 @@ is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
 
 ## Systems as SSP files
 
-`kite_power_system.ssp` is the system above, `circular_flight.ssp` is `KiteOnPath` and `TetherDynamic`: the circle of
+`kite_power_system.ssp` is the system above, `winch_inside.ssp` the same with
+[the winch inside the tether](#the-winch-inside-the-tether), its motor in the place of the winch;
+`circular_flight.ssp` is `KiteOnPath` and `TetherDynamic`: the circle of
 `examples/first_flight/circular_flight.py`. The FMUs in them carry their start values, because not every importer sets
 enumerations or reads parameter sets. Three system structures of the power system differ in the parameter set of the tether:
 
@@ -202,7 +208,12 @@ libcosim (`CosimExecution.from_ssp_file` of libcosimpy, on the extracted file) f
 example does, to ten digits; so does Ecos (`EcosSimulation(ssp_path=...)` of ecospy). fmu-manipulation-toolbox makes one
 FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); its signals are local variables. It starts the kite
 without its first steering, which moves the path by centimetres. `simulate_ssp` of FMPy sets all connected inputs to 0 in
-the first step, with which a kite at the ground station is refused: use one of the others."""
+the first step, with which a kite at the ground station is refused: use one of the others.
+
+Each file also has its system for the Open Simulation Platform, in `extra/com.open-simulation-platform`
+(`CosimExecution.from_osp_config_file` of libcosimpy, on that folder of the extracted file). There each FMU may have steps
+of its own: in `winch_inside.ssp` controller and motor have 100 ms, tether and kite 20 ms. So the winch may be late, and only
+the load on the kite, which must not be, is exchanged often."""
 
 
 def section(name):

@@ -6,6 +6,8 @@ FMU that has it.
 
 from math import cos, radians, sin
 
+from fmus.winch import Drum
+
 ELEVATION, DISTANCE, SPEED = radians(30.0), 200.0, 15.0  # of the kite at the start [rad], [m], [m/s]
 FMUS = {  # instance: FMU, in the order in which they depend on each other
     "tether": "TetherDynamicFree",
@@ -30,6 +32,17 @@ START = {  # of every FMU that has the name: the kite flies across the wind, on 
 }
 START |= {name.removeprefix("initial_"): value for name, value in START.items() if name.startswith("initial_kite_")}
 START |= {"heading": START["initial_heading"], "tether_length": START["initial_length"]}  # for importers that connect late
+INSIDE = {name: fmu for name, fmu in FMUS.items() if name != "winch"} | {"motor": "WinchMotor"}  # the drum in the tether
+BY_FORCE = 2  # of `winch_control`
+INSIDE_START = START | {
+    "winch_control": BY_FORCE,
+    "winch_mass": Drum().inertia / Drum().drum_radius ** 2,
+    "winch_damping": Drum().viscous_friction,
+    "winch_friction": Drum().coulomb_friction,
+    "reel_out_speed": START["initial_speed"],
+    "winch_speed": START["initial_speed"],
+}
+OWN_STEPS = {"controller": 0.1, "motor": 0.1}  # [s], of what may take longer steps than tether and kite
 FIDELITIES = {  # what differs: name, and values for the tether
     "coarse": {"segments": 3, "relative_tolerance": 1e-3},
     "standard": {"segments": 10, "relative_tolerance": 1e-4},

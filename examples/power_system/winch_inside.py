@@ -5,7 +5,7 @@
 In steps of 100 ms `pumping_cycle.py` diverges with both of its masters, because the load on the kite is late. Here tether
 and kite repeat each step until they agree, whoever turns the drum, and what is still late is the winch: as an FMU it gets
 the tension at the end of a step and gives its speed to the next one. With `winch_control` = force the drum, its inertia
-and its friction are solved together with the tether, and only the motor is outside (`motor.py`).
+and its friction are solved together with the tether, and only the motor is outside (`WinchMotor`).
 """
 
 import sys
@@ -22,25 +22,21 @@ from tetherfmu.console.progress import now
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from power_system import pumping_cycle
 from power_system.agreement import together
-from power_system.kite_power_system import FMUS, START
-from power_system.motor import HELD, OF_DRUM, pull
-from shared.fmu_tools import all_variables, find_fmu
+from power_system.kite_power_system import FMUS, INSIDE, INSIDE_START, START
 
+HELD = {"input_continuation": 2}  # start value: the inputs of the tether stay as they are within a step
+DRUM_ENDS = {"tether.longest_length": 0.0, "tether.shortest_length": 0.0}  # no stops: the controller has the same names
 STEPS, COLOURS = (0.02, 0.1, 0.2), (GREEN, BLUE, VERMILLION)  # communication steps [s]
 
 
 def fly(step, inside, start=START):
     """A whole cycle after the first reeling in: time [s], tension [N], reel-out speed [m/s], tether steps for each."""
-    fmus = {name: fmu for name, fmu in FMUS.items() if not (inside and name == "winch")}
-    start, rows, bounds = start | HELD | (OF_DRUM if inside else {}), [], []
-    with pumping_cycle.system(start, "gauss_seidel", fmus) as (parts, signals, at, stop_if_pressed):
+    start, rows, bounds = (INSIDE_START if inside else {}) | start | HELD | DRUM_ENDS, [], []
+    with pumping_cycle.system(start, "gauss_seidel", INSIDE if inside else FMUS) as (parts, signals, at, stop_if_pressed):
         load, kite = (slice(at[f"{name}[1]"], at[f"{name}[3]"] + 1) for name in ("kite_load", "kite_position"))
-        winch_force, guess = all_variables(find_fmu(FMUS["tether"])).of("winch_force"), np.array(signals[load])
+        guess = np.array(signals[load])
         while len(bounds) < 2:
             time, depower = len(rows) * step, signals[at["depower"]]
-            if inside:
-                drum = [signals[at[name]] for name in ("ground_tension", "winch_speed", "depower")]
-                parts[0].fmu.setReal(winch_force, [pull(*drum, signals[kite], step)])
             guess, count = together(parts[:2], signals, load, guess, time, step)
             pumping_cycle.gauss_seidel(parts[2:], signals, time, step)
             rows.append((time + step, signals[at["ground_tension"]], signals[at["winch_speed"]], count))

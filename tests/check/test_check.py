@@ -12,6 +12,7 @@ import pytest
 
 from foreign import foreign
 from tetherfmu.check import __main__, inspection
+from tetherfmu.export import winch_evidence
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.kernel_library import this_platform
@@ -55,6 +56,8 @@ def test_sound_fmus(fmu_folder):
     assert status == 0
     assert said.count("valid by the XML schema of FMI 2.0, and FMPy finds no problem") == len(SLAVES)
     assert said.count("evidence set: 200 steps") == len(SLAVES)
+    for kind in winch_evidence.TOLD:
+        assert said.count(f"evidence set, winch by {kind}: {winch_evidence.STEPS} steps") == len(SLAVES)
     assert len(re.findall(r"kite_force\[3\] +[\d.e+-]+ of +[\d.e+-]+ N$", said, re.MULTILINE)) == len(SLAVES)
     assert f"on {this_platform()}" in said
     assert "0 problems found" in said
@@ -68,7 +71,7 @@ def test_sound_native_fmus(run, native_folder, fmi3_folder):
         assert f"valid by the XML schema of FMI {version}.0, and FMPy finds no problem" in said
     two, three = said.split("evidence set: 200 steps")[1:]
     deviations = re.findall(r"^ +(\w+(?:\[\d\])?) +(\S+) of +(\S+) (N|m)$", two, re.MULTILINE)
-    assert len(deviations) == 10
+    assert len(deviations) == 10 + 2 * 6  # of the winch three in N or m, and where the kite is
     assert deviations == re.findall(r"^ +(\w+(?:\[\d\])?) +(\S+) of +(\S+) (N|m)$", three, re.MULTILINE)
     assert "LD_PRELOAD" not in said
 
@@ -235,7 +238,11 @@ def with_evidence(fmu_folder, tmp_path, ending, pattern, text):
     """A copy of TetherStraight.fmu with a change in a file of its evidence set."""
 
     def change(name, content):
-        return re.sub(pattern, text, content, count=1, flags=re.MULTILINE) if name.endswith(ending) else content
+        return (
+            re.sub(pattern, text, content, count=1, flags=re.MULTILINE)
+            if name.endswith(f"TetherStraight{ending}")
+            else content
+        )
 
     return changed(fmu_folder / "TetherStraight.fmu", tmp_path / "TetherStraight.fmu", change)
 

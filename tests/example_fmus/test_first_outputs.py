@@ -13,7 +13,7 @@ FIRST = {
     "depower": 0.4, "initial_heading": 0.5, "heading": -2.3, "air_density_scale_height": 8000.0, "apparent_wind_speed": 15.0,
     "ground_tension": 900.0, "initial_speed": 1.0, "kite_position[2]": 40.0,
     "path": 2, "wind_direction": 0.3, "wind_points": 2, "spacing_along": 5.0, "spacing_across": 10.0, "spacing_upwards": 8.0,
-    "look_ahead": 0.9, "course_gain": 0.05,
+    "look_ahead": 0.9, "course_gain": 0.05, "winch_speed": 0.5, "steepest": 1.0,
 }  # fmt: skip
 # what is of the file of turbulent wind and fits no other; what is refused beyond it
 GRID = {"points_along": 16, "points_across": 4, "points_upwards": 8, "outside": 1}
@@ -43,5 +43,5 @@ def test_first_outputs_depend_on_what_is_declared(name):
     for each, names in found.items():
         assert names <= declared[each], each
     idle = set.union(*declared.values()) - set.union(*found.values(), set())
-    # before the first step nothing turns
-    assert idle <= {"turning", "turning_by_weight", *GRID}
+    # before the first step nothing turns, and the motor stays within its limits
+    assert idle <= {"turning", "turning_by_weight", "torque_limit", "largest_acceleration", *GRID}

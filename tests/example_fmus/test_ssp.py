@@ -32,7 +32,7 @@ def ssp_folder(built_once):
     return built_once("ssp", lambda folder: ssp.write_all(folder))
 
 
-@pytest.mark.parametrize("name", ["kite_power_system", "circular_flight"])
+@pytest.mark.parametrize("name", ["kite_power_system", "winch_inside", "circular_flight"])
 def test_is_valid(ssp_folder, name):
     """By the schemas of SSP 1.0, as FMPy has them; connections join connectors that are there."""
     path = ssp_folder / f"{name}.ssp"
@@ -46,7 +46,7 @@ def test_is_valid(ssp_folder, name):
         structures = [entry for entry in archive.namelist() if entry.endswith(".ssd")]
         for entry in structures:
             validate_tree(etree.fromstring(archive.read(entry)), "SystemStructureDescription.xsd")
-    if name == "kite_power_system":
+    if name != "circular_flight":
         assert len(structures) == len(FIDELITIES)
         for fidelity, segments in FIDELITIES.items():
             assert parameters_of(path, fidelity)["segments"] == segments
@@ -65,15 +65,18 @@ def test_the_same_bytes_again(ssp_folder, tmp_path):
         assert path.read_bytes() == (ssp_folder / path.name).read_bytes()
 
 
-def by_the_example(names, start, fmus):
-    """Rows of the tether's outputs by the Jacobi master of the example."""
+def by_the_example(names, start, fmus, inside=False):
+    """Rows of the tether's outputs by the Jacobi master of the example; inside : whether the winch is inside the tether."""
     sys.path.append(str(EXAMPLES))
     from first_flight import circular_flight
     from power_system import kite_power_system, pumping_cycle
 
     circular_flight.find_fmu = pumping_cycle.find_fmu = lambda name: Path(fmus) / f"{name}.fmu"
     rows = []
-    with pumping_cycle.system(kite_power_system.START | start, "jacobi") as (parts, signals, places, _):
+    given, parts_of = kite_power_system.START, kite_power_system.FMUS
+    if inside:
+        given, parts_of = kite_power_system.INSIDE_START, kite_power_system.INSIDE
+    with pumping_cycle.system(given | start, "jacobi", parts_of) as (parts, signals, places, _):
         for k in range(STEPS):
             pumping_cycle.jacobi(parts, signals, 0.02 * k, 0.02)
             rows.append([signals[places[name]] for name in names])
@@ -138,6 +141,20 @@ def test_kite_power_system_in_ecos(ssp_folder, fmu_folder, example_folder, tmp_p
     start, fmus = parameters_of(path, "standard"), fmus_of(fmu_folder, example_folder, tmp_path)
     ours = own_process(by_the_example, names=FOLLOWED, start=start, fmus=fmus)
     np.testing.assert_allclose(own_process(by_ecos, path=path, names=FOLLOWED), ours, rtol=1e-9, atol=1e-9)
+
+
+@needs_libcosim
+def test_winch_inside_in_libcosim(ssp_folder, fmu_folder, example_folder, tmp_path):
+    """As the Jacobi master, with the motor in the place of the winch."""
+    extracted, fmus = tmp_path / "extracted", tmp_path / "fmus"
+    fmus.mkdir()
+    with zipfile.ZipFile(ssp_folder / "winch_inside.ssp") as archive:
+        archive.extractall(extracted)
+    names = (*FOLLOWED, "winch_speed")
+    fmus = fmus_of(fmu_folder, example_folder, fmus)
+    ours = own_process(by_the_example, names=names, start={}, fmus=fmus, inside=True)
+    theirs = own_process(by_libcosim, folder=str(extracted), ssd="SystemStructure.ssd", names=names)
+    np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-9)
 
 
 @needs_libcosim

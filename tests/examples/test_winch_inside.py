@@ -1,14 +1,24 @@
 """A pumping kite with its winch inside the tether: the power of the winch FMU, in steps in which the winch FMU fails."""
 
 import sys
+import zipfile
+from importlib.util import find_spec
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from running import EXAMPLES, assert_is_drawn, run
 
+from isolation import own_process
+from tetherfmu.export import ssp
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.documents import OSP_FOLDER
+from tetherfmu.libraries.examples import example
+
 sys.path.append(str(EXAMPLES))
 
-from power_system import motor
+from fmus import winch_motor
+from power_system.kite_power_system import OWN_STEPS
 
 SHORT = "{**kite_power_system.START, 'controller.longest_length': 225.0}"  # a cycle of half a minute
 POWER = """
@@ -42,6 +52,43 @@ def test_the_power_is_that_of_the_winch_fmu(folder, beside):
     assert inside == pytest.approx(beside, rel=0.01)
 
 
+def by_libcosim(folder):
+    """Mean power [W] over a cycle after the first reeling in, of the system structure in a folder."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+
+    execution, observer = CosimExecution.from_osp_config_file(osp_path=folder), CosimObserver.create_last_value()
+    assert execution.add_observer(observer)
+    controller, motor = map(execution.slave_index_from_instance_name, ("controller", "motor"))
+    depower, energy = (
+        next(each.reference for each in execution.slave_variables(at) if each.name.decode() == name)
+        for at, name in ((controller, "depower"), (motor, "energy"))
+    )
+    found, before = [], 0.0
+    while len(found) < 2:
+        assert execution.step()
+        now = observer.last_real_values(controller, [depower])[0]
+        if before == 1.0 > now:
+            found.append((execution.status().current_time * 1e-9, observer.last_real_values(motor, [energy])[0]))
+        before = now
+    (begin, least), (end, most) = found
+    return (most - least) / (end - begin)
+
+
+@pytest.mark.skipif(find_spec("libcosimpy") is None, reason="libcosimpy is not installed")
+def test_libcosim_flies_the_file_with_the_motor_in_steps_of_100_ms(tmp_path, beside):
+    """Its system structure has tether and kite in steps of 20 ms, motor and controller, which are late, in longer ones."""
+    assert OWN_STEPS == {"controller": 0.1, "motor": 0.1}
+    given = example("power_system.kite_power_system")
+    fidelities = {"standard": {"tether": given.FIDELITIES["standard"]}}
+    wiring = ssp.Wiring(steps=OWN_STEPS)
+    path = ssp.write("winch_inside", given.INSIDE, given.INSIDE_START, fidelities, tmp_path, BuildOptions(), wiring)
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "extracted")
+    inside = own_process(by_libcosim, folder=str(tmp_path / "extracted" / OSP_FOLDER))
+    assert inside == pytest.approx(beside, rel=0.01)
+
+
 def test_steps_of_100_ms_give_what_steps_of_20_ms_give(folder):
     """The controller sees up to 80 ms later where reeling in begins and ends, and so does the motor: 0.3 % of 25 s each."""
     code = f"for step in (0.02, 0.1): print(power(winch_inside.fly(step, True, {SHORT})))"
@@ -67,13 +114,14 @@ def test_in_200_ms_the_winch_fmu_swings_and_the_winch_inside_does_not(folder):
 
 def test_the_drum_and_its_controller_agree_at_rest():
     """Where the tension is the one for the speed of the drum, the motor pulls with it, less the friction."""
+    motor = SimpleNamespace(**{key: value for kind in winch_motor.WinchMotor.records for key, value in vars(kind()).items()})
     for speed, depower in ((2.5, 0.0), (-3.0, 1.0)):
         tension = {0.0: 300.0 * 2.5**2, 1.0: 1800.0 * (1.0 - 3.0 / 8.0)}[depower]
-        assert motor.wanted_speed(tension, depower, 0.5) == pytest.approx(speed)
+        assert winch_motor.wanted_speed(tension, depower, 0.5, motor) == pytest.approx(speed)
         friction = 30.6 * speed + 122.0 * np.sign(speed)
-        found = motor.pull(tension, speed, depower, (100.0, 0.0, 50.0), 0.1)
+        found = winch_motor.pull(tension, speed, depower, (100.0, 0.0, 50.0), 0.1, motor)
         assert found == pytest.approx(tension - friction, abs=0.1)  # friction fades below 5 cm/s: 0.02 N of it
-        more = motor.pull(tension + 100.0, speed, depower, (100.0, 0.0, 50.0), 0.1)
+        more = winch_motor.pull(tension + 100.0, speed, depower, (100.0, 0.0, 50.0), 0.1, motor)
         assert more < found  # it lets the drum go
 
 

@@ -9,12 +9,15 @@ import pytest
 from fmpy import read_model_description
 
 from tetherfmu import models
-from tetherfmu.export import evidence
+from tetherfmu.export import evidence, winch_evidence
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver, Tether
 from tetherfmu.runtime.variants import BY_NAME
 
 dynamic = pytest.mark.parametrize("model", [models.TetherDynamic, models.TetherDynamicFree])
+ENDS = ("in.csv", "ref.csv", "ref.opt")
+OPTIONS = {"StartTime", "StopTime", "StepSize", "RelTol"}
+OURS = {"OutputIntervalLength", "AllowedDeviation"}
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
@@ -35,11 +38,20 @@ def columns(text):
 def test_files_obey_the_rules_of_the_cross_check(fmu_folder, name):
     """Names, at most 10 outputs, quoted names in the first line, time first and rising, below 1 MB, all inputs, options."""
     found = files(fmu_folder / f"{name}.fmu")
-    assert sorted(found) == sorted(["README.txt", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"])
+    kinds = [name, *(f"{name}_{kind}" for kind in winch_evidence.TOLD)]
+    assert sorted(found) == sorted(["README.txt", *(f"{each}_{end}" for each in kinds for end in ENDS)])
     variables = {each.name: each for each in read_model_description(str(fmu_folder / f"{name}.fmu")).modelVariables}
-    options = dict(line.split(", ") for line in found[f"{name}_ref.opt"].splitlines())
-    assert {"StartTime", "StopTime", "StepSize", "RelTol"} <= set(options)
-    for file, causality in ((f"{name}_in.csv", "input"), (f"{name}_ref.csv", "output")):
+    for kind in kinds:
+        obeys_the_rules(kind, found, variables)
+    assert set(columns(found[f"{name}_in.csv"])) - {"time"} == {n for n, v in variables.items() if v.causality == "input"}
+
+
+def obeys_the_rules(kind, found, variables):
+    """Files of one set; what is no option of the cross-check is a start value of a parameter."""
+    options = dict(line.split(", ") for line in found[f"{kind}_ref.opt"].splitlines())
+    assert set(options) >= OPTIONS
+    assert {variables[each].causality for each in set(options) - OPTIONS - OURS} <= {"parameter"}
+    for file, causality in ((f"{kind}_in.csv", "input"), (f"{kind}_ref.csv", "output")):
         assert len(found[file]) < 1_000_000
         assert all(each.startswith('"') for each in found[file].splitlines()[0].split('",'))
         table = columns(found[file])
@@ -49,7 +61,6 @@ def test_files_obey_the_rules_of_the_cross_check(fmu_folder, name):
         assert np.all(np.diff(table["time"]) > 0.0)
         assert (table["time"][0], table["time"][-1]) == (float(options["StartTime"]), float(options["StopTime"]))
     assert len(names) - 1 <= 10
-    assert set(columns(found[f"{name}_in.csv"])) - {"time"} == {n for n, v in variables.items() if v.causality == "input"}
 
 
 def test_the_scene_moves_what_it_says():
@@ -119,3 +130,36 @@ def test_the_set_belongs_to_the_start_values_of_the_fmu(model, segments):
 def test_digits_hide_the_last_bit_of_a_zero():
     assert evidence.text_of(-3e-15, 8) == "0"
     assert evidence.text_of(123.456789012, 8) == "123.45679"
+
+
+@pytest.mark.parametrize("kind", list(winch_evidence.TOLD))
+@dynamic
+def test_the_reference_of_a_winch_is_far_better_than_what_is_allowed(model, kind):
+    """A tolerance ten times tighter moves it by less than 1e-2 of the allowed deviation, the drum's stops included."""
+    given, finer = winch_evidence.winch_set(kind, model, Tether()), 0.1 * winch_evidence.REFERENCE_TOLERANCE
+    usual = np.array(winch_evidence.reference(model, Tether(), given))
+    moved = np.abs(winch_evidence.reference(model, Tether(), given, finer) - usual).max(axis=0)
+    assert np.all(moved <= 1e-2 * BY_NAME[model.variant].evidence_deviation * largest(usual))
+
+
+def largest(rows):
+    """Largest size in each column, the three of a position together."""
+    sizes = np.abs(rows).max(axis=0)
+    sizes[4:] = sizes[4:].max(initial=0.0)
+    return sizes
+
+
+@pytest.mark.parametrize("model", [models.TetherQuasiSteady, models.TetherDynamic])
+def test_the_drum_does_what_the_set_says(model):
+    """Still as long as the pull differs from the tension by less than the friction; taut; slack and at its stop."""
+    given = winch_evidence.winch_set("force", model, Tether())
+    tension, _, length, speed = np.transpose(winch_evidence.reference(model, Tether(), given))
+    pull = np.array([each["winch_force"] for each in given.scene])
+    first = int(np.argmax(np.abs(pull - tension[0]) > given.winch.winch_friction))
+    assert first > 10
+    assert np.all(speed[: first - 1] == 0.0)
+    assert speed.min() < -1.0
+    assert tension.max() > 5.0 * tension[0]
+    assert length.min() < 501.0 < length[-1] == given.winch.longest_length
+    assert speed[-1] == 0.0
+    assert tension[-1] < tension[0]

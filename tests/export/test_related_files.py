@@ -32,4 +32,4 @@ def test_names_every_file_of_the_evidence_set(fmu_folder, name):
     assert all(each.tag == "Related" and ROLES.fullmatch(each.get("role")) for each in root)
     found = [posixpath.normpath(posixpath.join(FOLDER, each.get("source"))) for each in root]
     assert found == sorted(each for each in names if each.startswith(EVIDENCE_FOLDER))
-    assert len(found) == 4
+    assert len(found) == 1 + 3 * 3

@@ -94,7 +94,7 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     tethers, examples = built[: len(EVERY_VARIANT)], built[len(EVERY_VARIANT) :]
     assert [Path(line.split()[0]).name for line in tethers] == [f"{class_name(variant)}.fmu" for variant in EVERY_VARIANT]
     assert all(line.endswith(f"for {', '.join(TARGETS)}") for line in tethers)
-    systems = [f"{name}.ssp" for name in ("kite_power_system", "circular_flight", *TURBULENT)]
+    systems = [f"{name}.ssp" for name in ("kite_power_system", "winch_inside", "circular_flight", *TURBULENT)]
     assert [Path(line.split()[0]).name for line in examples] == [*(f"{name}.fmu" for name in EXAMPLES), *systems]
     flown = done(clean / "tetherfmu", "fly", "--tether", "all", cwd=tmp_path).splitlines()
     assert sum("times real time" in line for line in flown) == len(VARIANTS)

@@ -49,5 +49,6 @@ def with_library(path, library, folder, fmi):
 
 
 def evidence_run(path):
-    """All numbers of the evidence set of an FMU, as it gives them here: dict by name."""
-    return replay(path, evidence_of(path))
+    """All numbers of the evidence sets of an FMU, as it gives them here: dict by name of the set and of the variable."""
+    runs = {kind: replay(path, each) for kind, each in evidence_of(path).items()}
+    return {f"{kind} {name}": numbers for kind, run in runs.items() for name, numbers in run.items()}

@@ -1,7 +1,7 @@
 """Check FMUs on this machine: `python -m tetherfmu.check FILE.fmu [FILE.fmu ...]`; needs FMPy.
 
 It validates the archive and the model description, looks for what is known to make trouble and names the remedy, and runs
-the evidence set in a process of its own. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
+the evidence sets in a process of their own. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
 """
 
 import importlib.util
@@ -45,21 +45,24 @@ def findings(path):
 
 
 def evidence(path, ready):
-    """Findings on the evidence set of an FMU; it is run if the FMU is `ready` for that."""
+    """Findings on the evidence sets of an FMU; they are run if the FMU is `ready` for that."""
     try:
         wanted = evidence_of(path)
     except (KeyError, ValueError) as error:
         return [Finding(PROBLEM, f"the evidence set cannot be read: {error}", "build the FMU again")]
-    if wanted is None:
+    if not wanted:
         return [Finding(NOTE, "there is no evidence set in this FMU: it was validated, not run")]
     if not ready:
         return [Finding(NOTE, "the evidence set was not run, because of the problem above")]
     result, problem = run_apart(path)
-    return [problem] if problem else comparison(result, wanted, inspection.units(path))
+    if problem:
+        return [problem]
+    units = inspection.units(path)
+    return [comparison(kind, result[kind], each, units) for kind, each in wanted.items()]
 
 
 def run_apart(path):
-    """Run the evidence set in a process of its own: (result, None) or (None, Finding)."""
+    """Run the evidence sets in a process of their own: (result by kind, None) or (None, Finding)."""
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "result.json"
         try:
@@ -77,15 +80,17 @@ def run_apart(path):
     return None, Finding(PROBLEM, f"the run of the evidence set failed: {said}", remedy)
 
 
-def comparison(result, wanted, units):
-    """Findings on a run against the reference: whether it reached the end, and the deviation of each output.
+def comparison(kind, result, wanted, units):
+    """`Finding` on a run against the reference: whether it reached the end, and the deviation of each output.
 
+    kind : of the set, see `replay.evidence_of`.
     result : dict of name to list of numbers.  wanted : `replay.Evidence`.  units : dict of name to unit.
     """
-    times = wanted.reference["time"]
+    times, name_of_set = wanted.reference["time"], f"evidence set{', winch by ' if kind else ''}{kind}"
     if len(result["time"]) != len(times):
-        text = f"the run ended at {result['time'][-1]:g} s instead of {times[-1]:g} s: a step was refused"
-        return [Finding(PROBLEM, text, "the FMU says why on stderr: run it with debug_logging=True in FMPy")]
+        end = result["time"][-1]
+        text = f"{name_of_set}: the run ended at {end:g} s instead of {times[-1]:g} s: a step was refused"
+        return Finding(PROBLEM, text, "the FMU says why on stderr: run it with debug_logging=True in FMPy")
     share = wanted.options["AllowedDeviation"]
     largest = largest_values(wanted.reference)
     lines, level = [], OK
@@ -97,9 +102,9 @@ def comparison(result, wanted, units):
         if name != "time":
             verdict, unit = "  TOO MUCH" if exceeded else "", units.get(name) or units.get(name.partition("[")[0])
             lines.append(f"{name:<18} {max(deviations):9.2e} of {allowed:9.2e} {unit or ''}{verdict}")
-    head = f"evidence set: {len(times) - 1} steps; largest deviation of each output from the reference, of that allowed:"
+    head = f"{name_of_set}: {len(times) - 1} steps; largest deviation of each output from the reference, of that allowed:"
     remedy = "build the FMU again; if that does not help, report it with this text" if level == PROBLEM else ""
-    return [Finding(level, "\n".join([head, *lines]), remedy)]
+    return Finding(level, "\n".join([head, *lines]), remedy)
 
 
 def largest_values(reference):

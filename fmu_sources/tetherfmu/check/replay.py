@@ -1,4 +1,4 @@
-"""Run an FMU with its evidence set in this process: `python -m tetherfmu.check.replay FILE.fmu RESULT.json`; needs FMPy.
+"""Run an FMU with its evidence sets in this process: `python -m tetherfmu.check.replay FILE.fmu RESULT.json`; needs FMPy.
 
 `tetherfmu.check` starts it as a process of its own, so that a crash of the FMU is a finding and not the end of the check.
 """
@@ -17,34 +17,46 @@ from typing import NamedTuple
 
 EVIDENCE_FOLDER = "documentation/evidence/"
 OPTIONS = ("StartTime", "StopTime", "StepSize", "RelTol", "AllowedDeviation")
+INTERVAL = "OutputIntervalLength"  # the step
 
 
 class Evidence(NamedTuple):
-    """The evidence set of an FMU."""
+    """An evidence set of an FMU."""
 
     inputs: str  # text of the input file
     outputs: list  # names of the variables, without "time"; in FMI 3 those of arrays
     reference: dict  # name to list of numbers, "time" among them; those of an array are name[1], name[2], ...
     options: dict  # name to number
+    starts: dict  # of parameters, name to number
 
 
 def evidence_of(path):
-    """The evidence set in an FMU, or None; KeyError or ValueError if it is there and cannot be read."""
+    """The evidence sets in an FMU, dict by kind, "" first; KeyError or ValueError if one is there and cannot be read.
+
+    The kind is the part of the file names between the name of the FMU and what they end in: the winch is given a speed in
+    "", a force in "force", a length in "length".
+    """
+    files = {}
     with zipfile.ZipFile(path) as opened:
-        files = {
-            name.rpartition("_")[2]: opened.read(name).decode("utf-8")
-            for name in opened.namelist()
-            if name.startswith(EVIDENCE_FOLDER) and PurePosixPath(name).suffix in (".csv", ".opt")
-        }
-    if not files:
-        return None
+        for name in opened.namelist():
+            if name.startswith(EVIDENCE_FOLDER) and PurePosixPath(name).suffix in (".csv", ".opt"):
+                of_set, _, ending = PurePosixPath(name).name.rpartition("_")
+                files.setdefault(of_set, {})[ending] = opened.read(name).decode("utf-8")
+    shortest = min(files, key=len, default="")
+    return {of_set.removeprefix(shortest).strip("_"): read(files[of_set]) for of_set in sorted(files, key=len)}
+
+
+def read(files):
+    """`Evidence` of the texts of its files, by the ends of their names."""
     head, *rows = csv.reader(io.StringIO(files["ref.csv"]))
     columns = zip(*rows, strict=True)
     reference = {}
     for name, column in zip(head, columns, strict=True):
         reference |= by_element(name, [[float(number) for number in cell.split(" ")] for cell in column])
     given = {name: float(value) for name, value in csv.reader(io.StringIO(files["ref.opt"]), skipinitialspace=True)}
-    return Evidence(files["in.csv"], head[1:], reference, {name: given[name] for name in OPTIONS})
+    options = {name: given[name] for name in OPTIONS}
+    starts = {name: value for name, value in given.items() if name not in (*options, INTERVAL)}
+    return Evidence(files["in.csv"], head[1:], reference, options, starts)
 
 
 def by_element(name, rows):
@@ -68,7 +80,7 @@ def signals_of(text):
 
 
 def replay(path, evidence):
-    """Run an FMU with the inputs and options of its evidence set: dict of name to list of numbers, as far as it ran."""
+    """Run an FMU with the inputs and options of an evidence set: dict of name to list of numbers, as far as it ran."""
     from fmpy import simulate_fmu
 
     signals, options = signals_of(evidence.inputs), evidence.options
@@ -83,6 +95,7 @@ def replay(path, evidence):
         relative_tolerance=options["RelTol"],
         input=signals,
         output=evidence.outputs,
+        start_values=evidence.starts,
     )
     return {name: result[name].tolist() for name in result.dtype.names}
 
@@ -107,6 +120,9 @@ def step_by_step(path, signals, evidence):
         wanted = {name: variables[name] for name in evidence.outputs}
         return {name: fmu.getFloat64([each.valueReference], prod(each.shape or (1,))) for name, each in wanted.items()}
 
+    for name, value in evidence.starts.items():
+        is_whole = variables[name].type == "Enumeration"
+        (fmu.setInt64 if is_whole else fmu.setFloat64)([variables[name].valueReference], [int(value) if is_whole else value])
     put(signals[0])
     fmu.enterInitializationMode(tolerance=options["RelTol"], startTime=options["StartTime"], stopTime=options["StopTime"])
     fmu.exitInitializationMode()
@@ -125,5 +141,5 @@ def step_by_step(path, signals, evidence):
 
 
 if __name__ == "__main__":
-    outcome = replay(sys.argv[1], evidence_of(sys.argv[1]))
+    outcome = {kind: replay(sys.argv[1], each) for kind, each in evidence_of(sys.argv[1]).items()}
     Path(sys.argv[2]).write_text(json.dumps(outcome), encoding="utf-8")

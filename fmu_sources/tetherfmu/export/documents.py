@@ -12,7 +12,7 @@ from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
 
-from . import evidence, osp, related_files
+from . import evidence, osp, related_files, winch_evidence
 
 ASSETS = Path(__file__).with_name("assets")
 LICENCE = PACKAGE.parents[1] / "LICENSE"  # in a checkout; a wheel has it among its metadata
@@ -39,6 +39,7 @@ def documents(name, variant, description, options, native=None):
         tether = Tether(segments=options.segments, **dict(options.starts))
         for file, text in evidence.files(name, tether, native == 3, options.wind_points).items():
             texts[f"{EVIDENCE_FOLDER}/{file}"] = text
+        texts |= of_the_winch(name, tether, native == 3)
         texts[related_files.MANIFEST] = manifest_of(texts)
         texts["documentation/index.html"] = page(name, variant, description, table, texts, native)
     return {
@@ -46,6 +47,15 @@ def documents(name, variant, description, options, native=None):
         "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
         **{path: text.encode("utf-8") for path, text in texts.items()},
     }
+
+
+def of_the_winch(name, tether, arrays):
+    """Texts of the evidence sets of the winch, dict of their path in the archive; arguments as in `evidence.files`."""
+    texts, options = winch_evidence.files(name, tether, arrays)
+    for file, (facts, starts) in options.items():
+        lines = [f"{each}, {value}\n" for each, value in starts.items()]
+        texts[file] = filled("evidence.opt", **facts) + "".join(lines)
+    return {f"{EVIDENCE_FOLDER}/{file}": text for file, text in texts.items()}
 
 
 def manifest_of(paths):

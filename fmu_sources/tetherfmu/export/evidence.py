@@ -77,7 +77,7 @@ def with_wind_at(inputs, wind_points):
     if not wind_points:
         return inputs
     shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (wind_points - 1) for k in range(wind_points)]
-    wind = tuple(_rounded(tuple(share * each for each in inputs["wind_velocity"])) for share in shares)
+    wind = tuple(rounded(tuple(share * each for each in inputs["wind_velocity"])) for share in shares)
     return {**inputs, "wind_velocity": (0.0, 0.0, 0.0), "wind_at": wind}
 
 
@@ -92,7 +92,7 @@ def files(name, tether, arrays=False, wind_points=0):
     scene = [with_wind_at(each, wind_points) for each in scene_of(model, tether)]
     inputs = names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)
     return {
-        f"{name}_in.csv": table_text(inputs, [_flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
+        f"{name}_in.csv": table_text(inputs, [flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
         f"{name}_ref.csv": table_text(
             recorded(model.variant), reference(model, tether, scene, wind_points), OUTPUT_DIGITS, arrays
         ),
@@ -107,7 +107,7 @@ def scene_of(model, tether):
     at = inputs_at
     if BY_NAME[model.variant].kite_is_free:
         at = partial(inputs_of_free_kite, kite_force=model(tether).initialize().kite_force.tolist())
-    return [{key: _rounded(value) for key, value in at(k * STEP).items()} for k in range(STEPS + 1)]
+    return [{key: rounded(value) for key, value in at(k * STEP).items()} for k in range(STEPS + 1)]
 
 
 def recorded(variant):
@@ -136,10 +136,10 @@ def reference(model, tether, scene, wind_points=0):
         tether = model(tether, solver=Solver(relative_tolerance=REFERENCE_TOLERANCE), wind_points=wind_points)
         rows = [tether.initialize(**{key: value for key, value in scene[0].items() if key != "kite_load"})]
         rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]
-    return [_flat(row._asdict(), recorded(model.variant)) for row in rows]
+    return [flat(row._asdict(), recorded(model.variant)) for row in rows]
 
 
-def _flat(values, names):
+def flat(values, names):
     """Numbers of FMI variables from a dict of numbers and vectors; what is not in it is 0."""
     row = []
     for name in names:
@@ -151,10 +151,10 @@ def _flat(values, names):
     return row
 
 
-def _rounded(value):
+def rounded(value):
     """A number or a vector with the digits of the input file."""
     if isinstance(value, tuple):
-        return tuple(map(_rounded, value))
+        return tuple(map(rounded, value))
     return float(text_of(value, INPUT_DIGITS))
 
 

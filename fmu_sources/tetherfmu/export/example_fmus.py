@@ -19,6 +19,7 @@ SLAVES = {  # name: script
     "PointMassKite": "point_mass_kite.py",
     "FlyingKite": "flying_kite.py",
     "Winch": "winch.py",
+    "WinchMotor": "winch_motor.py",
     "FlightController": "flight_controller.py",
     "KiteOnPath": "kite_on_path.py",
     "TurbulentWind": "turbulent_wind.py",

@@ -5,9 +5,13 @@ libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system 
 
 from xml.etree.ElementTree import Element, SubElement
 
+from tetherfmu.runtime.model_description import number_text
+
 from .xml_text import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
+NAMESPACE_OF_STRUCTURE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+STRUCTURE = "OspSystemStructure.xml"  # as libcosim looks for it
 
 
 def file_name(name):
@@ -56,6 +60,27 @@ def model_description_of_system(structure, table):
         SubElement(
             SubElement(groups, "LinearVelocity", name=f"{line.name}_reel_out"), "Variable", ref=name, unit=units[name]
         )
+    return xml_text(root)
+
+
+def system_structure(sources, connections, step, steps):
+    """Text of a system structure: FMUs that exchange their variables after each step, all from the same communication point.
+
+    sources : dict of simulators to the places of their FMUs, as seen from the file.  connections : dict of simulators to
+    dicts of their inputs to pairs (simulator, output).  step : shortest communication step [s].  steps : dict of the
+    simulators that have another one, a multiple of it [s].
+    """
+    root = Element("OspSystemStructure", xmlns=NAMESPACE_OF_STRUCTURE, version="0.1")
+    for name, text in (("StartTime", "0"), ("BaseStepSize", number_text(step)), ("Algorithm", "fixedStep")):
+        SubElement(root, name).text = text
+    simulators, joined = SubElement(root, "Simulators"), SubElement(root, "Connections")
+    for name, source in sources.items():
+        SubElement(simulators, "Simulator", name=name, source=source, stepSize=number_text(steps.get(name, step)))
+    for taker, inputs in connections.items():
+        for wanted, (giver, output) in inputs.items():
+            pair = SubElement(joined, "VariableConnection")
+            for simulator, name in ((giver, output), (taker, wanted)):
+                SubElement(pair, "Variable", simulator=simulator, name=name)
     return xml_text(root)
 
 

@@ -20,7 +20,7 @@ FILES = {  # type, role and description, by the end of a path
     "README.txt": ("text/plain", "document", "how to run the evidence set, and what its reference is"),
     "_in.csv": ("text/csv", "testcase", "inputs over time; all other variables keep their start values"),
     "_ref.csv": ("text/csv", "result", "reference results"),
-    "_ref.opt": ("text/csv", "configuration", "steps, tolerance and allowed deviation of the run"),
+    "_ref.opt": ("text/csv", "configuration", "steps, tolerance, allowed deviation and start values of the run"),
 }
 
 

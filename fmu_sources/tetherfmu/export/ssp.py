@@ -1,4 +1,5 @@
 """Systems of FMUs as SSP 1.0 files: the system structure, parameter sets, and FMUs that are built with their start values.
+The same system for the Open Simulation Platform, with which libcosim lets FMUs take steps of their own, is an extra file.
 
 The FMUs carry all start values themselves, because not every importer sets enumerations, or reads parameter sets. A
 parameter set holds what a fidelity changes. Each fidelity has a system structure of its own in the file, as SSP allows; the
@@ -17,8 +18,9 @@ from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text
 
-from . import archive, example_fmus
+from . import archive, example_fmus, osp
 from .build_options import BuildOptions, Purpose
+from .documents import OSP_FOLDER
 from .xml_text import xml_text
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -26,6 +28,7 @@ PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
 TOOL = f"TetherFMU {__version__}"
 FMU = "application/x-fmu-sharedlibrary"
 STEP, STOP = 0.02, 200.0  # of the default experiment [s]
+OSP_STRUCTURE = f"{OSP_FOLDER}/{osp.STRUCTURE}"
 PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}. {about}</p>\n"
 
 
@@ -35,11 +38,13 @@ class Wiring:
 
     renamed : dict of an input, "instance.name", to the name of the output that it gets, "" for none.  with_shape : whether
     the points of the tether are connected.  files : dict of FMUs to pairs (file name, bytes) in their resources.
+    steps : dict of the instances that may take longer steps than the others, where the importer lets them, to theirs [s].
     """
 
     renamed: dict = field(default_factory=dict)
     with_shape: bool = False
     files: dict = field(default_factory=dict)
+    steps: dict = field(default_factory=dict)
 
 
 def write_all(folder, options=None):
@@ -52,6 +57,7 @@ def write_all(folder, options=None):
     power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
     return [
         write("kite_power_system", given.FMUS, given.START, power, Path(folder), options),
+        write("winch_inside", given.INSIDE, given.INSIDE_START, power, Path(folder), options, Wiring(steps=given.OWN_STEPS)),
         write("circular_flight", given.CIRCLE, given.CIRCLE_START, {"standard": {}}, Path(folder), options),
         *in_turbulence(folder, options),
     ]
@@ -81,6 +87,9 @@ def write(name, fmus, start, fidelities, folder, options, wiring=Wiring()):
         paths = {each: built(fmu, folder=Path(temporary) / each) for each, fmu in fmus.items()}
         variables = {instance: read_model_description(str(path)).modelVariables for instance, path in paths.items()}
         files = {_source(fmus[each]): path.read_bytes() for each, path in paths.items()}
+    sources = {instance: f"../../{_source(fmu)}" for instance, fmu in fmus.items()}
+    structure = osp.system_structure(sources, _connections(variables, wiring), STEP, wiring.steps)
+    files[OSP_STRUCTURE] = structure.encode("utf-8")
     for fidelity, values in fidelities.items():
         ending = "" if fidelity == "standard" else f"_{fidelity}"
         texts = {f"SystemStructure{ending}.ssd": _structure(name, fidelity, fmus, variables, values, wiring)}
