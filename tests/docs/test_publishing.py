@@ -19,7 +19,7 @@ FIGURES = {  # of the paper, and the page that has them from its script
     "10.9 to 21 times faster": "docs/measurements/benchmarks.md",
     "5.76 to 6.12 times as long": "docs/measurements/benchmarks.md",
     "43 000 flights": "docs/measurements/stability.md",
-    "8000 flights": "docs/measurements/stability.md",
+    "12 835 flights": "docs/measurements/stability.md",
 }
 
 

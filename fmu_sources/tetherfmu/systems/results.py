@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import Outputs
 
 
@@ -66,3 +67,20 @@ class SystemFlown(NamedTuple):
         """How much there is, instead of all its numbers."""
         rows = len(next(iter(self.positions.values())))
         return f"<SystemFlown: {rows} rows, {len(self.points)} points, {len(self.outputs)} lines>"
+
+
+def points_of(points, lines, arrays, state, values):
+    """`PointOutputs` by name, from states (..., size) and the outputs of lines by name (..., outputs_size).
+
+    points, lines, arrays : of the system.
+    """
+    found = {}
+    for point in points:
+        force, motion = 0.0, None
+        for k, line in enumerate(lines):
+            for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
+                if name == point.name:
+                    force = force + values[line.name][..., place : place + 3]
+                    motion = arrays.nodes(k, state)[..., node, :]
+        found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
+    return found

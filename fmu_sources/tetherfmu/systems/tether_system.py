@@ -14,15 +14,15 @@ from tetherfmu import arguments
 from tetherfmu.results import PlausibilityWarning, StepRefused, outputs_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
-from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.limits import most_of_a_step
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.saved_state import check_state
 
 from . import files
 from .arrays import Arrays
+from .inputs import Given, first_winches_of, put, winches_of
 from .records import Line, Point, check_system
-from .results import PointOutputs, SystemFlown, SystemOutputs
+from .results import SystemFlown, SystemOutputs, points_of
 
 Vectors = Mapping[str, ArrayLike]
 
@@ -160,12 +160,7 @@ class TetherSystem:
         if not set(wanted) <= set(self._arrays.free):
             raise ValueError(f"{next(iter(set(wanted) - set(self._arrays.free)))} is no free point: give its position")
         velocities = {**{each.name: each.velocity for each in self.points}, **(velocities or {})}
-        none = {line.name: 0.0 for line in self.lines}
-        winches = {
-            "reel_out_speed": {**{line.name: line.reel_out_speed for line in self.lines}, **(reel_out_speeds or {})},
-            "winch_force": {**none, **(winch_forces or {})},
-            "winch_length": {**none, **(winch_lengths or {})},
-        }
+        winches = first_winches_of(self.lines, reel_out_speeds, winch_forces, winch_lengths)
         loads = {**dict.fromkeys(self._arrays.free, (0.0, 0.0, 0.0)), **(loads or {})}
         before = self._arrays.inputs.copy()
         try:
@@ -175,8 +170,7 @@ class TetherSystem:
         except ValueError:
             self._arrays.inputs[:] = before
             raise
-        self._runs = True
-        self._warned = [0] * len(self.lines)
+        self._runs, self._warned = True, [0] * len(self.lines)
         self._warn()
         return self.outputs()
 
@@ -224,7 +218,7 @@ class TetherSystem:
         self._check_started()
         before = self._arrays.inputs.copy()
         try:
-            winches = _winches(reel_out_speeds, winch_forces, winch_lengths)
+            winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
             self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity)
             step = arguments.number("step", step, "s")
             result = self._arrays.advance(step)
@@ -278,7 +272,7 @@ class TetherSystem:
         steps, every = arguments.whole("steps", steps), arguments.whole("every", every)
         step = arguments.number("step", step, "s")
         inputs = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
-        winches = _winches(reel_out_speeds, winch_forces, winch_lengths)
+        winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
         self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, inputs=inputs)
         began = perf_counter()
         done, kept = self._arrays.fly(inputs, step, every)
@@ -316,7 +310,7 @@ class TetherSystem:
         if state.shape != (sum(sizes),):
             raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
         topology, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
-        if not self._is_own(topology, parameters):
+        if not (np.array_equal(topology, arrays.topology()) and np.array_equal(parameters, arrays.parameters)):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
         if not np.all(np.isfinite(state)):
             raise ValueError("state has a number that is not finite")
@@ -335,7 +329,7 @@ class TetherSystem:
         values = {line.name: each for line, each in zip(self.lines, found, strict=True)}
         lines = {name: outputs_of(each) for name, each in values.items()}
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
-        return SystemOutputs(self._points(self._arrays.state, values), lines, most)
+        return SystemOutputs(points_of(self.points, self.lines, self._arrays, self._arrays.state, values), lines, most)
 
     @property
     def counters(self) -> dict[str, int]:
@@ -377,19 +371,6 @@ class TetherSystem:
         self._check_started()
         return self._arrays.nodes(k)
 
-    def _points(self, state, values):
-        """`PointOutputs` by name, from states (..., size) and the outputs of lines by name (..., outputs_size)."""
-        found = {}
-        for point in self.points:
-            force, motion = 0.0, None
-            for k, line in enumerate(self.lines):
-                for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
-                    if name == point.name:
-                        force = force + values[line.name][..., place : place + 3]
-                        motion = self._arrays.nodes(k, state)[..., node, :]
-            found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
-        return found
-
     def _flown(self, states, seconds):
         """`SystemFlown` of kept states (rows, size)."""
         arrays, values, positions = self._arrays, {}, {}
@@ -398,46 +379,12 @@ class TetherSystem:
             own = np.array([row[k] for row in rows])
             values[line.name] = own.reshape(len(states), arrays.outputs_at[k + 1] - arrays.outputs_at[k])
             positions[line.name] = arrays.nodes(k, states)[:, 0].copy()
-        return SystemFlown(self._points(states, values), values, positions, seconds)
+        return SystemFlown(points_of(self.points, self.lines, arrays, states, values), values, positions, seconds)
 
     def _set(self, positions, velocities, loads, winches, wind_velocity, *, inputs=None, at_start=False):
-        """Set those inputs that are given, by name; ValueError if a name does not exist or a value has another shape.
-
-        winches : names of inputs of winches, with values by the names of lines.
-        inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : of free points, too.
-        """
-        whole = self._arrays.inputs if inputs is None else inputs
-        rows = [whole[..., k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(self.lines))]
-        movable = [point.name for point in self.points if at_start or point.is_driven]
-        steps = whole.shape[:-1]
-        for what, given in (("position", positions), ("velocity", velocities)):
-            for name, value in given.items():
-                _check_known(f"{what} of a {'point' if at_start else 'driven point'}", name, movable)
-                self._arrays.put_point_in(rows, name, what, _numbers(f"{name}.{what}", value, (3,), steps))
-        for name, value in loads.items():
-            _check_known("load on a free point", name, self._arrays.free)
-            first = len(self.lines) * at.INPUTS + 3 * self._arrays.free.index(name)
-            load = _numbers(f"{name}.load", value, (3,), steps)
-            if not np.all(np.abs(load) <= at.LARGEST_INPUT):
-                raise StepRefused(
-                    f"the input {name}.load is {value!r}; its numbers must be finite and at most {at.LARGEST_INPUT:g} in "
-                    "magnitude",
-                    status.INPUT_NOT_FINITE,
-                )
-            whole[..., first : first + 3] = load
-        names = [line.name for line in self.lines]
-        for what, given in winches.items():
-            for name, value in given.items():
-                _check_known(f"{what} of a line", name, names)
-                rows[names.index(name)][..., PLACES[what]] = _numbers(f"{name}.{what}", value, (), steps)
-        if wind_velocity is not None:
-            wind = _numbers("wind_velocity", wind_velocity, (3,), steps)
-            for row in rows:
-                row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-
-    def _is_own(self, topology, parameters):
-        """Whether topology and parameters of a state are those of this system."""
-        return np.array_equal(topology, self._arrays.topology()) and np.array_equal(parameters, self._arrays.parameters)
+        """Set those inputs that are given, by name, see `inputs.put`."""
+        given, arrays = Given(positions, velocities, loads, winches, wind_velocity), self._arrays
+        put(given, arrays, self.points, self.lines, inputs, at_start)
 
     def _check_started(self):
         """StepRefused before `initialize`."""
@@ -451,26 +398,3 @@ class TetherSystem:
             for sentence in plausibility.sentences(state, self._warned[k]):
                 warn(f"the line {line.name}: {sentence}", PlausibilityWarning, stacklevel=3)
             self._warned[k] |= plausibility.kinds(state)
-
-
-def _winches(speeds, forces, lengths):
-    """Inputs of winches that are given, by name, each by the names of lines."""
-    return {"reel_out_speed": speeds or {}, "winch_force": forces or {}, "winch_length": lengths or {}}
-
-
-def _check_known(what, name, names):
-    """ValueError if a name does not exist."""
-    if name not in names:
-        raise ValueError(f"there is no {what} with the name {name!r}; there are {', '.join(names) or 'none'}")
-
-
-def _numbers(name, value, shape, steps):
-    """Numbers of an input, constant or of all steps; ValueError for another shape."""
-    try:
-        found = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} is {value!r}; it must be {'three numbers' if shape else 'a number'}") from None
-    if found.shape not in (shape, (*steps, *shape)):
-        wanted = f"{shape} or {(*steps, *shape)}" if steps else f"{shape}"
-        raise ValueError(f"{name} has the shape {found.shape}; it must be {wanted}")
-    return found

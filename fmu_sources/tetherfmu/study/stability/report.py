@@ -28,6 +28,7 @@ WORST = QUANTITIES.worst.dropna().to_dict()
 ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, *STATIC[:2]), strict=True))  # names for people
 OVER = dict(zip(VARIANTS, (*DYNAMIC, *STATIC), strict=True))
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
+CORE = "segments of 0.1 m and more, damped, EA up to 1e8 N"
 REGIONS = QUANTITIES.dropna(subset="bands")
 CONTROLS = dict(zip((at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH), ("speed", "force", "length"), strict=True))
 
@@ -156,15 +157,47 @@ def compared(both):
     return pd.concat(named).sort_index(kind="stable")
 
 
-def figures(results, both, folder):
-    """Draw the heat maps into figures/ of a folder; returns their paths there, by title."""
+def figures(results, fixed, both, folder):
+    """Draw the heat maps into figures/ of a folder; returns their paths there, by title. fixed : of `with_fixed_steps`."""
     path = "figures/stability_{}.png".format
     for name, figure in FIGURES.items():
-        draw(results, figure, folder / path(name))
+        draw(fixed if name == "fixed_step" else results, figure, folder / path(name))
     for when, found in both.items():
         draw(found, COMPARED, folder / path(when), f"{when}: ")
     titles = {f"{figure[0]}: verdicts, and differences from the refinement": path(name) for name, figure in FIGURES.items()}
     return titles | {f"Heat maps, {when}": path(when) for when in both}
+
+
+def prepared_again(whole):
+    """Results of all maps of `kinds` as `prepared` makes them, with `of_map` in words."""
+    names = whole.winch.astype(str) + ", ground " + whole.ground.astype(str)
+    return prepared(whole.assign(of_map=names, ground=whole.ground == "flat"))
+
+
+def with_fixed_steps(whole):
+    """Results of all maps of `kinds` that are of dynamic tethers with fixed steps, prepared."""
+    every = prepared_again(whole)
+    return every[every.variant == DYNAMIC[1]]
+
+
+def by_map_and_core(results):
+    """Table of verdicts with a row for each map, one for all, and one for those that must be held."""
+    of_core = pd.Categorical(np.where(results.index.isin(core_of(results).index), CORE, None), [CORE])
+    return counted(results, "flights of", results.of_map, pd.Categorical(["all"] * len(results)), of_core)
+
+
+def core_of(results):
+    """Prepared results of tethers of which 97 % must be held."""
+    return results.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")
+
+
+def forbidden(whole):
+    """Table of the points that none may be, in all maps of `kinds`."""
+    every = prepared_again(whole)
+    bad = every[every.verdict.isin(FORBIDDEN)]
+    return bad[["of_map", "variant", "verdict", *(each for each in FACTS if each != "verdict"), "longest"]].rename(
+        columns=FACTS | {"of_map": "map", "longest": "longest call [s]"}
+    )
 
 
 def regions(whole):
@@ -187,13 +220,15 @@ def write(results, before, also, folder, with_figures, others=()):
     for each in (pages, data):
         each.mkdir(parents=True, exist_ok=True)
     points, both = prepared(results), common(results, before) if len(before) else {}
-    core = points.query("segment_length >= 0.1 and axial_damping > 0.0 and axial_stiffness <= 1e8")  # 97 % must hold
+    core = core_of(points)
     held = f"{100.0 * core.held.mean():.1f} % of {len(core)} points are converged or stable."
     tables = {"by_variant": by_variant, "worst": worst, "compared": compared}
     bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
-    drawn = figures(points, both, folder) if with_figures else {}
     whole = kinds(results, *others)
+    fixed = with_fixed_steps(whole)
+    drawn = figures(points, fixed, both, folder) if with_figures else {}
     found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
+    found |= {"whole": whole, "fixed": fixed, "fixed_by_map": by_map_and_core(fixed), "failed": forbidden(whole)}
     found |= {"maps": by_map(whole), "requests": by_request(whole), "all_refusals": refusals_by_map(whole)}
     text = page("stability/page.md.j2", figures=drawn, **found, **tables, **bounds)
     (pages / "stability.md").write_text(text, encoding="utf-8")
