@@ -10,38 +10,10 @@ from tetherfmu.export import systems
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK_WITH_DRUM
 from tetherfmu.systems import files
+from y_of_lines import y_of_lines
 
-FILE = """
-name = "TwoWinches"
-
-[points]
-winch = {position = [0, 0, 0]}
-knot = {position = [0, 0, 99.5], mass = 2.0}
-left = {position = [-23, 0, 131]}
-right = {position = [26, 0, 131]}
-
-[lines.main]
-from = "winch"
-to = "knot"
-initial_length = 100.0
-segments = 5
-winch_control = 2
-winch_mass = 20.0
-winch_friction = 5.0
-
-[lines.a]
-from = "left"
-to = "knot"
-initial_length = 39.0
-segments = 3
-winch_control = 3
-
-[lines.b]
-from = "knot"
-to = "right"
-initial_length = 41.0
-segments = 3
-"""
+BY_FORCE = "winch_control = 2\nwinch_mass = 20.0\nwinch_friction = 5.0"
+BY_LENGTH = "winch_control = 3"
 STEP = 0.02
 
 
@@ -50,7 +22,7 @@ def winches(built_once):
     """Folder with the file, and an FMU of each flavour in a folder of its own."""
 
     def build(folder):
-        (folder / "winches.toml").write_text(FILE)
+        (folder / "winches.toml").write_text(y_of_lines("TwoWinches", BY_FORCE, BY_LENGTH))
         for native in (0, 2, 3):
             systems.build(folder / "winches.toml", folder / str(native), (this_platform(),), native=native or None)
 

@@ -16,6 +16,7 @@ from runtime.host import Host, blob_of, restore
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
 from tetherfmu.runtime.kernel_library import this_platform
+from y_of_lines import y_of_lines
 
 STEP = 0.02
 SINGLE = {"kite_position": "kite.position", "kite_velocity": "kite.velocity", "kite_load": "kite.load",
@@ -31,33 +32,6 @@ from = "ground"
 to = "kite"
 initial_length = 525.0
 """
-Y = """
-name = "Y"
-
-[points]
-winch = {position = [0, 0, 0]}
-knot = {position = [0, 0, 99.5], mass = 2.0}
-left = {position = [-23, 0, 131]}
-right = {position = [26, 0, 131]}
-
-[lines.main]
-from = "winch"
-to = "knot"
-initial_length = 100.0
-segments = 5
-
-[lines.a]
-from = "left"
-to = "knot"
-initial_length = 39.0
-segments = 3
-
-[lines.b]
-from = "knot"
-to = "right"
-initial_length = 41.0
-segments = 3
-"""
 
 
 @pytest.fixture(scope="session")
@@ -65,7 +39,7 @@ def folder(built_once):
     """Folder with native FMUs: of one line between driven points, of one with a free end, of a Y, of single tethers."""
 
     def build(folder):
-        texts = {"Driven": LINE.format(mass=""), "Free": LINE.format(mass=", mass = 15.0"), "Y": Y}
+        texts = {"Driven": LINE.format(mass=""), "Free": LINE.format(mass=", mass = 15.0"), "Y": y_of_lines("Y")}
         for name, text in texts.items():
             (folder / f"{name}.toml").write_text(text)
             systems.build(folder / f"{name}.toml", folder, (this_platform(),), native=2)

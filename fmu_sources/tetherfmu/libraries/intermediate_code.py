@@ -4,8 +4,8 @@ numba's own way optimizes each function with all that it calls, makes machine co
 two thirds of the time. The fast way keeps the text of each function, written once; all texts are linked and optimized once
 at the end (`ahead_of_time.py`). Both are for a process of their own: nothing that is compiled there can be called.
 
-Source of the internals: numba.core.codegen, numba.core.runtime.context and numba.core.types.functions, of the versions in
-`ready.TESTED`.
+Source of the internals: `codegen`, `cpu`, `runtime.context`, `types.functions` and `typing.templates` of numba.core, of
+the versions in `ready.TESTED`.
 """
 
 import gc

@@ -1,0 +1,87 @@
+"""A log in another form is the same flight, and the report says what was read."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.study.replay.breaking import RATHER, ROUNDED, assert_same, changed, lines_of, of_the_day, put, with_decimal_commas
+from tests.study.replay.known_flight import flown, full
+
+pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
+
+
+# of both logs: (what is done, line of the report); the flight stays as it is
+FORMATS = {
+    "quotes": (lambda t: t.to_csv(index=False, quoting=1), "time from 0"),
+    "byte order mark": (lambda t: b"\xef\xbb\xbf" + t.to_csv(index=False).encode(), "time from 0"),
+    "latin-1": (lambda t: t.assign(pitch="1\xb0").to_csv(index=False).encode("latin-1"), "not used: .*pitch"),
+    "UTF-16 with tabs": (lambda t: t.to_csv(index=False, sep="\t").encode("utf-16"), "time from 0"),
+    "semicolons": (lambda t: t.to_csv(index=False, sep=";"), "time from 0"),
+    "semicolons and decimal commas": (with_decimal_commas, "time from 0"),
+    "tabs": (lambda t: t.to_csv(index=False, sep="\t"), "time from 0"),
+    "carriage returns and newlines": (lambda t: t.to_csv(index=False).replace("\n", "\r\n"), "time from 0"),
+    "carriage returns": (lambda t: t.to_csv(index=False).replace("\n", "\r"), "time from 0"),
+    "blanks around cells": (lambda t: t.to_csv(index=False).replace(",", " ,  "), "time from 0"),
+    "empty lines": (lambda t: t.to_csv(index=False).replace("\n", "\n\n"), "time from 0"),
+    "a comma at the end of each line": (lambda t: t.to_csv(index=False).replace("\n", ",\n"), "time from 0"),
+    "a comma at the end of each row": (lambda t: ",\n".join(lines_of(t)).replace(",", "", 0), "time from 0"),
+    "comments": (lambda t: "# made by a logger, version 2\n" + t.to_csv(index=False) + "# end\n", "begin with #"),
+    "a row of units": (
+        lambda t: "\n".join([lines_of(t)[0], ",".join(["unit"] * len(t.columns)), *lines_of(t)[1:]]),
+        "first row has no numbers.*dropped: 1 of",
+    ),
+    "a header in the middle": (
+        lambda t: "\n".join([*lines_of(t)[:500], lines_of(t)[0], *lines_of(t)[500:]]),
+        "dropped: 1 of .* no time",
+    ),
+    "a row with too many cells": (
+        lambda t: "\n".join([*lines_of(t), lines_of(t)[-1] + ",1,2,3"]),
+        "dropped: 1 of .* more cells",
+    ),
+    "columns in another order": (lambda t: t[t.columns[::-1]], "time from 0"),
+    "reversed": (lambda t: t[::-1], "reversed"),
+    "rows twice": (lambda t: t.loc[t.index.repeat(2)], "copies of the row above"),
+    "rows four times": (lambda t: t.loc[t.index.repeat(4)], "copies of the row above"),
+    "a row that came late": (lambda t: t.loc[[*range(200), *range(201, 220), 200, *t.index[220:]]], "dropped: 1 of .* time"),
+    "one time from the future": (lambda t: put(t, "time", 600, "9e9"), "dropped: 1 of .* time"),
+    "one time of 1e42": (lambda t: put(t, "time", 600, "1e42"), "dropped: 1 of .* no time"),
+    "Unix time": (lambda t: changed(t, time=lambda c: c + 1570533128.8), "time from 0 at time = 15705331"),
+    "dates": (
+        lambda t: t.assign(time=pd.Timestamp("2019-10-08T13:12:08") + pd.to_timedelta(t["time"], unit="s")),
+        "has dates",
+    ),
+    "dates with a zone": (
+        lambda t: t.assign(
+            time=(pd.Timestamp("2019-10-08T23:59:08Z") + pd.to_timedelta(t["time"], unit="s")).map(pd.Timestamp.isoformat)
+        ),
+        "has dates",
+    ),
+    "time of the day over midnight": (lambda t: t.assign(time=of_the_day(t["time"])), "time of the day.*midnight"),
+    "seconds of the day over midnight": (lambda t: changed(t, time=lambda c: (86340.0 + c) % 86400.0), "midnight"),
+    "whole seconds": (lambda t: changed(t, time=np.floor), "spread: times are rounded to 1 s"),
+    "whole seconds, from within one": (lambda t: changed(t[3:-4], time=np.floor), "spread: times are rounded to 1 s"),
+    "fifths of a second": (
+        lambda t: changed(t, time=lambda c: np.floor(c * 5.0 + 1e-6) / 5.0),
+        "spread: times are rounded to 0.2 s",
+    ),
+}
+SHIFTED = {"whole seconds, from within one": 0.3}  # s, by which a log begins later
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_known_flight_is_the_same_in_another_form(kind, folder, own, unbroken):
+    done, line = FORMATS[kind]
+    found = flown(folder, done(full()), own)
+    assert_same(found, unbroken, ROUNDED, RATHER, SHIFTED.get(kind, 0.0))
+    assert re.search(line, " ".join(found.log.report.lines))
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_measured_cycle_is_the_same_in_another_form(kind, folder, cycle, unbroken_cycle):
+    done, line = FORMATS[kind]
+    found = flown(folder, done(cycle), "kitepower_2019")
+    is_less = "late" in kind or "one time" in kind or kind in SHIFTED  # one reading of a noisy kite, or some at its ends
+    assert_same(found, unbroken_cycle, 0.3 if is_less else 1e-6, 3.0, SHIFTED.get(kind, 0.0))
+    assert re.search(line, " ".join(found.log.report.lines))

@@ -1,0 +1,204 @@
+"""What is no log of a flight is refused: `LogError`, one line that names file, quantity or column."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.study.replay.breaking import changed, of_the_day, put, texts
+from tests.study.replay.known_flight import enu, flown, full
+from tetherfmu.study.replay import log
+
+pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
+
+
+# of the known flight: what is done, and the sentence
+REFUSED = {
+    "empty file": (lambda t: "", "has 0 lines"),
+    "blank file": (lambda t: "\n \n\n", "has 0 lines"),
+    "header only": (lambda t: t[:0], "has 1 lines"),
+    "one row": (lambda t: t[:1], "has 1 rows; it must have at least 20"),
+    "no header": (
+        lambda t: t.drop(columns="phase").to_csv(index=False, header=False),
+        "number in each cell of the first row",
+    ),
+    "binary": (lambda t: bytes(range(256)) * 100, "is no text file"),
+    "binary without zeros": (lambda t: bytes(range(1, 256)) * 100, "column|header"),
+    "a page of the web": (lambda t: "<html>\n<body>Not found</body>\n</html>", "the column time .* is missing"),
+    "a column is missing": (lambda t: t.drop(columns="vd"), "the column vd of the map own is missing; there are time, lat"),
+    "a column is there twice": (lambda t: pd.concat([t, t["lat"]], axis=1), "the column lat is there twice"),
+    "decimal commas between commas": (
+        lambda t: texts(t).map(lambda cell: cell.replace(".", ",")).to_csv(index=False),
+        "time",
+    ),
+    "decimal commas and points": (
+        lambda t: put(t, "alt", range(100), "123,4").to_csv(index=False, sep=";"),
+        "alt .*commas and points",
+    ),
+    "texts for positions": (lambda t: put(t, "alt", t.index, "high"), "kite_position .*left out of alt: 1200 of"),
+    "no tension": (lambda t: put(t, "force", t.index, ""), "ground_tension .*columns force"),
+    "rows shuffled": (lambda t: t.sample(frac=1.0, random_state=1), "time goes back: .* rows stand in the wrong order"),
+    "two logs": (lambda t: pd.concat([t, t]), "time goes back: .*more than one log"),
+    "times in ms": (lambda t: changed(t, time=lambda c: 1000.0 * c), "time grows by 100 s .*unit"),
+    "times in us": (lambda t: changed(t, time=lambda c: 1e6 * c), "time grows by 1e.05 s .*unit"),
+    "Unix time in ms": (
+        lambda t: changed(t, time=lambda c: 1000.0 * c + 1.57e12),
+        "time is 1.57e.12 s; is it in another unit",
+    ),
+    "times in minutes": (lambda t: changed(t, time=lambda c: c / 60.0), "shortest|kite_position moves by"),
+    "one time": (lambda t: t.assign(time=1.0), "time does not grow"),
+    "no times": (lambda t: t.assign(time=""), "time has no time in 1200 of 1200 rows"),
+    "dates with the day first": (
+        lambda t: t.assign(time=[f"08/10/2019 {each}" for each in of_the_day(t["time"])]),
+        "it must have numbers, dates",
+    ),
+    "minutes and seconds": (
+        lambda t: t.assign(time=[each[3:] for each in of_the_day(t["time"])]),
+        "it must have numbers, dates",
+    ),
+    "a gap of 30 s": (lambda t: t.drop(range(300, 600)), "no position is known from 29.9 to 60.0 s"),
+    "no position for 30 s": (lambda t: put(t, "lat", range(300, 600), ""), "no position is known from 29.9 to 60.0 s"),
+    "no fix for 10 s": (
+        lambda t: t.assign(lat=t["lat"].where(t.index >= 100, 0.0), lon=t["lon"].where(t.index >= 100, 0.0)),
+        "no position is known from 0.0 to 10.0 s",
+    ),
+    "no fix at all": (lambda t: t.assign(lat=0.0, lon=0.0), "kite_position has readings in 0 of"),
+    "latitude and longitude swapped": (
+        lambda t: t.rename(columns={"lat": "lon", "lon": "lat"}),
+        "kite_position has readings in 0 of .*origin",
+    ),
+    "radians for degrees": (
+        lambda t: changed(t, lat=np.radians, lon=np.radians),
+        "kite_position has readings in 0 of .*origin",
+    ),
+    "coordinates as whole numbers": (
+        lambda t: t.assign(lat=(t["lat"] * 1e7).round(), lon=(t["lon"] * 1e7).round()),
+        "lat is 5.2.*e.08 deg .*unit",
+    ),
+    "origin 100 km away": (lambda t: changed(t, lat=lambda c: c + 1.0), "kite_position has readings in 0 of .*origin"),
+    "origin 1 km away": (
+        lambda t: changed(t, lat=lambda c: c + 0.01),
+        "kite_position is, in 5 % of the rows or more, .* as far away as tether_length.*origin",
+    ),
+    "altitude 300 m off": (lambda t: changed(t, alt=lambda c: c + 300.0), "kite_position is, .* as far away .*altitude"),
+    "altitude in feet": (lambda t: changed(t, alt=lambda c: c / 0.3048), "kite_velocity and kite_position do not fit"),
+    "no velocity sensor": (lambda t: t.assign(vn=0.0, ve=0.0, vd=0.0), "kite_velocity and kite_position do not fit"),
+    "velocity in km/s": (
+        lambda t: changed(t, vn=lambda c: c / 1e3, ve=lambda c: c / 1e3, vd=lambda c: c / 1e3),
+        "kite_velocity and kite_position do not fit",
+    ),
+    "north and east swapped": (
+        lambda t: t.rename(columns={"vn": "ve", "ve": "vn"}),
+        "kite_velocity and kite_position do not fit",
+    ),
+    "up for down": (lambda t: changed(t, vd=np.negative), "goes 1 m up, the position goes -1 m up"),
+    "velocity in km/h": (
+        lambda t: changed(t, vn=lambda c: 3.6 * c, ve=lambda c: 3.6 * c, vd=lambda c: 3.6 * c),
+        "kite_velocity and kite_position do not fit",
+    ),
+    "length in km": (lambda t: changed(t, length=lambda c: c / 1000.0), "as far away as tether_length"),
+    "length in feet": (
+        lambda t: changed(t, length=lambda c: c / 0.3048),
+        "tether_length changes by 3.3 m for each metre of reel_out_speed",
+    ),
+    "speed with the wrong sign": (lambda t: changed(t, speed=np.negative), "tether_length changes by -1 m .*sign"),
+    "speed in km/h": (lambda t: changed(t, speed=lambda c: 3.6 * c), "tether_length changes by 0.28 m"),
+    "tension with the wrong sign": (lambda t: changed(t, force=np.negative), "ground_tension .*sign"),
+}
+REFUSED_ENU = {  # of the same flight for the map `enu`
+    "velocity as north, east, down": (
+        lambda t: t.assign(vx=t["vy"], vy=t["vx"], vz=-t["vz"]),
+        "kite_velocity and kite_position",
+    ),
+    "axes swapped": (lambda t: t.rename(columns={"x": "y", "y": "x"}), "kite_velocity and kite_position do not fit"),
+    "up and down": (lambda t: changed(t, z=np.negative), "goes 1 m up, the position goes -1 m up"),
+    "positions in feet": (
+        lambda t: changed(t, x=lambda c: c / 0.3048, y=lambda c: c / 0.3048, z=lambda c: c / 0.3048),
+        "do not fit.*3.3 m",
+    ),
+    "positions in km": (lambda t: changed(t, x=lambda c: c / 1e3, y=lambda c: c / 1e3, z=lambda c: c / 1e3), "do not fit"),
+    "times in minutes": (lambda t: changed(t, time=lambda c: c / 12.0), "kite_velocity and kite_position|moves by"),
+    "zeros for 10 s": (
+        lambda t: t.assign(**{name: t[name].where(t.index >= 100, 0.0) for name in "xyz"}),
+        "no position is known from 0.0",
+    ),
+}
+
+
+def refused(folder, contents, found, sentence):
+    """The log is refused with this sentence in one line that names the file; no other exception."""
+    with pytest.raises(log.LogError) as raised:
+        flown(folder, contents, found)
+    message = str(raised.value)
+    assert "\n" not in message
+    assert message.isprintable()
+    assert re.search(sentence, message), message
+    assert "flight.csv" in message or "no position is known" in message or "shortest flight" in message
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_a_broken_log_is_refused_in_one_sentence(kind, folder, own):
+    done, sentence = REFUSED[kind]
+    refused(folder, done(full()), own, sentence)
+
+
+@pytest.mark.parametrize("kind", REFUSED_ENU)
+def test_a_broken_plain_log_is_refused_in_one_sentence(kind, folder):
+    done, sentence = REFUSED_ENU[kind]
+    refused(folder, done(enu()), "enu", sentence)
+
+
+def test_a_folder_and_a_missing_file_are_refused(folder, own):
+    with pytest.raises(log.LogError, match="is no regular file"):
+        log.read(folder, own)
+    with pytest.raises(log.LogError, match=r"nowhere.csv: cannot be read \(No such file"):
+        log.read(folder / "nowhere.csv", own)
+
+
+@pytest.mark.parametrize("name", ["kitepower_2019", "kitepower_2023", "kitepower", "fmu"])
+def test_a_map_of_another_log_is_refused(name, folder):
+    refused(folder, full(), name, "is missing|name its map")
+
+
+NASTY = [
+    "",
+    "-",
+    "nan",
+    "inf",
+    "-1e308",
+    "1e42",
+    "0",
+    "9999",
+    "text",
+    "12:30",
+    '"',
+    "1,5",
+    "\x1b[31m",
+    "2019-10-08",
+    "-0",
+    "1e-320",
+]
+
+
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    cells=st.lists(
+        st.tuples(st.integers(0, 99), st.integers(0, 13), st.integers(1, 100), st.sampled_from(NASTY)),
+        min_size=1,
+        max_size=6,
+    )
+)
+def test_no_cells_whatever_end_in_another_exception(cells, folder):
+    table = texts(enu(duration=10.0))
+    for row, column, count, cell in cells:
+        table.iloc[row : row + count, column % len(table.columns)] = cell
+    try:
+        found = flown(folder, "\n".join([",".join(table), *(",".join(row) for row in table.to_numpy())]), "enu")
+    except log.LogError:
+        return
+    position, velocity = found.kite(found.times)
+    assert np.isfinite(position).all()
+    assert np.isfinite(velocity).all()
