@@ -16,6 +16,7 @@ import numpy as np
 from networks import Network
 from random_systems import random_network
 from tetherfmu import Environment, Solver, TetherSystem, Winch
+from tetherfmu.runtime.limits import MIN_SEGMENT_LENGTH
 
 ROUNDING = 1e-11  # of positions [m]
 WITHOUT_AIR = Environment(air_density=0.0)
@@ -104,7 +105,8 @@ def _left_of_drum(line, tension, told, before, after, h):
     """What is left of the equation of a drum [N]; 0 at a stop, and where friction lets it rest before it turns round."""
     winch, speed = line.winch, after.winch_speed
     is_brought_to_rest = speed == 0.0 != before.winch_speed and winch.winch_mass > 0.0
-    if is_brought_to_rest or after.tether_length in (winch.shortest_length, winch.longest_length):
+    stops = winch.shortest_length, winch.longest_length, MIN_SEGMENT_LENGTH * line.tether.segments
+    if is_brought_to_rest or after.tether_length in stops:
         return 0.0
     turning = winch.winch_mass * (speed - before.winch_speed) / h + winch.winch_damping * speed
     rest = tension - told["winch_forces"][line.name] - turning

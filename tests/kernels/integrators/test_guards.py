@@ -229,10 +229,8 @@ def test_fixed_steps_are_hurried_when_their_iterations_have_spent_the_budget():
 def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
     monkeypatch.setattr(backward_euler, "count_of_steps", backward_euler.count_of_steps.py_func)
     monkeypatch.setattr(second_order, "step", lambda *arguments: pytest.fail("a step was done"))
-    parameters = np.zeros(at.PARAMETER_SCALARS)
-    parameters[at.FIXED_STEP] = 1e-4
-    conditions = SimpleNamespace(n=300, parameters=parameters)
-    result = second_order.integrate.py_func(conditions, 1.0, np.zeros(at.STATE_HEADER), None, None, None)
+    steps = backward_euler.FixedSteps(1e-4, float(at.SECOND_ORDER))
+    result = second_order.integrate.py_func(SimpleNamespace(n=300), steps, 1.0, np.zeros(at.STATE_HEADER), None, None, None)
     assert result == status.FIXED_STEPS_TOO_MANY
 
 
