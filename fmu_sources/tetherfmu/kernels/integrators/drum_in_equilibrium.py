@@ -40,6 +40,7 @@ OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum be
 SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
 SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
 SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
+MOST_SHORT = 8  # pieces in a row that end before an event, until the next one is at least twice as long as the last
 
 
 def drum_at(settle, tension):
@@ -155,6 +156,7 @@ def drum_at(settle, tension):
         direction = HELD
         beyond = 0.0  # time at which the next event is known to be over, 0 without
         is_new, is_held = True, False
+        short, least = 0, 0.0  # pieces in a row that ended before the event that is sought, and how long the next one is [s]
         failures, most = 0, state[at.ITERATIONS] + SHARES * at.ITERATION_BUDGET // n
         for _ in range(MOST_PIECES):
             if is_new:
@@ -162,6 +164,8 @@ def drum_at(settle, tension):
                 if direction == HELD or (drum.mass > 0.0 and speed * direction < 0.0):
                     speed = 0.0
                 is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
+            if state[at.ITERATIONS] > most:
+                return STEP_BUDGET_SPENT
             rest = duration - time
             h_now = min(h, piece, rest)
             end = duration if h_now == rest else time + h_now
@@ -198,11 +202,14 @@ def drum_at(settle, tension):
                 before, _ = room_left(drum, direction, time, length, speed, pull)
                 before = weight * max(before, 0.0)
                 piece = h_now * max(SHORTEST_PART, min(LONGEST_PART, before / (before - room)))
+                if short > MOST_SHORT:
+                    piece = max(piece, min(least, 0.5 * h_now))
                 weight *= 0.5
                 beyond = end
                 continue
             if room < 0.0 or arrived:
                 beyond = 0.0
+            short, least = (short + 1, 2.0 * h_now) if beyond > end else (0, 0.0)
             time, length, speed, pull = end, new_length, new_speed, new_pull
             is_new, is_held = True, False
             if direction != HELD:
