@@ -20,16 +20,15 @@ from ..equations.assembly import longest_part
 from ..equations.boundary import hold_ends
 from ..equations.lines import (
     add_at,
-    band_of,
     clear,
-    free_points,
     lines_of,
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
 )
 from ..linear_algebra import condensed
-from ..linear_algebra.points import add_block, factorize_band, solve_band
+from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import get, put
 from . import backward_euler, system_fixed_drums
 from .backward_euler import MOST_HALVINGS
@@ -81,16 +80,17 @@ def place_line(system, k, points):
                 column = point_at(system, k, column_end)
                 if column != places.DRIVEN:
                     block = condensed.condensed_block(n, row_end, column_end, w.matrix, columns)
-                    add_block(band_of(system), row, column, block, points.matrix)
+                    add_to_block(*size_of_blocks(system), row, column, block, points.matrix)
 
 
 @kernel
 def solve_points(system, points):
     """Solve the equations of the free points (modified); False if they are singular."""
-    m, band = 3 * free_points(system), band_of(system)
-    if not factorize_band(m, band, points.matrix, points.pivots):
+    size = size_of_blocks(system)
+    if not factorize_blocks(*size, points.matrix):
         return False
-    solve_band(m, band, points.matrix, points.pivots, points.right)
+    solve_blocks(*size, points.matrix, points.right, points.solution)
+    copy(points.solution, points.right)
     return True
 
 

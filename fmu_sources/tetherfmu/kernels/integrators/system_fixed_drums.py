@@ -22,7 +22,6 @@ from ..equations.boundary import hold_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS
 from ..equations.lines import (
     add_at,
-    band_of,
     clear,
     lines_of,
     load_at,
@@ -30,11 +29,12 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
 )
 from ..equations.node_loads import free_acceleration
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer, transposed_apply
-from ..linear_algebra.points import add_block
+from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, scale
 from . import drum_in_backward_euler as of_one
 from .system_fixed_room import (
@@ -118,7 +118,7 @@ def place_drum(system, k, step, points):
             for column_end in range(2):
                 if turns and is_free(system, k, column_end):
                     block = outer(scale(-1.0 / pivot, left), row_of(system, k, column_end, border.turning))
-                    add_block(band_of(system), row, point_at(system, k, column_end), block, points.matrix)
+                    add_to_block(*size_of_blocks(system), row, point_at(system, k, column_end), block, points.matrix)
 
 
 # --- how a drum is found

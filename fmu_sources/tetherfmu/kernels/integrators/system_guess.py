@@ -12,7 +12,6 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations.lines import (
     add_at,
-    band_of,
     clear,
     conditions_of,
     lines_of,
@@ -20,9 +19,10 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
 )
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
-from ..linear_algebra.points import add_block
+from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import get, scale, sub
 from . import backward_euler
 from .system_descent import (
@@ -77,11 +77,11 @@ def add_weight(system, k, points):
     for end in range(2):
         row, other = point_at(system, k, end), point_at(system, k, 1 - end)
         if row != places.DRIVEN:
-            add_block(band_of(system), row, row, block, points.matrix)
+            add_to_block(*size_of_blocks(system), row, row, block, points.matrix)
             if other == places.DRIVEN:
                 add_at(points.right, row, scale(weight, move_of_driven(system, k, 1 - end)))
             else:
-                add_block(band_of(system), row, other, add_to_diagonal(ZERO_MATRIX, -weight), points.matrix)
+                add_to_block(*size_of_blocks(system), row, other, add_to_diagonal(ZERO_MATRIX, -weight), points.matrix)
     return not (is_free(system, k, 0) and is_free(system, k, 1))
 
 
