@@ -79,11 +79,6 @@ WRONG = {
     "list of materials": ('"steel"', '["steel"]', "lines.rope.material is ['steel']; it must be one of dyneema_sk75"),
     "number as point": (r"\[points.drone\]", "drone = 3\n[points.more]", "unknown key points.load.drone"),
     "short segments": ("initial_length = 22", "initial_length = 0.02", "the line tag: initial_length is 0.02 m for 3"),
-    "fixed step": (
-        "initial_shape",
-        "fixed_step = 0.01\ninitial_shape",
-        "the line rope: winch_control is 2 (force); with a fixed_step",
-    ),
     "unknown control": ('"force"', '"torque"', "lines.rope.winch_control is 'torque'; it must be"),
     "light drum": ('"20 kg"', '"-20 kg"', "lines.rope.winch_mass is '-20 kg'; it must be at least 0 kg"),
     "stops crossed": (
