@@ -40,11 +40,10 @@ def results_of(points, verdict):
 
 
 def test_a_held_drum_breaks_away_where_its_tether_draws_taut():
-    """The instant is found in a few searches; estimates from two tensions come short by a millionth of the step each time."""
+    """Its instant is found in a few searches, though estimates from two tensions come short by a millionth of the step."""
     flown, _ = fly(point(1, 9398, at.WINCH_BY_FORCE), calls=1)
     assert not flown.refusal
     assert flown.work < 20_000 * 33  # of which 7600 iterations are needed, where one million were
-
 
 
 def test_points_keep_to_their_axes():
