@@ -112,6 +112,15 @@ def by_ecos(path, names):
     return rows
 
 
+def folders(path, folder):
+    """Folders in this one: with an SSP file, extracted, and an empty one for FMUs."""
+    extracted, fmus = folder / "extracted", folder / "fmus"
+    fmus.mkdir()
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(extracted)
+    return str(extracted), fmus
+
+
 def fmus_of(fmu_folder, example_folder, folder):
     for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
         (folder / each.name).symlink_to(each)
@@ -122,15 +131,12 @@ def fmus_of(fmu_folder, example_folder, folder):
 @pytest.mark.parametrize("fidelity", list(FIDELITIES))
 def test_kite_power_system_in_libcosim(ssp_folder, fmu_folder, example_folder, tmp_path, fidelity):
     """As the Jacobi master; libcosim rounds the step to nanoseconds, and sums times: digits behind the tenth differ."""
-    extracted, fmus = tmp_path / "extracted", tmp_path / "fmus"
-    fmus.mkdir()
-    with zipfile.ZipFile(ssp_folder / "kite_power_system.ssp") as archive:
-        archive.extractall(extracted)
+    extracted, fmus = folders(ssp_folder / "kite_power_system.ssp", tmp_path)
     ssd = "SystemStructure.ssd" if fidelity == "standard" else f"SystemStructure_{fidelity}.ssd"
     start = parameters_of(ssp_folder / "kite_power_system.ssp", fidelity)
     fmus = fmus_of(fmu_folder, example_folder, fmus)
     ours = own_process(by_the_example, names=FOLLOWED, start=start, fmus=fmus)
-    theirs = own_process(by_libcosim, folder=str(extracted), ssd=ssd, names=FOLLOWED)
+    theirs = own_process(by_libcosim, folder=extracted, ssd=ssd, names=FOLLOWED)
     np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-9)
 
 
@@ -146,26 +152,20 @@ def test_kite_power_system_in_ecos(ssp_folder, fmu_folder, example_folder, tmp_p
 @needs_libcosim
 def test_winch_inside_in_libcosim(ssp_folder, fmu_folder, example_folder, tmp_path):
     """As the Jacobi master, with the motor in the place of the winch."""
-    extracted, fmus = tmp_path / "extracted", tmp_path / "fmus"
-    fmus.mkdir()
-    with zipfile.ZipFile(ssp_folder / "winch_inside.ssp") as archive:
-        archive.extractall(extracted)
+    extracted, fmus = folders(ssp_folder / "winch_inside.ssp", tmp_path)
     names = (*FOLLOWED, "winch_speed")
     fmus = fmus_of(fmu_folder, example_folder, fmus)
     ours = own_process(by_the_example, names=names, start={}, fmus=fmus, inside=True)
-    theirs = own_process(by_libcosim, folder=str(extracted), ssd="SystemStructure.ssd", names=names)
+    theirs = own_process(by_libcosim, folder=extracted, ssd="SystemStructure.ssd", names=names)
     np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-9)
 
 
 @needs_libcosim
 def test_circle_in_libcosim(ssp_folder, fmu_folder, example_folder, tmp_path):
     """The forces are those of the circular flight whose example leads the kite itself."""
-    extracted, fmus = tmp_path / "extracted", tmp_path / "fmus"
-    fmus.mkdir()
-    with zipfile.ZipFile(ssp_folder / "circular_flight.ssp") as archive:
-        archive.extractall(extracted)
+    extracted, fmus = folders(ssp_folder / "circular_flight.ssp", tmp_path)
     names = [f"kite_force[{i}]" for i in (1, 2, 3)]
-    theirs = own_process(by_libcosim, folder=str(extracted), ssd="SystemStructure.ssd", names=names)
+    theirs = own_process(by_libcosim, folder=extracted, ssd="SystemStructure.ssd", names=names)
     ours = own_process(by_circular_flight, fmus=fmus_of(fmu_folder, example_folder, fmus))
     np.testing.assert_allclose(theirs, ours[1:], rtol=0.0, atol=1e-6)  # of 100 N
 
