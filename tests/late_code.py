@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from numba.core import codegen, cpu, dispatcher, registry
 from numba.core.runtime.nrt import rtsys
 
-from tetherfmu.libraries.ahead_of_time import as_one_module, optimize
 from tetherfmu.libraries.intermediate_code import keep_texts, texts_below
+from tetherfmu.libraries.llvm_modules import as_one_module, optimize
 
 
 class _Caller:

@@ -17,7 +17,7 @@ APART = ("check", "console")  # rooms at the right
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": (
-        *("models", "tether_model", "compiled_flight", "arguments"),
+        *("models", "tether_model", "given_inputs", "compiled_flight", "arguments"),
         *("energy", "input_files", "materials", "paths", "results", "states"),
     ),
     "kernels.entry_points": ("kernels.entry_points", "kernels.system_entry_points"),

@@ -21,10 +21,10 @@ from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, 
 from tetherfmu.runtime.plausibility import sentences
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
-from . import arguments, compiled_flight, energy, states
+from . import arguments, compiled_flight, energy, given_inputs, states
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 
-_MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_places")  # anew in a copy
+_MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_receiver")  # anew in a copy
 
 
 class TetherModel:
@@ -110,7 +110,8 @@ class TetherModel:
         self.segments: int = instance.segments
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
         self._inputs, self._outputs = np.split(values, (instance.outputs_at,))
-        self._places = memoryview(instance.values)  # faster than `_inputs` for a few numbers
+        name, profile = type(self).__name__, self._records[1].wind_profile
+        self._receiver = given_inputs.Receiver(name, self._variant, instance, memoryview(instance.values), profile)
 
     def __getstate__(self):
         """What a copy is made of: all attributes but the arrays, and the state if it runs."""
@@ -214,9 +215,10 @@ class TetherModel:
         try:
             kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
             ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
-            self._set(**kite, **ground, reel_out_speed=reel_out_speed, wind_velocity=wind_velocity)
-            self._set(winch_force=winch_force, winch_length=winch_length)
-            self._set_wind_at(wind_at if wind_at is not None or not self.wind_points else np.zeros((self.wind_points, 3)))
+            winch = {"reel_out_speed": reel_out_speed, "winch_force": winch_force, "winch_length": winch_length}
+            if wind_at is None and self.wind_points:
+                wind_at = np.zeros((self.wind_points, 3))
+            given_inputs.put(self._receiver, wind_velocity, wind_at, **kite, **ground, **winch)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -295,8 +297,7 @@ class TetherModel:
         self._check_started()
         before = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
         try:
-            self._set(**given)
-            self._set_wind_at(wind_at)
+            given_inputs.put(self._receiver, wind_at=wind_at, **given)
             self._advance(arguments.number("step", step, "s"), tether_length)
         except ValueError:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = before
@@ -373,9 +374,9 @@ class TetherModel:
             If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
-        inputs = self._rows(arguments.input_rows(inputs), wind_at)
+        inputs = given_inputs.rows(self._receiver, arguments.input_rows(inputs), wind_at)
         step = arguments.steps("step", step, len(inputs)) if np.ndim(step) else arguments.number("step", step, "s")
-        winds = self._checked_winds(node_winds, len(inputs))
+        winds = given_inputs.node_winds(self._receiver, node_winds, len(inputs))
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
         arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
         every = arguments.whole("every", every)
@@ -471,64 +472,12 @@ class TetherModel:
         has_one_stage = parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
         return most_of_a_step(has_one_stage, parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE)
 
-    def _set(self, wind_velocity=None, **given):
-        """Set those inputs that are not None, the wind as it may be given at each node; ValueError if a shape is wrong."""
-        for start, end, numbers in arguments.numbers_at(given):
-            self._places[start:end] = numbers
-        if wind_velocity is not None:
-            self._set_wind(wind_velocity)
-
-    def _set_wind_at(self, wind):
-        """Set the wind [m/s] at the wind points, (wind_points, 3), if it is not None; ValueError if there are none."""
-        if wind is not None:
-            self._inputs[at.INPUTS :] = self._checked_wind_at(wind, ()).ravel()
-
-    def _checked_wind_at(self, wind, before):
-        """Wind at the wind points [m/s], array (*before, wind_points, 3); ValueError for another shape or without them."""
-        if not self.wind_points:
-            raise ValueError(f"this {type(self).__name__} has no wind points for wind_at: make it with wind_points=11")
-        return arguments.numbers_in_shape("wind_at", wind, (*before, self.wind_points, 3))
-
-    def _rows(self, inputs, wind):
-        """Rows of inputs with the wind at the wind points, as `compiled_flight.fly` takes them; wind : as in `fly`."""
-        if wind is not None:
-            wind = self._checked_wind_at(wind, (len(inputs),))
-        elif self.wind_points:
-            wind = np.tile(self._inputs[at.INPUTS :], (len(inputs), 1))
-        else:
-            return inputs
-        return np.concatenate((inputs, wind.reshape(len(inputs), -1)), axis=1)
-
     def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
         """`Energy`, tensions [N] and velocities [m/s] of the present state, see `energy.account`."""
         if not self._variant.has_nodes:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
         self._check_started()
         return energy.account(self._instance, reel_out_speed, wind_velocity, kite_load, winch_force)
-
-    def _set_wind(self, wind):
-        """Set the wind [m/s], (3,), or at each node, (segments + 1, 3); ValueError if it has another shape."""
-        shape = np.shape(wind)
-        if self.wind_points and np.any(wind):
-            raise ValueError(f"wind_velocity is given to a {type(self).__name__} with wind points; give wind_at")
-        if shape == (self.segments + 1, 3) and self._variant.has_nodes:
-            wind = arguments.node_vectors("wind_velocity", wind, self.segments)
-            compiled_flight.put_node_winds(self._instance, wind)
-        elif shape == (3,):
-            self._inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-            self._parameters[at.WIND_PROFILE] = at.AT_NODES if self.wind_points else self._records[1].wind_profile
-        else:
-            nodes = f", or ({self.segments + 1}, 3) for a wind at each node" if self._variant.has_nodes else ""
-            raise ValueError(f"wind_velocity has the shape {shape}; it must be (3,){nodes}")
-
-    def _checked_winds(self, winds, steps):
-        """Winds at the nodes in so many steps [m/s], array, or None; ValueError if they have another shape."""
-        if winds is None:
-            return None
-        if not self._variant.has_nodes or self.wind_points:
-            instead = "has wind points: give wind_at" if self.wind_points else "has no nodes: give wind_velocity"
-            raise ValueError(f"{type(self).__name__} {instead}")
-        return arguments.numbers_in_shape("node_winds", winds, (steps, self.segments + 1, 3))
 
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""

@@ -14,6 +14,7 @@ import pytest
 from kernels.interleaved import node_forces
 from mechanics import energy as energy_of_chain
 from mechanics import line_density
+from tetherfmu import given_inputs
 from tetherfmu.energy import EnergyAudit
 from tetherfmu.kernels.equations import assembly, segment
 from tetherfmu.kernels.equations.properties import chain_at
@@ -63,7 +64,7 @@ def accelerations(model, reel_out_speed, free_ends):
 def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
     model = shaken(free_ends)
     if node_winds is not None:
-        model._set_wind(node_winds)
+        given_inputs.put(model._receiver, node_winds)
     now = model.energy(reel_out_speed, WIND, LOAD)
     a = accelerations(model, reel_out_speed, free_ends)
     start = model.get_state()

@@ -230,7 +230,7 @@ def test_a_pile_hangs_straight_and_lies_without_tension(kite, excess):
     model = TetherQuasiSteady(tether, **ground())
     out = model.initialize(kite)
     weight = line_density(tether) * G
-    almost_none = 1e-3 * weight * length  # up to which the equilibrium may hold compression, `lying_chain.PRESSED`
+    almost_none = 1e-3 * weight * length  # up to which the equilibrium may hold compression, `lying_chain.MOST_COMPRESSION`
     assert np.abs(out.kite_force[:2]).max() < almost_none
     assert -out.kite_force[2] == pytest.approx(weight * kite[2], abs=weight * length / 40)  # whole nodes hang
     assert np.abs(out.ground_force[:2]).max() < almost_none

@@ -64,7 +64,7 @@ def entry_points(variant):
     def take_outputs(n, p, s, shape_points, outputs, w):
         """Outputs (modified) that belong to a state; a status: OK or OUTPUT_NOT_FINITE."""
         if has_nodes:
-            wind_points.blow(n, p, s)
+            wind_points.take_from_state(n, p, s)
         variant.outputs_of(n, p, s, shape_points, outputs, w)
         return complete(n, s, outputs)
 
@@ -83,7 +83,7 @@ def entry_points(variant):
             return status
         copy(s, before)
         transaction.remember(p, inputs, given, s)
-        wind_points.step_on(n, p, inputs, step, has_nodes, has_waves, s)
+        wind_points.advance(n, p, inputs, step, has_nodes, has_waves, s)
         status = variant.advance(n, p, given, before, s, w)
         return transaction.commit(n, p, status, before, s)
 
@@ -175,7 +175,7 @@ def entry_points(variant):
     def energy(n, parameters, state, inputs, energies, work):
         """Energies, powers, tensions and velocities (modified) of a state with wind, reel-out speed and load of `inputs`."""
         p, s, w = chain_arrays(n, parameters, state, work)
-        wind_points.blow(n, p, s)
+        wind_points.take_from_state(n, p, s)
         v = variant.velocities_of(n, p, s, w)
         return power_balance.balance(n, p, s, v, carray(inputs, at.INPUTS), carray(energies, power_balance.size(n)), w)
 

@@ -12,7 +12,6 @@ writes the libraries of each variant into its folder, and the name of each varia
 
 import gzip
 import os
-import re
 import signal
 import sys
 import tempfile
@@ -20,19 +19,11 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import NamedTuple
 
 from tetherfmu.libraries import processors
-from tetherfmu.libraries.linking import MATHEMATICS, MEMORY, link
+from tetherfmu.libraries.linking import link
+from tetherfmu.libraries.llvm_modules import Target, check_names, for_target, machine_of, optimize, whole_module
 from tetherfmu.runtime.kernel_library import file_name, verbs
-
-
-class Target(NamedTuple):
-    """What LLVM calls a platform, and the plainest processor there, so that the library runs on all of them."""
-
-    triple: str
-    cpu: str
-
 
 TARGETS = {
     "x86_64-linux": Target("x86_64-unknown-linux-gnu", "x86-64"),
@@ -45,10 +36,6 @@ TARGETS = {
 
 CODE = "code.ll.gz"  # file beside the libraries: what numba has written, linked, for any target
 
-# Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
-# in would need a function of the C library on Windows. And one whose loop is faster alone, by 1 to 2 % of a step
-APART = ("rosenbrock7prepare", "assembly11node_forces", "moving_drum9integrate")
-
 
 def object_files(folder, variant, platforms, code=None):
     """Object files of a variant: pairs (platform, bytes); RuntimeError if they need more than mathematics.
@@ -60,29 +47,22 @@ def object_files(folder, variant, platforms, code=None):
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    plain = _kept(folder, CODE, lambda: _first_round(code))
+    plain = _kept(folder, CODE, lambda: whole_module(code))
     for platform in platforms:
         architecture, cpu = platform.partition("-")[0], TARGETS[platform].cpu
         optimized = partial(_second_round, plain, architecture, cpu, names_of(variant))
         text = _kept(folder, f"{architecture}_{cpu}.ll.gz", optimized)
-        machine = _machine(TARGETS[platform])
-        yield platform, machine.emit_object(_for_target(text, TARGETS[platform], machine))
-
-
-def _first_round(code):
-    """A module of all functions without what cannot happen; a second round alone would leave some of Python in."""
-    linked = _linked(code)
-    optimize(linked, _machine(TARGETS["x86_64-linux"]), level=1)
-    return linked
+        machine = machine_of(TARGETS[platform])
+        yield platform, machine.emit_object(for_target(text, TARGETS[platform], machine))
 
 
 def _second_round(plain, architecture, cpu, exported):
     """A module optimized for a processor, be it made for whichever of its platforms first."""
     target = next(each for platform, each in TARGETS.items() if platform.startswith(architecture) and each.cpu == cpu)
-    machine = _machine(target)
-    module = _for_target(plain, target, machine)
+    machine = machine_of(target)
+    module = for_target(plain, target, machine)
     optimize(module, machine, level=3, vectors=True)
-    _check_names(module, exported)
+    check_names(module, exported)
     return processors.for_both_kinds(module, exported) if architecture == processors.ARCHITECTURE else module
 
 
@@ -92,7 +72,7 @@ def _kept(folder, name, make):
     if path.exists():
         return gzip.decompress(path.read_bytes()).decode()
     text = str(make())
-    _write(path, gzip.compress(text.encode(), compresslevel=5, mtime=0))
+    write(path, gzip.compress(text.encode(), compresslevel=5, mtime=0))
     return text
 
 
@@ -101,81 +81,13 @@ def names_of(variant):
     return [f"{variant}_{verb}" for verb in verbs(variant)]
 
 
-def _linked(code):
-    """One LLVM module of all functions, with nothing but the entry points exported, and names by place."""
-    linked = as_one_module(code.texts)
-    for name, exported in code.names.items():
-        linked.get_function(name).name = exported
-    for function in linked.functions:
-        if any(name in function.name for name in APART):
-            function.add_function_attribute("noinline")
-    # the names that numba gives have counters and addresses in them
-    for place, item in enumerate([*linked.global_variables, *linked.functions]):
-        if not item.is_declaration and item.name not in code.names.values():
-            item.linkage = "internal"
-            item.name = f"kernel.{place}"
-        elif item.name.startswith("numba.dynamic.globals"):
-            item.name = f"python.{place}"
-    return linked
-
-
-def as_one_module(texts):
-    """One LLVM module of the texts of several: two at a time, as LLVM looks through all of a module that it links to."""
-    import llvmlite.binding as llvm
-
-    modules = list(map(llvm.parse_assembly, texts))
-    while len(modules) > 1:
-        for module, next_one in zip(modules[::2], modules[1::2], strict=False):
-            module.link_in(next_one)
-        modules = modules[::2]
-    return modules[0]
-
-
-def _machine(target):
-    """LLVM's machine of a target."""
-    import llvmlite.binding as llvm
-
-    found = llvm.Target.from_triple(target.triple)
-    return found.create_target_machine(cpu=target.cpu, opt=3, reloc="pic", codemodel="small")
-
-
-def _for_target(text, target, machine):
-    """A module from intermediate code, for another target than the one it was written for."""
-    import llvmlite.binding as llvm
-
-    text = re.sub(r"^target triple = .*$", f'target triple = "{target.triple}"', text, flags=re.MULTILINE)
-    text = re.sub(r"^target datalayout = .*$", f'target datalayout = "{machine.target_data}"', text, flags=re.MULTILINE)
-    if not target.triple.startswith("x86"):
-        text = re.sub(r'"target-(cpu|features)"="[^"]*"', "", text)
-    return llvm.parse_assembly(text)
-
-
-def optimize(module, machine, level, vectors=False):
-    """Run LLVM's passes of a level; vectors : two statements in one instruction, which numba leaves out."""
-    import llvmlite.binding as llvm
-
-    tuning = llvm.create_pipeline_tuning_options(speed_level=level)
-    tuning.slp_vectorization = vectors
-    builder = llvm.create_pass_builder(machine, tuning)
-    builder.getModulePassManager().run(module, builder)
-
-
-def _check_names(module, exported):
-    """RuntimeError if a module needs more than the mathematical library, memset and memcpy."""
-    items = [*module.functions, *module.global_variables]
-    needed = {item.name for item in items if item.is_declaration and not item.name.startswith("llvm.")}
-    surplus = needed - {*MATHEMATICS, *MEMORY}
-    if surplus:
-        raise RuntimeError(f"the kernels {', '.join(exported)} need {sorted(surplus)}: see compilation.py")
-
-
 def write_libraries(folder, variant, platforms, code):
     """Write the libraries of a variant that a folder has not, each after its object file; returns the variant."""
     missing = [platform for platform in platforms if not (folder / file_name(variant, platform)).exists()]
     for platform, content in object_files(folder, variant, missing, code):
         path = folder / file_name(variant, platform)
-        _write(folder / object_name(platform), content)
-        _write(path, link([content, *processors.what_asks(platform)], path.name, platform, names_of(variant)))
+        write(folder / object_name(platform), content)
+        write(path, link([content, *processors.what_asks(platform)], path.name, platform, names_of(variant)))
     return variant
 
 
@@ -184,7 +96,7 @@ def object_name(platform):
     return f"{platform}.o"
 
 
-def _write(path, content):
+def write(path, content):
     """Write a file that is there as a whole or not at all."""
     unfinished = Path(tempfile.gettempdir()) / f"{os.getpid()}-{path.name}"  # where `ready` tidies up
     unfinished.write_bytes(content)

@@ -50,7 +50,7 @@ def main(arguments):
     folder = ready.compiled_in(ready.cache_folder(), [library], [this_platform()])[library]
     text = text_of(gzip.decompress((folder / ahead_of_time.CODE).read_bytes()).decode(), library)
     path.parent.mkdir(exist_ok=True)
-    ahead_of_time._write(path, text.encode("ascii"))
+    ahead_of_time.write(path, text.encode("ascii"))
     print(f"{len(text) // 1000} kB", flush=True)
 
 

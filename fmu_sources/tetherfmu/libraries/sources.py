@@ -9,7 +9,8 @@ from tetherfmu.runtime.kernel_library import SYSTEM
 
 PACKAGE = Path(__file__).resolve().parents[1]
 HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
-RECIPE = ("ahead_of_time", "intermediate_code", "linking", "processors")  # modules beside this one, how a library is made
+# modules beside this one, how a library is made
+RECIPE = ("ahead_of_time", "intermediate_code", "linking", "llvm_modules", "processors")
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
 
 

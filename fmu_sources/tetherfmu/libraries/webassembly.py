@@ -19,10 +19,10 @@ from pathlib import Path
 
 from tetherfmu.runtime.variants import VARIANTS
 
-from . import ahead_of_time, ready
-from .ahead_of_time import Target
+from . import ahead_of_time, llvm_modules, ready
 from .intermediate_code import Code
 from .linking import MATHEMATICS, zig
+from .llvm_modules import Target
 from .sources import digest
 
 FILE = "tetherfmu.wasm"
@@ -92,9 +92,9 @@ def object_file(text, exported, features=FEATURES):
     machine = llvm.Target.from_triple(TARGET.triple).create_target_machine(
         cpu=TARGET.cpu, features=features, opt=3, reloc="static", codemodel="default"
     )
-    module = ahead_of_time._for_target(_with_instructions(text), TARGET, machine)
-    ahead_of_time.optimize(module, machine, level=3, vectors=LANES in features)
-    ahead_of_time._check_names(module, exported)
+    module = llvm_modules.for_target(_with_instructions(text), TARGET, machine)
+    llvm_modules.optimize(module, machine, level=3, vectors=LANES in features)
+    llvm_modules.check_names(module, exported)
     return machine.emit_object(llvm.parse_assembly(_without_large_products(str(module))))
 
 
@@ -152,11 +152,11 @@ def write(path, codes):
     llvm.initialize_all_asmprinters()
     texts = dict.fromkeys(text for code in codes for text in code.texts)
     names = {name: exported for code in codes for name, exported in code.names.items()}
-    text = str(ahead_of_time._first_round(Code(list(texts), names)))
+    text = str(llvm_modules.whole_module(Code(list(texts), names)))
     exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant)]
     content = linked(object_file(_small(text), exported, f"{FEATURES},{LANES}"), exported)
     path.parent.mkdir(exist_ok=True)
-    ahead_of_time._write(path, content)
+    ahead_of_time.write(path, content)
     return f"{path.name}, {len(content) // 1000} kB,"
 
 

@@ -9,8 +9,9 @@ WORK_BUDGET = 200_000  # segments times internal steps in one communication step
 MOST_BUDGETS = 20  # of these a step may take: about a second
 HOPELESS = 100  # of these: a step that has spent one of them and is on course to more is given up there
 COARSE_WORK = 40_000  # segments times fixed steps with which a communication step is done that was given up
-ITERATION_BUDGET = 1_000_000  # segments times fixed steps in it; a third of the iterations after which they are hurried
+ITERATION_BUDGET = 1_000_000  # segments times fixed steps in it; a third of the iterations after which they are truncated
 STIFF = 1e8  # axial stiffness [N] above which the errors of positions that solvers allow show in the tension
+LEAST_REMAINDER = 1e-6  # part of an internal step: what is left of a communication step beyond it needs no step more
 MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
 NO_STOP = 1e300  # unstretched length [m] at a stop of the winch that is not there
 
@@ -23,17 +24,17 @@ MOST_ITERATIONS = 8  # of a step and of its coarser parts
 LAST_ITERATIONS = 32  # of the finest parts
 PARTS = 4  # into which a step is divided, and each of them again
 FINEST = PARTS**2  # parts of the finest kind in a step
-WORST_CAREFUL = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations of a step and of all its parts
+WORST_SUBDIVIDED = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations of a step and of all its parts
 STAGES = 3  # of a step of order 2
-WORST_WORK = STAGES * MOST_ITERATIONS + WORST_CAREFUL  # factorizations for one fixed step: of stages that were left, too
-# the same of a chain with the drum of a winch that is told a force: where the finest parts do not come to rest with it, the
+WORST_WORK = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED  # factorizations for one fixed step: of stages that were left, too
+# the same of a chain with the drum of a winch that is told a force: where the finest parts do not converge with it, the
 # chain takes them alone, see `kernels/integrators/drum_in_backward_euler.py`
-WORST_CAREFUL_WITH_DRUM = WORST_CAREFUL + LAST_ITERATIONS * FINEST
-WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_CAREFUL_WITH_DRUM
+WORST_SUBDIVIDED_WITH_DRUM = WORST_SUBDIVIDED + LAST_ITERATIONS * FINEST
+WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED_WITH_DRUM
 
 
 def most_of_a_step(has_one_stage, has_drum):
     """Factorizations at most [-] for one fixed step: of backward Euler alone or not, with a winch told a force or not."""
     if has_one_stage:
-        return WORST_CAREFUL_WITH_DRUM if has_drum else WORST_CAREFUL
+        return WORST_SUBDIVIDED_WITH_DRUM if has_drum else WORST_SUBDIVIDED
     return WORST_WORK_WITH_DRUM if has_drum else WORST_WORK

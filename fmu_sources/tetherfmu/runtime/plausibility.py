@@ -22,7 +22,7 @@ STATE_IMPOSSIBLE = "contains impossible numbers"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(7)
 STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG, GROUND_IGNORED, END_UNDER_GROUND = range(7, 12)
-FIXED_STEP_DAMPS, FIXED_STEP_RESTLESS, UNRESOLVED = range(12, at.WARNING_KINDS)
+FIXED_STEP_DAMPS, FIXED_STEP_UNCONVERGED, UNRESOLVED = range(12, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -71,7 +71,7 @@ SENTENCES = {
         "backward Euler with this fixed_step damps like an additional axial_damping of {value:.3g} N.s, more than {part:g} "
         "% of what the tether has; set fixed_step_method to 1 (second_order), or use a shorter fixed_step"
     ),
-    FIXED_STEP_RESTLESS: (
+    FIXED_STEP_UNCONVERGED: (
         "a fixed step of {value:.3g} s was ended at its bound on factorizations before it converged; its result is bounded, "
         "but may be inaccurate; check the inputs for jumps, or use a shorter fixed_step"
     ),

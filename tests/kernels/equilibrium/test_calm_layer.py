@@ -12,7 +12,14 @@ import pytest
 from balance import residual, turning
 from mechanics import drags
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import calm_layer, chord_rotation, load_continuation, newton, pressed_segments, stiffening
+from tetherfmu.kernels.equilibrium import (
+    calm_layer,
+    chord_rotation,
+    compressed_segments,
+    load_continuation,
+    newton,
+    stiffening,
+)
 from tetherfmu.materials import tether_of
 from tetherfmu.runtime.parameters import Tether
 
@@ -28,7 +35,7 @@ MOST_WORK += 3 * 2 * SEARCH + load_continuation.MOST_LEVELS * PAIR
 MOST_WORK += chord_rotation.MOST_ROTATIONS * (PAIR + newton.MOST_PSEUDO_STEPS)
 MOST_WORK += 2 * SEARCH + calm_layer.MOST_LAYERS * PAIR
 MOST_WORK += len(stiffening.STRAINS) * (2 * SEARCH + stiffening.MOST_RISES * SEARCH)
-MOST_WORK += 2 * pressed_segments.MOST_TRIALS * newton.MOST_PSEUDO_STEPS
+MOST_WORK += 2 * compressed_segments.MOST_TRIALS * newton.MOST_PSEUDO_STEPS
 MOST_WORK += 2 * SEARCH + calm_layer.MOST_LAYERS * (SEARCH + newton.MOST_PSEUDO_STEPS)
 
 

@@ -31,7 +31,7 @@ def attempt_of(reel_out_speed, law, slack):
     v[:3] = 0.0
     state[at.STATE_HEADER : at.STATE_HEADER + 3 * (N + 1)] = x
     given = inputs_of_step(parameters, inputs, STEP, state)
-    conditions = conditions_of_chain(N, parameters, given, state, x, v)
+    conditions = conditions_of_chain(N, parameters, parameters[at.INITIAL_SHAPE], given, state, x, v)
     w = backward_euler.workspace(N, work)
     attempt = backward_euler.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
     backward_euler.start(attempt, 0.0, False, x, w)

@@ -237,9 +237,9 @@ def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
 @pytest.mark.parametrize(
     ("method", "control", "bound"),
     [
-        ("backward_euler", "speed", limits.WORST_CAREFUL),
+        ("backward_euler", "speed", limits.WORST_SUBDIVIDED),
         ("second_order", "speed", limits.WORST_WORK),
-        ("backward_euler", "force", limits.WORST_CAREFUL_WITH_DRUM),
+        ("backward_euler", "force", limits.WORST_SUBDIVIDED_WITH_DRUM),
         ("second_order", "force", limits.WORST_WORK_WITH_DRUM),
     ],
 )

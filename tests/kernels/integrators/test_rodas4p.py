@@ -127,7 +127,7 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         h = 0.4 / steps
         for k in range(steps):
-            iterations = backward_euler.careful_step(problem.conditions, k * h, h, problem.x, problem.v, problem.of_euler)
-            assert 1 <= iterations <= limits.WORST_CAREFUL
+            iterations = backward_euler.subdivided_step(problem.conditions, k * h, h, problem.x, problem.v, problem.of_euler)
+            assert 1 <= iterations <= limits.WORST_SUBDIVIDED
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

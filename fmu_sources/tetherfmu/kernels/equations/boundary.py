@@ -27,16 +27,16 @@ from . import segment
 from .continuation import given_derivatives, is_continued
 from .end_motion import (
     between_middles,
+    centripetal_accelerations,
     correction_time,
     curve,
     difference,
     estimated_rates,
     position_at,
     target,
-    turning_accelerations,
     velocity_at,
 )
-from .properties import chain_at, chain_of, rest_length
+from .properties import chain_at, chain_of
 from .winch import (
     force_rate,
     length_at,
@@ -199,9 +199,7 @@ def spring_at_ground(n, parameters, state):
     x, _ = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
     length, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
-    rest = rest_length(chain, 0)
-    k, _ = segment.stiffness(chain, 0, length - rest, rest)
-    return k * (length - rest)
+    return segment.spring_tension(chain, 0, length)
 
 
 # --- the step as a whole
@@ -243,13 +241,16 @@ def inputs_of_step(parameters, inputs, step, state):
 
 
 @view
-def conditions_of_chain(n, parameters, given, state, x, v):
-    """`BoundaryConditions` of a chain from `StepInputs`, in a state with node positions x [m] and velocities v [m/s]."""
+def conditions_of_chain(n, parameters, shape, given, state, x, v):
+    """`BoundaryConditions` of a chain from `StepInputs`, in a state with node positions x [m] and velocities v [m/s].
+
+    shape : in which it started, as `initial_shape` has it: a chain that turns then goes on turning in its first step.
+    """
     ground, kite, step = given.ground, given.kite, given.step
-    if state[at.LAST_STEP] <= 0.0 and parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
-        ground_turns, kite_turns = turning_accelerations(ground, kite, step)
-        ground = ground[0], ground[1], given_derivatives(state, at.GROUND_VELOCITY, ground_turns)
-        kite = kite[0], kite[1], given_derivatives(state, at.KITE_VELOCITY, kite_turns)
+    if state[at.LAST_STEP] <= 0.0 and shape == at.QUASI_STEADY:
+        of_ground, of_kite = centripetal_accelerations(ground, kite, step)
+        ground = ground[0], ground[1], given_derivatives(state, at.GROUND_VELOCITY, of_ground)
+        kite = kite[0], kite[1], given_derivatives(state, at.KITE_VELOCITY, of_kite)
     kite_is_free = parameters[at.KITE_IS_FREE] != 0.0
     return BoundaryConditions(
         n,

@@ -26,9 +26,8 @@ force, force_rate : W at the start [N], its constant rate [N/s].
 """
 
 OUTWARDS, INWARDS, HELD = 1.0, -1.0, 0.0  # directions: it pays out, reels in, is held
-ALMOST = (
-    1.0 - 1e-9
-)  # part of its friction from which on a drum without mass, which turns at just this force, goes on turning
+# part of its friction from which on a drum without mass, which turns at just this force, goes on turning
+ALMOST = 1.0 - 1e-9
 SAME_PLACE = 1e-12  # of the length, relative: so near to a stop the drum is at it
 
 

@@ -1,8 +1,8 @@
 """Motion of a driven end within a communication step: a curve with continuous position and velocity.
 
 At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
-velocity inputs, a = (v - v_last)/h_last (in the first step a is 0, or that of `turning_accelerations`), the end moves from
-the position and velocity it has reached towards
+velocity inputs, a = (v - v_last)/h_last (in the first step a is 0, or that of `centripetal_accelerations`), the end moves
+from the position and velocity it has reached towards
 
     p + v H + a H^2/2,   v + a H,   H = max(h, h_last, what is left of the H of the last step)
 
@@ -28,9 +28,9 @@ Theory: docs/models/theory.md, "Driven ends".
 from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
 
 from ..compilation import kernel
-from ..linear_algebra.vectors import add, add_scaled, dot, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, scale, sub
 
-LARGEST_TURN = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
+LARGEST_ANGLE = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
 
 
 @kernel
@@ -66,7 +66,7 @@ def correction_time(last_step, left, step):
 
 
 @kernel
-def turning_accelerations(ground, kite, step):
+def centripetal_accelerations(ground, kite, step):
     """Accelerations [m/s2] of two ends that turn around each other, for a first step [s], which knows no last velocity.
 
     Together w^2/|r| along the chord r [m], with the part w of the relative velocity [m/s] across it; each end takes its
@@ -77,9 +77,9 @@ def turning_accelerations(ground, kite, step):
     square = dot(chord, chord)
     speeds = dot(ground[1], ground[1]) + dot(kite[1], kite[1])
     if square <= 0.0 or speeds <= 0.0:
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        return ZERO_VECTOR, ZERO_VECTOR
     across = add_scaled(velocity, -dot(chord, velocity) / square, chord)
-    turning = scale(min(dot(across, across) / square, (LARGEST_TURN / step) ** 2) / speeds, chord)
+    turning = scale(min(dot(across, across) / square, (LARGEST_ANGLE / step) ** 2) / speeds, chord)
     return scale(dot(ground[1], ground[1]), turning), scale(-dot(kite[1], kite[1]), turning)
 
 
@@ -87,7 +87,7 @@ def turning_accelerations(ground, kite, step):
 def difference(position, last_position, last_step):
     """Velocity [m/s] over the last communication step [s]; 0 before the second."""
     if last_step <= 0.0:
-        return 0.0, 0.0, 0.0
+        return ZERO_VECTOR
     return scale(1.0 / last_step, sub(position, last_position))
 
 

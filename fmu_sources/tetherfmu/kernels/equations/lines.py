@@ -32,7 +32,7 @@ mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what fo
 load_rate : rates of the loads that are given for the communication step [N/s], m.
 """
 
-CONDITIONS = 42  # numbers of `store_conditions`
+CONDITIONS = 42  # room for the 41 numbers of `store_conditions`, an even number as in `system_room.line_work_size`
 
 
 @kernel

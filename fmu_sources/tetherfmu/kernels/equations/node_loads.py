@@ -11,14 +11,14 @@ numbers and pairs (`linear_algebra.pairs`) alike. Theory: docs/models/theory.md,
 from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, symmetric
 from ..linear_algebra.pairs import broadcast
-from ..linear_algebra.vectors import dot, scale
+from ..linear_algebra.vectors import NEUTRAL, dot, scale
 from .ground import ground_of, has_ground, specific_energy
 
 
 @kernel
 def weight(chain, mass):
     """Weight [N] of a mass [kg]; of a mass per length [kg/m] or a rate of mass [kg/s], that of the weight."""
-    nothing = broadcast(-0.0, mass)  # to add -0 changes nothing, not even the sign of a zero
+    nothing = broadcast(NEUTRAL, mass)
     return nothing, nothing, -(chain.gravity * mass)
 
 

@@ -68,6 +68,33 @@ def stiffness(chain, s, mode, rest):
 
 
 @kernel
+def spring(chain, s, length, is_taut):
+    """Elongation l - l0 [m] and stiffness k [N/m] of segment s with this length [m], as if it were taut if `is_taut`."""
+    rest = rest_length(chain, s)
+    k, _ = stiffness(chain, s, TAUT if is_taut else length - rest, rest)
+    return length - rest, k
+
+
+@kernel
+def spring_tension(chain, s, length):
+    """Tension of the spring of segment s with this length [m]: k (l - l0) [N], without that of the damper."""
+    elongation, k = spring(chain, s, length, False)
+    return k * elongation
+
+
+@kernel
+def elastic_energy(k, elongation):
+    """Energy [J] of a spring: k [N/m], l - l0 [m]."""
+    return 0.5 * k * elongation**2
+
+
+@kernel
+def beyond_rest(r, rest):
+    """l^2 - l0^2 [m2] of a segment with the vector r [m] between its nodes: above 0 it is taut, without a square root."""
+    return dot(r, r) - rest * rest
+
+
+@kernel
 def seen_rate(chain, length, length_rate):
     """Rate [m/s] that the damper of a segment of this length [m] and rate of the length [m/s] sees: that of its strain."""
     return length_rate - chain.seen_growth * length
@@ -212,7 +239,7 @@ def linearize_drag(chain, s, length, e, height, velocity):
     """
     wind, density, wind_slope, density_slope = air_of(chain, s, height)
     w, lengthwise = apparent_wind(wind, e, velocity)
-    speed = sqrt(dot(w, w) + STILLEST)
+    speed = speed_across(w)
     width = 0.25 * property_of(chain, s, at.DRAG_WIDTH)
     across = slope_of_square(e, w, speed)
     drag_by_velocity = scale_matrix(width * density * length, across)

@@ -19,10 +19,9 @@ from math import sqrt
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
+from ..linear_algebra.vectors import NEUTRAL
 from .continuation import given_derivative, is_continued
 from .end_motion import between_middles, curve, estimated_rate
-
-NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
 
 
 @kernel

@@ -49,7 +49,7 @@ def wind_between(n, parameters, state, s, back):
 
 
 @kernel
-def winds_at(n, parameters, state, points):
+def winds_at(n, state, points):
     """Wind [m/s] at two points of a state, by their numbers, as pairs."""
     first = state_size(n)
     places = 3 * points[0], 3 * points[1]
@@ -66,7 +66,7 @@ def put_node_winds(n, parameters, state, back):
 
 
 @kernel
-def blow(n, parameters, state):
+def take_from_state(n, parameters, state):
     """Winds at the nodes (in the parameters, modified) that belong to a state, if it has wind points."""
     if count_of(parameters) > 0:
         put_node_winds(n, parameters, state, 0.0)
@@ -77,11 +77,11 @@ def start(n, parameters, inputs, state):
     """Take the winds of the inputs into a new state (modified), and to the nodes in the parameters (modified)."""
     for k in range(3 * count_of(parameters)):
         state[state_size(n) + k] = inputs[at.INPUTS + k]
-    blow(n, parameters, state)
+    take_from_state(n, parameters, state)
 
 
 @kernel
-def step_on(n, parameters, inputs, step, has_nodes, is_mean, state):
+def advance(n, parameters, inputs, step, has_nodes, is_mean, state):
     """Take the winds of the inputs for a step [s] into a state (modified), and to the nodes in the parameters (modified).
 
     The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes, of a
@@ -92,15 +92,15 @@ def step_on(n, parameters, inputs, step, has_nodes, is_mean, state):
         return
     given = part(inputs, at.INPUTS, count)
     winds, rates = part(state, state_size(n), count), part(state, state_size(n) + count, count)
-    turns = False
+    changes = False
     for k in range(count):  # no way out of the loop, which would keep it from being done in pairs
-        turns |= rates[k] != 0.0
+        changes |= rates[k] != 0.0
     copy(given, winds)
-    if turns:
+    if changes:
         for k in range(count):
             winds[k] += step * rates[k]
     if has_nodes:
-        put_node_winds(n, parameters, state, 0.5 * step if is_mean and turns else 0.0)
-    if turns:
+        put_node_winds(n, parameters, state, 0.5 * step if is_mean and changes else 0.0)
+    if changes:
         for k in range(count):
             rates[k] = 0.0

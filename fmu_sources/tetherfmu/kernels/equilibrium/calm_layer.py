@@ -17,7 +17,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import copy
 from ..compilation import kernel, view
 from ..equations.properties import chain_at
-from . import newton, pressed_segments
+from . import compressed_segments, newton
 from .rigid_body import Body
 
 THINNEST = 1e-3  # layer [m] in the end
@@ -70,13 +70,11 @@ def relax_slowly(body, thickness, load_stiffness, w):
     load_stiffness : stiffness [N/m] that the loads alone give a node.
     """
     other = in_layer(body, thickness, w)
-    copy(w.kept, body.x)
-    copy(w.kept_tension, w.tension)
+    newton.restore(body, w)
     found, iterations = newton.relax(other, False, True, load_stiffness, w)
     if not found:
-        copy(w.kept, body.x)
-        copy(w.kept_tension, w.tension)
-        found, more = pressed_segments.relax(other, load_stiffness, w)
+        newton.restore(body, w)
+        found, more = compressed_segments.relax(other, load_stiffness, w)
         iterations += more
     return found, iterations
 
@@ -90,8 +88,7 @@ def thin(body, thickness, load_stiffness, most, w):
     w.load (modified) : motion of each node over the change of the thickness.
     Returns whether it has been found, and the number of Newton iterations.
     """
-    copy(body.x, w.kept)
-    copy(w.tension, w.kept_tension)
+    newton.keep(body, w)
     for k in range(len(w.load)):
         w.load[k] = 0.0
     factor = FIRST_FACTOR
@@ -110,8 +107,7 @@ def thin(body, thickness, load_stiffness, most, w):
         if found:
             for k in range(len(w.load)):
                 w.load[k] = (body.x[k] - w.kept[k]) / change if foreseen else 0.0
-            copy(body.x, w.kept)
-            copy(w.tension, w.kept_tension)
+            newton.keep(body, w)
             thickness = thinner
             factor = max(SMALLEST_FACTOR, factor * factor)
         else:

@@ -16,7 +16,6 @@ from math import cos, pi, sin, sqrt
 
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
-from ..arrays import copy
 from ..compilation import kernel
 from ..equations import assembly, segment
 from ..linear_algebra.vectors import add, add_scaled, cross, dot, get, put, scale, sub
@@ -79,8 +78,7 @@ def relax(body, load_stiffness, w):
     """Newton's method from the positions in w.kept and w.kept_tension: whether it finds a stable equilibrium, iterations."""
     iterations = 0
     for compliant in (False, True):
-        copy(w.kept, body.x)
-        copy(w.kept_tension, w.tension)
+        newton.restore(body, w)
         found, more = newton.relax(body, compliant, False, load_stiffness, w)
         iterations += more
         if found and not compressed_chain.is_unstable(body.chain, body.x, compressed_chain.PARALLEL):
@@ -100,14 +98,12 @@ def find(body, w):
     load_stiffness = guess(body, False, w)
     for _ in range(MOST_ROTATIONS):
         rotate_to_rest(body, w)
-        copy(body.x, w.kept)
-        copy(w.tension, w.kept_tension)
+        newton.keep(body, w)
         found, more = relax(body, load_stiffness, w)
         iterations += more
         if found:
             return OK, iterations
-        copy(w.kept, body.x)
-        copy(w.kept_tension, w.tension)
+        newton.restore(body, w)
         _, more = newton.relax(body, False, True, load_stiffness, w)
         iterations += more
     return NO_EQUILIBRIUM, iterations

@@ -17,9 +17,9 @@ from ..equations import node_loads, segment
 from ..equations.properties import has_node_winds, node_wind, rest_length
 from ..linear_algebra.vectors import add_scaled, cross, dot, get, norm, put, scale, sub
 
-PRESSED = 1e-9  # compression, relative to the length, above which a segment counts as pressed
+COMPRESSED = 1e-9  # compression, relative to the length, above which a segment counts as compressed
 PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as straight
-NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one pressed segment is held by the others
+NEARLY_NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one compressed segment is held by the others
 EXACTLY = 1e-6  # angle [rad] up to which a chain in motion is straight, and nothing moves it sideways
 NUDGE = 1e-4  # how far it is then moved sideways, over the length of a segment: the default tolerance of its solver
 
@@ -31,11 +31,11 @@ def is_along(e, a, angle):
 
 
 @kernel
-def is_pressed(chain, x):
-    """Whether any segment of the chain with its nodes at x [m] is pressed."""
+def is_compressed(chain, x):
+    """Whether any segment of the chain with its nodes at x [m] is compressed."""
     for s in range(chain.n):
         r = sub(get(x, s + 1), get(x, s))
-        shortest = (1.0 - PRESSED) * rest_length(chain, s)
+        shortest = (1.0 - COMPRESSED) * rest_length(chain, s)
         if dot(r, r) < shortest * shortest:
             return True
     return False
@@ -44,10 +44,10 @@ def is_pressed(chain, x):
 @kernel
 def is_unstable(chain, x, angle):
     """Whether the chain with its nodes at x [m] is compressed and unstable, parallel to within an angle [rad]."""
-    if not is_pressed(chain, x):
+    if not is_compressed(chain, x):
         return False
     first = sub(get(x, 1), get(x, 0))
-    pressed = 0
+    compressed = 0
     compliance = 0.0  # across, of all segments in series [m/N]
     size = 0.0
     idle = False  # whether a segment pulls at nothing: then nothing holds the others across
@@ -56,15 +56,14 @@ def is_unstable(chain, x, angle):
         if not is_along(e, first, angle):
             return False
         rest = rest_length(chain, s)
-        k, _ = segment.stiffness(chain, s, length - rest, rest)
-        pull = k * (length - rest)
+        pull = segment.spring_tension(chain, s, length)
         idle = idle or pull == 0.0
         across = length / (pull if pull != 0.0 else 1.0)
         compliance += across
         size += abs(across)
-        if length - rest < -PRESSED * rest and pull < 0.0:
-            pressed += 1
-    return pressed > 1 or (pressed == 1 and not idle and compliance > NEUTRAL * size)
+        if length - rest < -COMPRESSED * rest and pull < 0.0:
+            compressed += 1
+    return compressed > 1 or (compressed == 1 and not idle and compliance > NEARLY_NEUTRAL * size)
 
 
 @kernel

@@ -18,7 +18,7 @@ from ..equations import segment
 from ..equations.properties import property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, cross, dot, get, norm, put_at, scale, sub
 from . import hanging_chain, newton
-from .rigid_body import NO_PULL, loads, spring
+from .rigid_body import NO_PULL, loads
 
 HELD = 1e-6  # error of a tension over the larger one at the ends, up to which positions hold it
 FAINTEST = 1e-9  # eps of `hanging_chain.py` over the larger tension
@@ -49,8 +49,7 @@ def largest_by_positions(body):
     largest = -inf
     for s in range(body.chain.n):
         length, _ = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
-        elongation, k = spring(body.chain, s, length, False)
-        largest = max(largest, k * elongation)
+        largest = max(largest, segment.spring_tension(body.chain, s, length))
     return largest
 
 

@@ -40,8 +40,7 @@ def relax_kept(body, w):
     """Newton's method from w.kept and w.kept_tension with the stiffnesses, then the compliances: (found, iterations)."""
     iterations = 0
     for compliant in (False, True):
-        copy(w.kept, body.x)
-        copy(w.kept_tension, w.tension)
+        newton.restore(body, w)
         found, more = newton.relax(body, compliant, False, 0.0, w)
         iterations += more
         if found:
@@ -62,8 +61,7 @@ def raise_level(body, level, ground, kite, w):
 
     Velocities of the ends at the level 1 [m/s]. Returns the level that it has come to, and the number of Newton iterations.
     """
-    copy(body.x, w.kept)
-    copy(w.tension, w.kept_tension)
+    newton.keep(body, w)
     rise = FIRST_RISE
     iterations = 0
     for _ in range(MOST_LEVELS):
@@ -73,8 +71,7 @@ def raise_level(body, level, ground, kite, w):
         iterations += more
         if found:
             level = higher
-            copy(body.x, w.kept)
-            copy(w.tension, w.kept_tension)
+            newton.keep(body, w)
             rise = min(STEEPER * rise, STEEPEST_RISE)
         else:
             rise *= 0.5

@@ -20,11 +20,11 @@ from ..equations.ground import carries, softer
 from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
 from . import load_continuation, newton
-from .rigid_body import Body, spring
+from .rigid_body import Body
 
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor from one stiffness of the ground to the next
 MOST_GROUNDS = 60  # that are tried; it needs 5 to 15
-PRESSED = 1e-3  # compression of a segment that lies over the weight of the chain, above which it is no solution
+MOST_COMPRESSION = 1e-3  # compression of a segment that lies over the weight of the chain, above which it is no solution
 MOST_TIGHTENED = 2.0  # tension on the ground over that without it and all friction together
 LONG, FEW = 1.2, 4.0  # over the distance of the feet, and in segments: what lies of a chain that is far too long
 HALVINGS = 60  # of the interval in which the curvature of an arc is sought
@@ -56,15 +56,14 @@ def weight_of(body, w):
 
 
 @kernel
-def is_pressed(body, w):
+def is_compressed(body, w):
     """Whether a segment with a node on the ground is in compression."""
     chain, weight = body.chain, weight_of(body, w)
     for s in range(chain.n):
         x_p, x_q = get(body.x, s), get(body.x, s + 1)
         if (s > 0 and carries(body.ground, x_p)) or (s < chain.n - 1 and carries(body.ground, x_q)):
             length, _ = segment.geometry(sub(x_q, x_p))
-            elongation, k = spring(chain, s, length, False)
-            if k * elongation < -PRESSED * weight:
+            if segment.spring_tension(chain, s, length) < -MOST_COMPRESSION * weight:
                 return True
     return False
 
@@ -72,8 +71,7 @@ def is_pressed(body, w):
 @kernel
 def by_ground_continuation(body, w):
     """From the equilibrium without ground in the body (modified) to that on its ground: (found, Newton iterations)."""
-    copy(body.x, w.kept)
-    copy(w.tension, w.kept_tension)
+    newton.keep(body, w)
     level = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))  # stiffness over that of the ground
     reached, factor, iterations = 0.0, FIRST_STEP, 0
     for _ in range(MOST_GROUNDS):
@@ -83,8 +81,7 @@ def by_ground_continuation(body, w):
             if level == 1.0:
                 return True, iterations
             reached, factor = level, min(LARGEST_STEP, factor * GROWTH)
-            copy(body.x, w.kept)
-            copy(w.tension, w.kept_tension)
+            newton.keep(body, w)
         else:
             factor = sqrt(factor)
             if reached == 0.0 or factor < SMALLEST_STEP:
@@ -97,8 +94,7 @@ def by_ground_continuation(body, w):
 @kernel
 def slowly(body, w):
     """Pseudo-transient continuation from the shape in w.kept and w.kept_tension: (found, Newton iterations)."""
-    copy(w.kept, body.x)
-    copy(w.kept_tension, w.tension)
+    newton.restore(body, w)
     return newton.relax(body, False, True, weight_of(body, w) / body.chain.length, w)
 
 
@@ -157,7 +153,7 @@ def find(body, hangs, w):
         iterations += more
         # friction adds no more than its part of the weight; a chain that turns may find another equilibrium, far out
         friction = body.ground.friction * weight_of(body, w)
-        found = found and not is_pressed(body, w)
+        found = found and not is_compressed(body, w)
         found = found and largest(w.tension) <= MOST_TIGHTENED * (largest(w.hung_tension) + friction)
     if not found:
         found, more = by_piling(body, 1.0, False, w)

@@ -25,7 +25,7 @@ from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import behind, node_arrays, parameters_size, shared_arrays, shared_size
+from ..arrays import behind, copy, node_arrays, parameters_size, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import assembly, node_loads, segment
 from ..equations.ground import carries
@@ -36,7 +36,7 @@ from ..linear_algebra.matrices import add_to_diagonal, get_matrix, multiply, out
 from ..linear_algebra.pairs import pair
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, scale, sub
 from . import compliance
-from .rigid_body import SPRINGS, TENSIONS, loads, motion_of, spring, support_stiffness
+from .rigid_body import SPRINGS, TENSIONS, loads, motion_of, support_stiffness
 
 MOST_ITERATIONS = 30  # warm it needs 2 or 3, cold about 6
 ROUNDING = 2.3e-16  # relative, of a 64-bit float
@@ -86,6 +86,20 @@ def workspace(n, work):
     anchor, other = part(room, 0, flat), part(room, flat, parameters_size(n))
     blocks = matrix, matrix.diagonal, matrix.lower
     return Workspace(load, force, move, offset, share, *three, *kept, *hung, anchor, other, *blocks, records, mass)
+
+
+@kernel
+def keep(body, w):
+    """Keep the positions of the body and w.tension, as an equilibrium to continue from, in w (modified)."""
+    copy(body.x, w.kept)
+    copy(w.tension, w.kept_tension)
+
+
+@kernel
+def restore(body, w):
+    """Put the positions of the body and w.tension (both modified) back to those that `keep` kept."""
+    copy(w.kept, body.x)
+    copy(w.kept_tension, w.tension)
 
 
 @kernel
@@ -141,7 +155,7 @@ def step_by_stiffness(body, w):
     put(w.move, n, ZERO_VECTOR)
     for s in range(n):
         length, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
-        elongation, k = spring(body.chain, s, length, False)
+        elongation, k = segment.spring(body.chain, s, length, False)
         w.aim[s] = k * (elongation + dot(e, sub(get(w.move, s + 1), get(w.move, s))))
 
 
@@ -158,7 +172,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
         record = assembly.record_of(s, n, w.records)
         taut = w.tension[s] > loosest
         length, e = segment.geometry(sub(get(body.x, s + 1), get(body.x, s)))
-        elongation, k = spring(body.chain, s, length, taut)
+        elongation, k = segment.spring(body.chain, s, length, taut)
         if k == 0.0 or w.tension[s] == 0.0:
             return False
         w.aim[s] = w.tension[s] if taut or elongation > 0.0 else k * elongation

@@ -67,14 +67,6 @@ def rigid_velocity(body):
 
 
 @kernel
-def spring(chain, s, length, is_taut):
-    """Elongation l - l0 [m] and stiffness k [N/m] of a segment of this length [m], as if it were taut if `is_taut`."""
-    rest = rest_length(chain, s)
-    k, _ = segment.stiffness(chain, s, segment.TAUT if is_taut else length - rest, rest)
-    return length - rest, k
-
-
-@kernel
 def spring_tensions(chain, x, tension):
     """Tensions of the taut springs [N] into `tension` (modified, n numbers) at the positions x [m]."""
     for s in range(chain.n):
@@ -130,8 +122,7 @@ def loads(body, pulls, tension, mass, load):
         drag = segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q)
         pull = ZERO_VECTOR
         if pulls == SPRINGS:
-            elongation, k = spring(chain, s, length, False)
-            pull = scale(k * elongation, e)
+            pull = scale(segment.spring_tension(chain, s, length), e)
         elif pulls == TENSIONS:
             pull = scale(tension[s], e)
         total = add(add(from_below, load_of(body, mass[s], x_p, v_p)), add(drag, pull))

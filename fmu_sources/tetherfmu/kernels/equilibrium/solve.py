@@ -10,7 +10,7 @@
 7. Rotation about the chord (`chord_rotation.py`).
 8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
 9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
-10. Pseudo-transient continuation with tensions of either sign (`pressed_segments.py`).
+10. Pseudo-transient continuation with tensions of either sign (`compressed_segments.py`).
 11. Step 8 with pseudo-transient continuation where Newton's method fails.
 
 Each method starts from the first guess, not from where the last one failed. All of them are without ground. Where the chain
@@ -22,7 +22,6 @@ A search that has taken `BUDGET` ends before its next method.
 
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
-from ..arrays import copy
 from ..compilation import kernel
 from ..equations import air, assembly
 from ..equations.ground import smooth, without_ground
@@ -31,10 +30,10 @@ from . import (
     calm_layer,
     chord_rotation,
     compressed_chain,
+    compressed_segments,
     load_continuation,
     lying_chain,
     newton,
-    pressed_segments,
     stiffening,
 )
 from .first_guess import guess, is_loaded
@@ -103,10 +102,10 @@ def by_load_continuation(body, w):
 
 
 @kernel
-def by_pressing(body, w):
+def by_compressed_segments(body, w):
     """Step 10: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     assembly.node_masses(body.chain, w.mass)
-    found, iterations = pressed_segments.find(body, guess(body, False, w), w)
+    found, iterations = compressed_segments.find(body, guess(body, False, w), w)
     return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations
 
 
@@ -119,7 +118,7 @@ def by_calm_layer(body, slowly, most, w):
     hanging = lying_chain.on(layered, without_ground())
     status, iterations = at_once(hanging, w)
     if slowly and status != OK:
-        status, more = by_pressing(hanging, w)
+        status, more = by_compressed_segments(hanging, w)
         iterations += more
     status, more = on_ground(layered, status == OK, w)
     iterations += more
@@ -136,7 +135,7 @@ def by_stiffening(body, most, w):
     load = guess(body, False, w)
     iterations = 0
     for strain in stiffening.STRAINS:
-        factor = stiffening.softness(body, load, strain)
+        factor = stiffening.stiffness_factor(body, load, strain)
         if factor < 1.0 and iterations < most:
             status, more = at_once(stiffening.softened(body, factor, w), w)
             iterations += more
@@ -185,7 +184,7 @@ def by_ladder(body, most, w):
         status, more = by_calm_layer(body, False, most - iterations, w)
         iterations += more
     if status != OK and iterations < most:
-        status, more = by_pressing(lying_chain.on(body, without_ground()), w)
+        status, more = by_compressed_segments(lying_chain.on(body, without_ground()), w)
         iterations += more
         if status == OK:
             status, more = on_ground(body, True, w)
@@ -224,8 +223,7 @@ def follow(body, w):
     assembly.node_masses(body.chain, w.mass)
     on_ground = body.ground.hardness > 0.0
     if on_ground:
-        copy(body.x, w.kept)
-        copy(w.tension, w.kept_tension)
+        newton.keep(body, w)
     found, iterations = newton.relax(body, False, False, 0.0, w)
     if on_ground and not found:
         found, more = lying_chain.slowly(body, w)

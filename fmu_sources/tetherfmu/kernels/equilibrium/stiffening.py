@@ -26,7 +26,7 @@ MOST_RISES = 24  # that are tried; it needs 3 to 20
 
 
 @kernel
-def softness(body, load, strain):
+def stiffness_factor(body, load, strain):
     """Factor on all EA at which a mean load per unstretched length [N/m] stretches the chain by `strain`; at most 1."""
     return min(1.0, load * body.chain.length * axial_compliance(body.chain) / strain)
 
@@ -52,8 +52,7 @@ def relax(body, factor, pseudo_transient, load, w):
     other = softened(body, factor, w)
     iterations = 0
     for compliant in (pseudo_transient, not pseudo_transient):  # what succeeds more often comes first
-        copy(w.kept, body.x)
-        copy(w.kept_tension, w.tension)
+        newton.restore(body, w)
         found, more = newton.relax(other, compliant, pseudo_transient, load, w)
         iterations += more
         if found:
@@ -68,8 +67,7 @@ def stiffen(body, factor, load, most, w):
     load : mean load per unstretched length [N/m].  most : Newton iterations after which it ends.
     Returns whether it has been found, and the number of Newton iterations.
     """
-    copy(body.x, w.kept)
-    copy(w.tension, w.kept_tension)
+    newton.keep(body, w)
     rise = LARGEST_RISE
     iterations = 0
     for _ in range(MOST_RISES):
@@ -83,8 +81,7 @@ def stiffen(body, factor, load, most, w):
             iterations += more
         if found:
             factor = stiffer
-            copy(body.x, w.kept)
-            copy(w.tension, w.kept_tension)
+            newton.keep(body, w)
             rise = min(LARGEST_RISE, rise * rise)
         else:
             rise = sqrt(rise)

@@ -3,7 +3,7 @@
 The positions x after a step of h make the potential Phi of `incremental_potential.py` as small as a bounded number of Newton
 iterations can. The matrix of an iteration is positive definite, so that it descends; one that would not is shortened, or
 left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
-A step whose iteration has not come to rest after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
+A step whose iteration has not converged after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
 not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS` (all three in `runtime/limits.py`).
 
 Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and
@@ -14,7 +14,7 @@ from collections import namedtuple
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, PARTS, STIFF
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, LEAST_REMAINDER, MOST_ITERATIONS, PARTS, STIFF
 
 from ..arrays import behind, copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, part, view
@@ -36,7 +36,7 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held restless")
+Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held unconverged")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -44,7 +44,7 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
 held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
-stage [m/s2], before it what is expected.  restless : 1, in how many steps the iteration ended before it came to rest.
+stage [m/s2], before it what is expected.  unconverged : 1, in how many steps the iteration ended before it converged.
 """
 
 
@@ -60,8 +60,14 @@ def workspace(n, work):
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
-    modes, held, restless = part(room, 0, n), part(room, n, n), part(room, 2 * n, 1)
-    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held, restless)
+    modes, held, unconverged = part(room, 0, n), part(room, n, n), part(room, 2 * n, 1)
+    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held, unconverged)
+
+
+@kernel
+def flight(x, v, h, acceleration):
+    """x + h v + h^2 a [m]: where backward Euler takes a node at x [m] with v [m/s] and an acceleration [m/s2] in h [s]."""
+    return add_scaled(add_scaled(x, h, v), h * h, acceleration)
 
 
 @kernel
@@ -125,7 +131,7 @@ def holds(chain, x, w):
     """Whether all springs still have the mode with which the matrix was made, with the nodes at x [m]."""
     for s in range(chain.n):
         r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
-        if (dot(r, r) - rest * rest) * w.held[s] < 0.0:
+        if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
             return False
     return True
 
@@ -145,7 +151,7 @@ def start(attempt, time, kind, x, w):
     for i in range(n + 1):
         if conditions.first <= i <= conditions.last:
             put(w.old, i, get(x, i))
-            put(w.free, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, falling))
+            put(w.free, i, flight(get(x, i), get(v, i), h, falling))
         else:
             end = add_scaled(get(x, i), h, get(w.free, i)) if kind != WHOLE else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
@@ -215,7 +221,7 @@ def fly_as_expected(attempt, x, w):
     conditions, _, h, v = attempt
     copy(w.free, w.x)
     for i in range(conditions.first, conditions.last + 1):
-        put(w.x, i, add_scaled(add_scaled(get(x, i), h, get(v, i)), h * h, get(w.acceleration, i)))
+        put(w.x, i, flight(get(x, i), get(v, i), h, get(w.acceleration, i)))
 
 
 @kernel
@@ -250,7 +256,7 @@ def is_lower_carried(attempt, phi, x, w):
 
 @kernel
 def goal_of(attempt, kind):
-    """Largest move of a node [m] with which the iteration has come to rest."""
+    """Largest move of a node [m] with which the iteration has converged."""
     conditions, close = attempt.conditions, CLOSE if kind == WHOLE else CLOSE_IN_STAGE
     return close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
 
@@ -273,7 +279,7 @@ def take(attempt, time, kind, x, v, w):
 def step(conditions, time, h, kind, in_any_case, x, v, w):
     """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
 
-    kind : see `start`.  in_any_case : whether to iterate longer, and to take a result that has not come to rest.
+    kind : see `start`.  in_any_case : whether to iterate longer, and to take a result that has not converged.
     Returns whether it was taken, and the number of iterations, negative where the matrix is singular.
     """
     attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
@@ -293,16 +299,16 @@ def step(conditions, time, h, kind, in_any_case, x, v, w):
             return False, -1
     if not (in_any_case or 0.0 <= farthest <= goal):
         return False, iterations
-    w.restless[0] += 1.0 if farthest > goal else 0.0
+    w.unconverged[0] += 1.0 if farthest > goal else 0.0
     take(attempt, time, kind, x, v, w)
     return True, iterations
 
 
 @kernel
-def careful_step(conditions, time, h, x, v, w):
-    """One step of h [s] of (x, v) (modified), in parts where it does not come to rest as a whole.
+def subdivided_step(conditions, time, h, x, v, w):
+    """One step of h [s] of (x, v) (modified), in parts where it does not converge as a whole.
 
-    Returns the number of iterations, at most `limits.WORST_CAREFUL`; negative where the matrix is singular.
+    Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`; negative where the matrix is singular.
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
@@ -319,7 +325,7 @@ def careful_step(conditions, time, h, x, v, w):
 def next_part(done, size, taken):
     """How much of a step is done, and the size of its next part, both in parts of the finest kind, after one was tried.
 
-    done, size : the same before it.  taken : whether it came to rest; if not, it is to be divided.
+    done, size : the same before it.  taken : whether it converged; if not, it is to be divided.
     """
     if not taken:
         return done, size // PARTS
@@ -338,5 +344,5 @@ def given_steps(parameters):
 @kernel
 def count_of_steps(steps, duration, most):
     """Number of `FixedSteps` in a communication step of `duration` [s]; 0 if it is above `most`."""
-    wanted = duration / steps.size - 1e-6
+    wanted = duration / steps.size - LEAST_REMAINDER
     return max(1, ceil(wanted)) if wanted <= most else 0

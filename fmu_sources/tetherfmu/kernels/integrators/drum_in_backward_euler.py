@@ -25,9 +25,8 @@ from ..equations.boundary import hold_ends, load_during, place_ends
 from ..equations.drum import force_at
 from ..equations.node_loads import free_acceleration
 from ..equations.properties import point_mass, sees_reeling
-from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put, scale, sub
 from . import backward_euler, incremental_potential, second_order
 from .drum_step import chain_with, with_length, with_reeling
 
@@ -40,10 +39,10 @@ Trial.__doc__ = """A step that is attempted.
 drum : `Drum`.  time, h : its start within the communication step and its length [s].  length, speed : L0 [m], u0 [m/s].
 lowest, highest : limits of the speed [m/s].
 """
-Border = namedtuple("Border", "tension turning by_speed lowest_pivot")
+Border = namedtuple("Border", "tension by_position by_speed lowest_pivot")
 Border.__doc__ = """The equation of the drum in an iteration.
 
-tension : T [N].  turning : dT/dr of the first segment [N/m].  by_speed : dr/du [N s/m].  lowest_pivot : of P [N s/m].
+tension : T [N].  by_position : dT/dr of the first segment [N/m].  by_speed : dr/du [N s/m].  lowest_pivot : of P [N s/m].
 """
 Workspace = namedtuple("Workspace", "steps column")
 Workspace.__doc__ = """Scratch arrays of a step.
@@ -160,11 +159,11 @@ def border_of(attempt, drum, w):
     h, chain = attempt.h, attempt.chain
     length, e, rest, k, c, rate, r0 = incremental_potential.segment_at(attempt, 0, w.x, w)
     b = incremental_potential.shrinkage(attempt)
-    turning = add(scale(k, e), scale(c * b / h, incremental_potential.slant_of(b, length, e, r0)))
+    by_position = add(scale(k, e), scale(c * b / h, incremental_potential.slant_of(b, length, e, r0)))
     along, aslant = pull_by_speed(attempt, length, k, c, rate)
     inertia = drum.mass / h + drum.damping
     lowest = LEAST_PIVOT * (inertia + (h * k + c) * length / chain.length)
-    return Border(k * (length - rest) + c * rate, turning, inertia - along - aslant, lowest)
+    return Border(k * (length - rest) + c * rate, by_position, inertia - along - aslant, lowest)
 
 
 @kernel
@@ -199,8 +198,8 @@ def speed_after(chain, trial, speed, wanted, pivot):
 def next_speed(attempt, trial, speed, w, column):
     """u' [m/s] after a speed [m/s], with p in w.move and y in the column."""
     border = border_of(attempt, trial.drum, w)
-    tension = border.tension + dot(border.turning, first_difference(w.move))
-    pivot = pivot_of(border, dot(border.turning, first_difference(column)))
+    tension = border.tension + dot(border.by_position, first_difference(w.move))
+    pivot = pivot_of(border, dot(border.by_position, first_difference(column)))
     wanted = speed - residual_of(trial, speed, tension) / pivot
     return speed_after(attempt.chain, trial, speed, wanted, pivot)
 
@@ -220,7 +219,7 @@ def reel(attempt, time, x, w):
     if conditions.last == chain.n:
         n = chain.n
         acceleration = add_scaled(free_acceleration(chain), 1.0 / w.mass[n], load_during(conditions, time + h))
-        put(w.free, n, add_scaled(add_scaled(get(x, n), h, get(v, n)), h * h, acceleration))
+        put(w.free, n, backward_euler.flight(get(x, n), get(v, n), h, acceleration))
 
 
 @kernel
@@ -248,8 +247,8 @@ def move_on(now, is_first, goal, x, w):
 def iterate(conditions, trial, speed, number, is_expected, goal, x, v, b):
     """One iteration from w.x [m] (modified) and a speed [m/s]: whether the matrix is regular, u' [m/s], largest move [m].
 
-    number : of those before.  The move is negative where no part of it goes down.  Where the first ones have not come to
-    rest the speed only changes where the chain rests with it.
+    number : of those before.  The move is negative where no part of it goes down.  Where the first ones have not
+    converged the speed only changes where the chain converges with it.
     """
     w, column = b.steps.chain, b.column
     now = attempt_at(conditions, trial, speed, v)
@@ -272,7 +271,7 @@ def iterate(conditions, trial, speed, number, is_expected, goal, x, v, b):
 def step(conditions, trial, kind, most, guess, x, v, b):
     """One step of (x, v) (modified if it is taken); kind : as for `backward_euler.start`.
 
-    most : iterations.  guess : of the speed [m/s].  Returns whether it came to rest, the number of iterations, negative
+    most : iterations.  guess : of the speed [m/s].  Returns whether it converged, the number of iterations, negative
     where the matrix is singular, and the speed of the drum [m/s].
     """
     h, n, w = trial.h, conditions.n, b.steps.chain
@@ -286,19 +285,19 @@ def step(conditions, trial, kind, most, guess, x, v, b):
         backward_euler.add_drag(now, w.x, w)
     else:
         backward_euler.guess(now, x, w)
-    iterations, rests = 0, False
-    while iterations < most and not (rests and backward_euler.holds(attempt_at(still, trial, speed, v).chain, w.x, w)):
+    iterations, converged = 0, False
+    while iterations < most and not (converged and backward_euler.holds(attempt_at(still, trial, speed, v).chain, w.x, w)):
         is_regular, onward, farthest = iterate(still, trial, speed, iterations, is_expected, goal, x, v, b)
         if not is_regular:
             return False, -1, speed
-        rests = 0.0 <= farthest <= goal and h * abs(onward - speed) <= n * goal
+        converged = 0.0 <= farthest <= goal and h * abs(onward - speed) <= n * goal
         speed = onward
         iterations += 1
         if farthest < 0.0:
             break
-    if rests:
+    if converged:
         backward_euler.take(attempt_at(still, trial, speed, v), trial.time, kind, x, v, w)
-    return rests, iterations, speed
+    return converged, iterations, speed
 
 
 @kernel
@@ -334,13 +333,13 @@ def at_end(trial, speed):
 def step_in_any_case(conditions, trial, x, v, b):
     """One step of (x, v) (modified); iterations, negative where the matrix is singular, and the speed of the drum [m/s].
 
-    Where it does not come to rest, the chain takes it alone with the last speed, in at most as many iterations again.
+    Where it does not converge, the chain takes it alone with the last speed, in at most as many iterations again.
     """
     w = b.steps.chain
     taken, iterations, speed = step(conditions, trial, backward_euler.WHOLE, LAST_ITERATIONS, trial.speed, x, v, b)
     if taken or iterations < 0:
         return iterations, speed
-    w.restless[0] += 1.0
+    w.unconverged[0] += 1.0
     if conditions.first > conditions.last:
         place_ends(conditions, trial.time + trial.h, x, v)
         return iterations, speed
@@ -350,10 +349,10 @@ def step_in_any_case(conditions, trial, x, v, b):
 
 
 @kernel
-def careful_step(conditions, drum, time, h, length, speed, x, v, b):
-    """`backward_euler.careful_step` with a drum from a length [m] and a speed [m/s].
+def subdivided_step(conditions, drum, time, h, length, speed, x, v, b):
+    """`backward_euler.subdivided_step` with a drum from a length [m] and a speed [m/s].
 
-    Returns the number of iterations, at most `limits.WORST_CAREFUL_WITH_DRUM`, negative where the matrix is singular, and
+    Returns the number of iterations, at most `limits.WORST_SUBDIVIDED_WITH_DRUM`, negative where the matrix is singular, and
     length and speed of the drum after it.
     """
     iterations, done, size = 0, 0, FINEST

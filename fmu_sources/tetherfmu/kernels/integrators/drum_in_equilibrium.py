@@ -20,26 +20,23 @@ from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_
 
 from ..compilation import kernel
 from ..equations.boundary import distance_of_ends, put_ends
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, freedom, is_at_stop
+from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, is_at_stop
 from ..equations.end_motion import target
 from ..equations.properties import chain_of, property_of
 from . import secant
+from .drum_events import SHORTEST_PART, SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
 
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
 MOST_PIECES = 100_000  # of a communication step
 SHARES = 4  # of the budget of iterations
-SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 MOST_EVALUATIONS = 80  # of the tension for one length
 MOST_FAILURES = 2  # shapes that are not found, each after the whole ladder of `equilibrium.solve`, until it is given up
 FARTHEST = 0.02  # change of the length, relative, between two of them: each shape is sought from the last one
 EXACT, ROUNDING = 1e-13, 3e-16  # of the forces; of the length
 NARROW = 1e-12  # interval of the length, relative, in which its tension jumps by rounding
 LONGEST = 1e7  # [m], beyond which no length is sought for
-OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
-SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
 SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
-SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
 MOST_SHORT = 8  # pieces in a row that end before an event, until the next one is at least twice as long as the last
 
 
@@ -142,8 +139,7 @@ def drum_at(settle, tension):
     def room_left(drum, direction, time, length, speed, pull):
         """Force [N] that a held drum lacks to turn, or speed [m/s] of another until it rests; how far below 0 is 0."""
         if direction == HELD:
-            forces = abs(pull) + abs(force_at(drum, time)) + drum.friction
-            return freedom(drum, length, pull, time), OVERLOAD * forces
+            return room_to_turn(drum, length, pull, time)
         return speed * direction, SLOW * length
 
     @kernel
@@ -200,8 +196,7 @@ def drum_at(settle, tension):
                 room, margin = room_left(drum, direction, end, new_length, new_speed, new_pull)
             if room < -margin and h_now > SMALLEST_PIECE * duration:
                 before, _ = room_left(drum, direction, time, length, speed, pull)
-                before = weight * max(before, 0.0)
-                piece = h_now * max(SHORTEST_PART, min(LONGEST_PART, before / (before - room)))
+                piece = h_now * part_of_piece(weight * before, room)
                 if short > MOST_SHORT:
                     piece = max(piece, min(least, 0.5 * h_now))
                 weight *= 0.5

@@ -21,7 +21,7 @@ from ..equations.drum import INWARDS, OUTWARDS, drum_of, force_at, is_at_stop
 from ..equations.properties import property_of, stiffest
 from ..linear_algebra.vectors import dot, get, sub
 from . import backward_euler, second_order
-from .drum_in_backward_euler import Trial, at_end, careful_step, limits_of, step_in_any_case, trial_of
+from .drum_in_backward_euler import Trial, at_end, limits_of, step_in_any_case, subdivided_step, trial_of
 from .drum_in_backward_euler import step as implicit_step
 from .drum_step import chain_with, first_tension, with_length, with_reeling
 from .moving_drum import project
@@ -42,7 +42,7 @@ def between(conditions, time, h, length, later):
 def stage(conditions, drum, time, reach, known, length, speed, guess, x, v, b):
     """A stage of `reach` [s] from (x, v) (modified), length [m] and speed [m/s] of its start, at a time [s].
 
-    known : as for `second_order.stage`.  guess : of the speed [m/s].  Returns whether it came to rest away from stops, the
+    known : as for `second_order.stage`.  guess : of the speed [m/s].  Returns whether it converged away from stops, the
     iterations, length and speed after it.
     """
     lowest, highest = limits_of(drum, length, reach)
@@ -115,11 +115,11 @@ def stages(conditions, drum, time, h, known, start, x, v, b):
     does_cross = second_order.crosses(even, time, w.x, time + reach, x)
     second_order.go_to_second(x, v, w)
     second_order.expect(TO_NEXT[1], known, w)
-    here, pace = length + TO_SECOND * (reached - length), speed + TO_SECOND * (first - speed)
-    onward = length + TO_THIRD * (reached - length) - BESIDE * here
-    onward_speed = speed + TO_THIRD * (first - speed) - BESIDE * pace
+    from_length, from_speed = length + TO_SECOND * (reached - length), speed + TO_SECOND * (first - speed)
+    onward = length + TO_THIRD * (reached - length) - BESIDE * from_length
+    onward_speed = speed + TO_THIRD * (first - speed) - BESIDE * from_speed
     now, guess = time + (MIDDLE - GAMMA) * h, first + TO_NEXT[1] * (first - speed)
-    taken, more, reached, second = stage(conditions, drum, now, reach, 1, here, pace, guess, x, v, b)
+    taken, more, reached, second = stage(conditions, drum, now, reach, 1, from_length, from_speed, guess, x, v, b)
     iterations += more
     if not taken:
         return False, iterations, start
@@ -127,9 +127,9 @@ def stages(conditions, drum, time, h, known, start, x, v, b):
     does_cross = does_cross or second_order.crosses(even, time, w.x, time + MIDDLE * h, x)
     second_order.go_to_third(x, v, w)
     second_order.expect(TO_NEXT[2], 2, w)
-    here, pace = onward + BESIDE * reached, onward_speed + BESIDE * second
+    from_length, from_speed = onward + BESIDE * reached, onward_speed + BESIDE * second
     now, guess = time + (1.0 - GAMMA) * h, second + TO_NEXT[2] * (second - first)
-    taken, more, reached, third = stage(conditions, drum, now, reach, 2, here, pace, guess, x, v, b)
+    taken, more, reached, third = stage(conditions, drum, now, reach, 2, from_length, from_speed, guess, x, v, b)
     iterations += more
     end = Motion(reached, third, second)
     if not (taken and turns_smoothly(drum, speed, first, second, third)) or second_order.is_on_ground(conditions, x):
@@ -157,7 +157,7 @@ def step(conditions, method, drum, time, h, known, start, x, v, b):
         way = 2
         copy(b.steps.x, x)
         copy(b.steps.v, v)
-    more, length, speed = careful_step(conditions, drum, time, h, start.length, start.speed, x, v, b)
+    more, length, speed = subdivided_step(conditions, drum, time, h, start.length, start.speed, x, v, b)
     return more if more < 0 else iterations + more, way, Motion(length, speed, speed)
 
 
@@ -182,8 +182,8 @@ def balanced(conditions, drum, time, d, end, x, v):
 def integrate(conditions, steps, duration, state, x, v, b):
     """Advance (x, v) (modified) over a communication step of `duration` [s] as `second_order.integrate` does, with a drum.
 
-    b : `drum_in_backward_euler.Workspace`. Length and speed of the drum, the counters in `state` and the restless steps are
-    modified. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
+    b : `drum_in_backward_euler.Workspace`. Length and speed of the drum, the counters in `state` and the unconverged steps
+    are modified. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or NO_LENGTH.
     """
     budget = at.ITERATION_BUDGET // conditions.n
     count = backward_euler.count_of_steps(steps, duration, budget)
@@ -193,13 +193,13 @@ def integrate(conditions, steps, duration, state, x, v, b):
     drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
     motion = Motion(state[at.LENGTH], state[at.REELING], state[at.REELING])
     spent, left, known = 0, 0, 0
-    b.steps.chain.restless[0] = 0.0
+    b.steps.chain.unconverged[0] = 0.0
     for i in range(count):
         time = i * h
         if spent > STAGES * budget:
             trial = trial_of(drum, time, h, motion.length, motion.speed)
             iterations, speed = step_in_any_case(conditions, trial, x, v, b)
-            b.steps.chain.restless[0] += 1.0
+            b.steps.chain.unconverged[0] += 1.0
             way = 1
             length, speed = at_end(trial, speed)
             motion = Motion(length, speed, speed)

@@ -25,11 +25,11 @@ from ..equations.drum import balance
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import chain_at, point_mass, property_of, sees_reeling
-from ..equations.winch import NEUTRAL
 from ..linear_algebra.block_tridiagonal import factorize, solve
 from ..linear_algebra.both_ends import get_node, interleave
+from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put, scale, sub
 from . import contact, rosenbrock
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
@@ -51,10 +51,10 @@ Workspace.__doc__ = """Scratch arrays of a step.
 chain : `rosenbrock.Workspace`.  column : the solution y of (M/d - B - d K) y = F_u + d F_L.  by_length, by_speed : F_L [N/m]
 and F_u [N s/m].  These three are flat arrays of 3 (n + 1) numbers.  speeds : U_u of all stages [m/s].
 """
-Border = namedtuple("Border", "by_speed by_length turning damper direction rate")
+Border = namedtuple("Border", "by_speed by_length by_position damper direction rate")
 Border.__doc__ = """Derivatives of f = T - W - c u - F sign(u) at the start of a step.
 
-by_speed, by_length : f_u [N s/m], f_L [N/m].  turning : dT/dr of the first segment [N/m].  damper : dT/d(dl/dt) [N s/m].
+by_speed, by_length : f_u [N s/m], f_L [N/m].  by_position : dT/dr of the first segment [N/m].  damper : dT/d(dl/dt) [N s/m].
 direction : of the first segment.  rate : explicit time derivative [N/s].
 """
 Motion = namedtuple("Motion", "length speed length_error speed_error")
@@ -155,11 +155,7 @@ def border_of(conditions, drum, chain, time, x, w):
     record = assembly.record_of(0, chain.n, w.records)
     e = segment.direction_in(record)
     damper = record[segment.DAMPER]
-    turning = (
-        e[0] * record[segment.K] + e[1] * record[segment.K + 3] + e[2] * record[segment.K + 6],
-        e[0] * record[segment.K + 1] + e[1] * record[segment.K + 4] + e[2] * record[segment.K + 7],
-        e[0] * record[segment.K + 2] + e[1] * record[segment.K + 5] + e[2] * record[segment.K + 8],
-    )
+    by_position = transposed_apply(e, get_matrix(record, segment.K))
     by_speed = -drum.damping
     if sees_reeling(chain.parameters):
         length, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
@@ -168,11 +164,11 @@ def border_of(conditions, drum, chain, time, x, w):
     rate = -drum.force_rate
     if conditions.first == 1:
         moving, gaining = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
-        rate -= dot(turning, moving) + damper * dot(e, gaining)
+        rate -= dot(by_position, moving) + damper * dot(e, gaining)
     if chain.n == 1 and conditions.last == 0:
         moving, gaining = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
-        rate += dot(turning, moving) + damper * dot(e, gaining)
-    return Border(by_speed, by_length, turning, damper, e, rate)
+        rate += dot(by_position, moving) + damper * dot(e, gaining)
+    return Border(by_speed, by_length, by_position, damper, e, rate)
 
 
 @kernel
@@ -224,7 +220,7 @@ def stage_tension(n, chain, x, v, w):
 @kernel
 def pull_of(border, d, change):
     """What f gains [N] by the difference of q [m/s] of the nodes of the first segment: (T_v + d T_x) q."""
-    return border.damper * dot(border.direction, change) + d * dot(border.turning, change)
+    return border.damper * dot(border.direction, change) + d * dot(border.by_position, change)
 
 
 @kernel
@@ -234,16 +230,16 @@ def pivot_of(drum, border, d, response):
 
 
 @kernel
-def stage_length(stage, h, length, speed, last, b):
+def motion_at_stage(stage, h, length, speed, last, b):
     """L_i [m] and u_i [m/s] of a stage.
 
     length, speed : at the start of the step.  last : L_i, u_i, p and U_u of the stage before.
     """
-    here, pace, p, gained = last
+    length_i, speed_i, p, increment = last
     if stage < STAGES - 1:
-        here = length + h * added_up(ALPHA[stage] * speed, IN_LENGTH, stage, b)
-        return here, added_up(speed, IN_SPEED, stage, b)
-    return here + GAMMA * h * p, pace + gained
+        length_i = length + h * added_up(ALPHA[stage] * speed, IN_LENGTH, stage, b)
+        return length_i, added_up(speed, IN_SPEED, stage, b)
+    return length_i + GAMMA * h * p, speed_i + increment
 
 
 @kernel
@@ -302,16 +298,16 @@ def step(conditions, drum, direction, time, h, length, speed, x, v, b):
         return False, nothing
     border = border_of(conditions, drum, chain, time, x, w)
     pivot = 0.0
-    here, pace = length, speed  # L_i and u_i
-    p = gained = 0.0
+    length_i, speed_i = length, speed  # L_i and u_i
+    p = increment = 0.0
     for stage in range(STAGES):
         rosenbrock.combine(stage, h, w)
-        here, pace = stage_length(stage, h, length, speed, (here, pace, p, gained), b)
+        length_i, speed_i = motion_at_stage(stage, h, length, speed, (length_i, speed_i, p, increment), b)
         r = stage_rest(stage, speed, b)
-        if not 0.0 < here < inf:
+        if not 0.0 < length_i < inf:
             return False, nothing
         now = time + ALPHA[stage] * h
-        chain = chain_with(conditions, here, pace)
+        chain = chain_with(conditions, length_i, speed_i)
         place_stage(conditions, chain, stage, now, w)
         if stage == 0:
             put_column(conditions, chain, d, x, v, b)
@@ -324,12 +320,12 @@ def step(conditions, drum, direction, time, h, length, speed, x, v, b):
         right = drum_side(chain, drum, direction, border, stage, now, h, speed, b)
         right += pull_of(border, d, sub(get(w.q, 1), get(w.q, 0)))
         p = right / pivot
-        gained = p - r
-        b.speeds[stage] = gained
+        increment = p - r
+        b.speeds[stage] = increment
         for k in range(3 * (n + 1)):
             w.q[k] += p * b.column[k]
         rosenbrock.take_velocities(n, stage, w)
         if stage >= STAGES - 2:
             rosenbrock.add_stage(n, stage, h, w)
     rosenbrock.take_result(conditions, time + h, w)
-    return True, Motion(here + d * p, pace + gained, d * p, gained)
+    return True, Motion(length_i + d * p, speed_i + increment, d * p, increment)

@@ -119,7 +119,7 @@ def potential(attempt, x, w):
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
     for s in range(attempt.chain.n):
         length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, w)
-        total += 0.5 * k * (length - rest) ** 2 + 0.5 * h * c / b * rate * rate
+        total += segment.elastic_energy(k, length - rest) + 0.5 * h * c / b * rate * rate
         size += (k * abs(length - rest) + c * abs(rate)) * (norm(get(x, s)) + length)
         u = velocity_change(attempt, s, x, w)
         work = dot(get(w.drag, s), moved(s, x, w))

@@ -35,8 +35,8 @@ def of_steps(n, steps, has_drum, duration):
     if steps.size == 0.0:
         return 0.0
     budget = at.ITERATION_BUDGET // n
-    count, (hard, hurried) = count_of_steps(steps, duration, budget), of_one(steps.method, has_drum)
-    most = min(hard * count, STAGES * budget + hard + hurried * count)
+    count, (hard, truncated) = count_of_steps(steps, duration, budget), of_one(steps.method, has_drum)
+    most = min(hard * count, STAGES * budget + hard + truncated * count)
     return float(min(most, at.LARGEST_INTEGER))
 
 

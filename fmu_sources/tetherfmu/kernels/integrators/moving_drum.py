@@ -5,7 +5,7 @@ length until it ends there (`room_left`). Without mass f = 0 is an algebraic equ
 of it is taken away by `project`. See docs/models/numerics.md, "A drum in the same system".
 """
 
-from math import ceil, inf
+from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
@@ -22,22 +22,18 @@ from ..equations.drum import (
     direction_of,
     drum_of,
     force_at,
-    freedom,
     is_at_stop,
     stop_ahead,
 )
 from ..equations.properties import property_of, rest_length, sees_reeling
 from ..linear_algebra.vectors import dot, get, sub
 from . import rosenbrock, step_control
+from .drum_events import SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
 from .drum_step import Motion, chain_with, first_tension, step, with_length
 from .rodas4p import GAMMA
 
 NOTHING, TURNS, PAID_OUT, REELED_IN, RESTS_OUTWARDS, RESTS_INWARDS = range(6)  # events that end a piece
-SMALLEST_PIECE = 1e-9  # of the communication step: the end of a shorter piece is not sought for
 LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
-SLOW = 1e-9  # of the length per second: the speed at which a drum comes to rest
-OVERLOAD = 1e-8  # of its forces: with how much more than its friction a drum begins to turn
-SHORTEST_PART, LONGEST_PART = 1e-6, 0.999  # of a piece in which an event happened, to try next
 MOST_IDLE = 100  # pieces one after the other, in which a drum is held, that are so short that rounding keeps its tension
 AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
 MOST_CORRECTIONS = 30
@@ -116,8 +112,7 @@ def room_left(conditions, drum, event, time, length, speed, x, v):
     nodes are at x [m] with the velocities v [m/s] at a time [s] of the communication step.
     """
     if event == TURNS:
-        tension = first_tension(chain_with(conditions, length, 0.0), x, v)
-        return freedom(drum, length, tension, time), OVERLOAD * (abs(tension) + abs(force_at(drum, time)) + drum.friction)
+        return room_to_turn(drum, length, first_tension(chain_with(conditions, length, 0.0), x, v), time)
     if event == PAID_OUT:
         return drum.longest - length, LOCATED * length
     if event == REELED_IN:
@@ -167,13 +162,6 @@ def turn(conditions, drum, turned_back, time, duration, length, speed, x, v):
 
 
 @kernel
-def part_of_piece(room, over):
-    """Part of a piece of time to try next [-], in which the room to an event fell from `room` to `over`, below 0."""
-    room = max(room, 0.0)
-    return max(SHORTEST_PART, min(LONGEST_PART, room / (room - over)))
-
-
-@kernel
 def speed_after(drum, direction, length, speed):
     """Length [m] and speed [m/s] with which the drum goes on after a step in a direction; and whether it has turned round.
 
@@ -219,10 +207,8 @@ def integrate(conditions, duration, state, x, v, b):
             if not found:
                 return NO_LENGTH
             is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
-        rest = duration - time
-        left = ceil(rest / h - 1e-6)
-        h_now = rest / left if left > 1.0 else rest
-        whole = not (left > 1.0 or piece < h_now)
+        h_now, is_last = step_control.even_step(duration - time, h)
+        is_last = is_last and not piece < h_now
         h_now = min(h_now, piece)
         error = inf
         motion = Motion(length, 0.0, 0.0, 0.0)
@@ -258,7 +244,7 @@ def integrate(conditions, duration, state, x, v, b):
             beyond = end
             state[at.REJECTIONS] += 1.0
             continue
-        time = duration if whole else end
+        time = duration if is_last else end
         copy(w.x, x)
         copy(w.v, v)
         length, speed, turned_back = speed_after(drum, direction, new_length, new_speed)

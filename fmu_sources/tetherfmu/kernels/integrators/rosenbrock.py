@@ -35,7 +35,7 @@ from ..linear_algebra.both_ends import (
     put_two,
 )
 from ..linear_algebra.pairs import first, number_at, pair, second, select
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
+from ..linear_algebra.vectors import NEUTRAL_VECTOR, ZERO_VECTOR, add, add_scaled, get, put, scale, sub
 from . import contact
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
@@ -59,7 +59,6 @@ matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  s
 stage_mass : node masses at the stage [kg], n + 1.  modes : n, which stiffness each segment has, see `segment.TAUT`.
 touching, grip : which nodes touch the ground, n + 1, and dF/dv of these [N s/m], 9 (n + 1); see `contact.py`.
 """
-NEUTRAL = (-0.0, -0.0, -0.0)  # to add -0 changes nothing, not even the sign of a zero
 
 
 @kernel
@@ -150,7 +149,7 @@ def stage_force(conditions, chain, time, w):
     assembly.node_forces(chain, w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
     if has_ground(chain.parameters):
         contact.add_forces(chain, w)
-    put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL, load_during(conditions, time))))
+    put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL_VECTOR, load_during(conditions, time))))
 
 
 @kernel

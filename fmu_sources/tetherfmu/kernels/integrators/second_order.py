@@ -17,9 +17,9 @@ its curve after the step, from which x3 is O(h^3) away.
 The accelerations of the last two stages, also of those of the step before, are continued linearly for the first guess of a
 stage: in smooth flight one iteration does.
 
-A step is taken anew by `backward_euler.careful_step` over the whole of h, and then has order 1, where
+A step is taken anew by `backward_euler.subdivided_step` over the whole of h, and then has order 1, where
 
-- a stage does not come to rest within `limits.MOST_ITERATIONS`,
+- a stage does not converge within `limits.MOST_ITERATIONS`,
 - a node is on the ground,
 - a segment is as stiff as `limits.STIFF`: its tension would show by how little a driven end is put right after the stages,
 - a segment goes slack or taut, or a stage takes more than two iterations, and the energy grows by more than ends, winch,
@@ -96,7 +96,7 @@ def crosses(conditions, start, x, end, y):
     for s in range(conditions.n):
         r, rest = sub(get(x, s + 1), get(x, s)), rest_length(before, s)
         q, new = sub(get(y, s + 1), get(y, s)), rest_length(after, s)
-        if (dot(r, r) - rest * rest) * (dot(q, q) - new * new) < 0.0:
+        if segment.beyond_rest(r, rest) * segment.beyond_rest(q, new) < 0.0:
             return True
     return False
 
@@ -119,7 +119,7 @@ def energy_and_power(conditions, time, x, v, mass):
         length, e = segment.geometry(sub(x_q, x_p))
         rest = rest_length(chain, s)
         k, c = segment.stiffness(chain, s, length - rest, rest)
-        energy += 0.5 * k * (length - rest) ** 2
+        energy += segment.elastic_energy(k, length - rest)
         tension = abs(segment.tension(chain, length, dot(e, sub(v_q, v_p)), rest, k, c))
         drag = norm(segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
         air, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
@@ -143,7 +143,7 @@ def is_explained(conditions, time, h, x, v, w):
 def stage(conditions, time, known, reach, x, v, w):
     """A stage of g h = `reach` [s] from (x, v) (modified), the start of a stage at a time [s].
 
-    known : how many stages just before have left their accelerations.  Returns whether it came to rest, and the iterations.
+    known : how many stages just before have left their accelerations.  Returns whether it converged, and the iterations.
     """
     kind = backward_euler.EXPECTED if known > 0 else backward_euler.STAGE
     taken, iterations = backward_euler.step(conditions, time, reach, kind, False, x, v, w.chain)
@@ -228,13 +228,13 @@ def step(conditions, method, time, h, known, x, v, w):
     """
     has_one_stage = method == at.BACKWARD_EULER
     if has_one_stage or is_on_ground(conditions, x) or stiffest(chain_during(conditions, time)) >= STIFF:
-        return backward_euler.careful_step(conditions, time, h, x, v, w.chain), 1
+        return backward_euler.subdivided_step(conditions, time, h, x, v, w.chain), 1
     taken, iterations = stages(conditions, time, h, known, x, v, w)
     if taken:
         return iterations, 0
     copy(w.x, x)
     copy(w.v, v)
-    more = backward_euler.careful_step(conditions, time, h, x, v, w.chain)
+    more = backward_euler.subdivided_step(conditions, time, h, x, v, w.chain)
     return more if more < 0 else iterations + more, 2
 
 
@@ -243,7 +243,7 @@ def integrate(conditions, steps, duration, state, x, v, w):
     """Advance (x, v) (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
 
     A communication step that is no multiple is divided evenly into steps of at most their size. Counters in `state` and
-    w.chain.restless are modified. Once the budget of iterations is spent, which takes hard steps, the others are backward
+    w.chain.unconverged are modified. Once the budget of iterations is spent, which takes hard steps, the others are backward
     Euler steps, taken as they are after `limits.LAST_ITERATIONS`. Returns a status: OK, FIXED_STEPS_TOO_MANY or
     STATE_NOT_FINITE.
     """
@@ -252,12 +252,12 @@ def integrate(conditions, steps, duration, state, x, v, w):
     if count == 0:
         return FIXED_STEPS_TOO_MANY
     h = duration / count
-    w.chain.restless[0] = 0.0
+    w.chain.unconverged[0] = 0.0
     spent, left, known = 0, 0, 0
     for i in range(count):
         if spent > STAGES * budget:
             _, iterations = backward_euler.step(conditions, i * h, h, backward_euler.WHOLE, True, x, v, w.chain)
-            w.chain.restless[0] += 1.0
+            w.chain.unconverged[0] += 1.0
             way = 1
         else:
             iterations, way = step(conditions, steps.method, i * h, h, known, x, v, w)

@@ -9,7 +9,7 @@ tether that of its tension (`tension_error`), each over what is allowed (`allowe
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import HOPELESS, MOST_BUDGETS, STIFF
+from tetherfmu.runtime.limits import HOPELESS, LEAST_REMAINDER, MOST_BUDGETS, STIFF
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..arrays import copy
@@ -224,6 +224,13 @@ def first_step(duration, state):
 
 
 @kernel
+def even_step(rest, h):
+    """Step to try [s] where h [s] is allowed: an equal part of the rest [s] of the communication step; whether all of it."""
+    left = ceil(rest / h - LEAST_REMAINDER)
+    return rest / left if left > 1.0 else rest, not left > 1.0
+
+
+@kernel
 def step_after_event(h, done, proposal, duration):
     """Step to try [s] where an event of a drum may have ended one of `done` [s] early, though h [s] was allowed.
 
@@ -268,14 +275,12 @@ def integrate(conditions, duration, state, x, v, w):
         if h < SMALLEST_STEP * duration:
             return STEP_TOO_SMALL
         tried += 1
-        rest = duration - time
-        left = ceil(rest / h - 1e-6)
-        h_now = rest / left if left > 1.0 else rest
+        h_now, is_last = even_step(duration - time, h)
         error = inf
         if step(conditions, time, h_now, x, v, w):
             error = error_of_step(conditions, chain_during(conditions, time + h_now), h_now, v, w)
         if error <= 1.0:
-            time = time + h_now if left > 1.0 else duration
+            time = duration if is_last else time + h_now
             copy(w.x, x)
             copy(w.v, v)
             h = next_step(h, h_now, error, last_error, rejected_before)

@@ -5,7 +5,7 @@ next step is that of a single tether (`step_control.py`), and its memory stands 
 of one line takes the steps of a single tether.
 """
 
-from math import ceil, inf, nan
+from math import inf, nan
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
@@ -16,10 +16,10 @@ from ..equations.boundary import chain_during
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
 from ..linear_algebra.vectors import get
 from . import system_step
+from .drum_events import SMALLEST_PIECE
 from .drum_step import chain_with
-from .moving_drum import SMALLEST_PIECE
 from .rodas4p import GAMMA
-from .step_control import SMALLEST_STEP, cut, error_of_step, first_step, is_given_up, next_step, step_after_event
+from .step_control import SMALLEST_STEP, cut, error_of_step, even_step, first_step, is_given_up, next_step, step_after_event
 from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
 from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves
 from .system_step import apply_changes, collect_changes, whole_masses
@@ -118,10 +118,8 @@ def integrate(system, duration):
             if not turn_drums(system, time, duration):
                 return NO_LENGTH
             is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
-        rest = duration - time
-        left = ceil(rest / h - 1e-6)
-        h_now = rest / left if left > 1.0 else rest
-        whole = not (left > 1.0 or piece < h_now)
+        h_now, is_last = even_step(duration - time, h)
+        is_last = is_last and not piece < h_now
         h_now = min(h_now, piece)
         error = inf
         if system_step.step(system, time, h_now):
@@ -145,7 +143,7 @@ def integrate(system, duration):
                 beyond = 0.0
             accept_drums(system)
             is_new = True
-        time = duration if whole else time + h_now
+        time = duration if is_last else time + h_now
         accept(system)
         h = step_after_event(h, h_now, next_step(h, h_now, error, last_error, rejected_before), duration)
         last_error = error

@@ -6,7 +6,7 @@ with the load and the mass of the whole point; each line has that of its own hal
     sum_k m_k |x - y|^2/(2 h^2) = M |x - y|^2/(2 h^2),   y = x0 + h v0 + h^2 (gravity + load/M),   M = sum_k m_k
 
 An iteration is one of Newton's method for all nodes, with the inner nodes of each line condensed as in `system_step.py`. A
-shorter one is taken of all lines together, and all of them come to rest before it ends. The matrices are positive definite,
+shorter one is taken of all lines together, and all of them converge before it ends. The matrices are positive definite,
 and so is what is left of them at the points.
 """
 
@@ -162,43 +162,35 @@ def keep_moves(system, is_back):
 
 
 @kernel
-def rests_with_drums_held(system, step):
-    """Whether the next move leads no node further than where it has come to rest, as long as no drum changes its speed.
+def move_with_drums_held(system, step):
+    """The next move of all lines (modified) if no drum changes its speed: whether they converge with it, the part to try.
 
-    The move with drums held is then forgotten, else it is that of the lines (modified).
+    Where they do, the move is forgotten, and what is solved of it is back in its place.
     """
     keep_moves(system, False)
     system_fixed_drums.seek(system, step, True)
     if move_points(system, step):
-        move_lines(system, step)
-        if restless_lines(system, 1.0) > 0:
-            return False
+        taken = move_lines(system, step)
+        if unconverged_lines(system, 1.0) > 0:
+            return False, taken
     keep_moves(system, True)
-    return True
-
-
-@kernel
-def longest_part_of_lines(system, step):
-    """The part of the moves of all lines to try."""
-    taken = 1.0
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            taken = min(taken, longest_part(attempt_of(system, k, step).chain, scratch_of(system, k).move))
-    return taken
+    return True, 1.0
 
 
 @kernel
 def direction(system, step, is_late):
     """Move of all nodes [m] by Newton's method into the scratch space; the part to try, 0 where a matrix is singular.
 
-    is_late : whether drums only change their speeds where the lines rest with them.
+    is_late : whether drums only change their speeds where the lines converge with them.
     """
     for k in range(lines_of(system)):
         if moves(system, k) and not condense_line(system, k, step):
             return 0.0
     if step.turns:
-        if is_late and not rests_with_drums_held(system, step):
-            return longest_part_of_lines(system, step)
+        if is_late:
+            converges, taken = move_with_drums_held(system, step)
+            if not converges:
+                return taken
         return move_lines(system, step) if move_with_drums(system, step) else 0.0
     return move_lines(system, step) if move_points(system, step) else 0.0
 
@@ -249,19 +241,19 @@ def take_trial(system):
 
 
 @kernel
-def is_restless(system, k, taken):
-    """Whether this part of the last move leads a node of line k further than where it has come to rest."""
+def is_unconverged(system, k, taken):
+    """Whether this part of the last move leads a node of line k further than one moves in a line that has converged."""
     room = room_in_fixed_steps(system, k)
     return taken * backward_euler.largest_move(segments_of(system, k), room.stages.chain) > room.goal[0]
 
 
 @kernel
-def restless_lines(system, taken):
-    """Number of lines that have not come to rest."""
+def unconverged_lines(system, taken):
+    """Number of lines that have not converged."""
     count = 0
     for k in range(lines_of(system)):
         if moves(system, k):
-            count += is_restless(system, k, taken)
+            count += is_unconverged(system, k, taken)
     return count
 
 

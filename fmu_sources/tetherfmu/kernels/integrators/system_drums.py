@@ -32,26 +32,25 @@ from ..equations.lines import (
     size_of_blocks,
     state_of,
 )
-from ..equations.winch import NEUTRAL
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.matrices import outer, transposed_apply
 from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, scale
+from ..linear_algebra.vectors import NEUTRAL, ZERO_VECTOR, add, add_scaled, dot, get, scale
 from . import drum_step, rosenbrock
-from .drum_step import border_of, chain_with, pivot_of, pull_of, put_in_column, put_rates, stage_length, stage_rest
+from .drum_step import border_of, chain_with, motion_at_stage, pivot_of, pull_of, put_in_column, put_rates, stage_rest
 from .rodas4p import ALPHA, GAMMA
 from .system_room import (
     DIRECTION,
-    GAINED,
-    HERE,
+    INCREMENT,
     LENGTH_ERROR,
     NEW_LENGTH,
     NEW_SPEED,
-    PACE,
-    PART,
     PIVOT,
+    SOLUTION,
     SPEED_ERROR,
+    STAGE_LENGTH,
+    STAGE_SPEED,
     has_drum,
     integrator_of,
     is_free,
@@ -102,12 +101,12 @@ def start_stage_with_drum(system, k, stage, time, h):
     length, speed = length_of(system, k)
     numbers, now = room.numbers, time + ALPHA[stage] * h
     rosenbrock.combine(stage, h, room.w)
-    last = numbers[HERE], numbers[PACE], numbers[PART], numbers[GAINED]
-    here, pace = stage_length(stage, h, length, speed, last, room.drum)
-    if not 0.0 < here < inf:
+    last = numbers[STAGE_LENGTH], numbers[STAGE_SPEED], numbers[SOLUTION], numbers[INCREMENT]
+    length_i, speed_i = motion_at_stage(stage, h, length, speed, last, room.drum)
+    if not 0.0 < length_i < inf:
         return False
-    numbers[HERE], numbers[PACE] = here, pace
-    drum_step.place_stage(conditions, chain_with(conditions, here, pace), stage, now, room.w)
+    numbers[STAGE_LENGTH], numbers[STAGE_SPEED] = length_i, speed_i
+    drum_step.place_stage(conditions, chain_with(conditions, length_i, speed_i), stage, now, room.w)
     return True
 
 
@@ -155,7 +154,7 @@ def form_column(system, k, d, points):
 def row_of(system, k, end, border, d):
     """Row r of the drum of line k at one of its ends."""
     n, columns = segments_of(system, k), integrator_of(system, k).columns
-    g = add_scaled(scale(border.damper, border.direction), d, border.turning)
+    g = add_scaled(scale(border.damper, border.direction), d, border.by_position)
     if n == 1:
         return g if end == 0 else scale(-1.0, g)
     beside = transposed_apply(g, condensed.block_beside(n, 0, condensed.columns_of(n, end, columns)))
@@ -211,15 +210,15 @@ def reduce_line_with_drum(system, k, stage, time, h, points):
     _, speed = length_of(system, k)
     drum_step.reduced_side(conditions, stage, h, stage_rest(stage, speed, room.drum), room.drum)
     condensed.reduce(n, w.matrix, w.q)
-    chain = chain_with(conditions, numbers[HERE], numbers[PACE])
+    chain = chain_with(conditions, numbers[STAGE_LENGTH], numbers[STAGE_SPEED])
     right = drum_step.drum_side(chain, drum, numbers[DIRECTION], border, stage, now, h, speed, room.drum)
     if n > 1:
         right += pull_of(border, GAMMA * h, get(w.q, 1))
-    numbers[PART] = right / numbers[PIVOT]
+    numbers[SOLUTION] = right / numbers[PIVOT]
     for end in range(2):
         point = point_at(system, k, end)
         if point != places.DRIVEN:
-            add_at(points.right, point, add_scaled(get(w.q, n * end), numbers[PART], get(room.drum.column, n * end)))
+            add_at(points.right, point, add_scaled(get(w.q, n * end), numbers[SOLUTION], get(room.drum.column, n * end)))
 
 
 @kernel
@@ -228,16 +227,16 @@ def turn_drum(system, k, stage, time, h):
     n, room = segments_of(system, k), integrator_of(system, k)
     border, _ = border_in(system, k, time)
     numbers, q, d = room.numbers, room.w.q, GAMMA * h
-    p = numbers[PART]
+    p = numbers[SOLUTION]
     for end in range(2):
         if is_free(system, k, end):
             p -= dot(row_of(system, k, end, border, d), get(q, n * end)) / numbers[PIVOT]
     for i in range(3, 3 * n):
         q[i] += p * room.drum.column[i]
     _, speed = length_of(system, k)
-    gained = p - stage_rest(stage, speed, room.drum)
-    room.drum.speeds[stage] = gained
-    numbers[PART], numbers[GAINED] = p, gained
+    increment = p - stage_rest(stage, speed, room.drum)
+    room.drum.speeds[stage] = increment
+    numbers[SOLUTION], numbers[INCREMENT] = p, increment
 
 
 @kernel
@@ -248,6 +247,6 @@ def take_drum(system, k, h):
         numbers[NEW_LENGTH], numbers[NEW_SPEED] = state_of(system, k)[at.LENGTH], 0.0
         numbers[LENGTH_ERROR] = numbers[SPEED_ERROR] = 0.0
         return
-    moved = GAMMA * h * numbers[PART]
-    numbers[NEW_LENGTH], numbers[NEW_SPEED] = numbers[HERE] + moved, numbers[PACE] + numbers[GAINED]
-    numbers[LENGTH_ERROR], numbers[SPEED_ERROR] = moved, numbers[GAINED]
+    moved = GAMMA * h * numbers[SOLUTION]
+    numbers[NEW_LENGTH], numbers[NEW_SPEED] = numbers[STAGE_LENGTH] + moved, numbers[STAGE_SPEED] + numbers[INCREMENT]
+    numbers[LENGTH_ERROR], numbers[SPEED_ERROR] = moved, numbers[INCREMENT]

@@ -13,7 +13,7 @@ shows only in the solution. In the order of u' they are
     AT_LOWEST, INWARDS, HELD, OUTWARDS, AT_HIGHEST;    without friction AT_LOWEST, OUTWARDS, AT_HIGHEST
 
 Each drum is sought as it turns now, and then one place nearer to where it was found, until all of them are found where they
-were sought. If they are not after `MOST_TRIES`, the speeds that were found last are taken, and the iteration does not rest.
+were sought. If they are not after `MOST_TRIES`, the speeds that were found last are taken: no convergence.
 """
 
 from ..compilation import kernel, view
@@ -36,6 +36,7 @@ from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer, transposed_apply
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, scale
+from . import backward_euler
 from . import drum_in_backward_euler as of_one
 from .system_fixed_room import (
     CHANGE,
@@ -80,13 +81,13 @@ def beside_start(n, a):
 
 
 @kernel
-def row_of(system, k, end, turning):
-    """r_e of the drum of line k at one of its ends [N/m]; turning : T_x [N/m]."""
+def row_of(system, k, end, by_position):
+    """r_e of the drum of line k at one of its ends [N/m]; by_position : T_x [N/m]."""
     n, columns = segments_of(system, k), room_in_fixed_steps(system, k).columns
     if n == 1:
-        return turning if end == 1 else scale(-1.0, turning)
-    beside = transposed_apply(turning, condensed.block_beside(n, 0, condensed.columns_of(n, end, columns)))
-    return scale(-1.0, beside if end == 1 else add_scaled(beside, 1.0, turning))
+        return by_position if end == 1 else scale(-1.0, by_position)
+    beside = transposed_apply(by_position, condensed.block_beside(n, 0, condensed.columns_of(n, end, columns)))
+    return scale(-1.0, beside if end == 1 else add_scaled(beside, 1.0, by_position))
 
 
 @view
@@ -95,8 +96,8 @@ def equation_of(system, k, step):
     attempt, room, n = attempt_of(system, k, step), room_in_fixed_steps(system, k), segments_of(system, k)
     w = room.stages.chain
     border = of_one.border_of(attempt, trial_of_line(system, k, step).drum, w)
-    pivot = of_one.pivot_of(border, dot(border.turning, beside_start(n, room.column)))
-    return border, pivot, border.tension + dot(border.turning, beside_start(n, w.move))
+    pivot = of_one.pivot_of(border, dot(border.by_position, beside_start(n, room.column)))
+    return border, pivot, border.tension + dot(border.by_position, beside_start(n, w.move))
 
 
 @kernel
@@ -117,7 +118,7 @@ def place_drum(system, k, step, points):
             add_at(points.right, row, scale(change, left))
             for column_end in range(2):
                 if turns and is_free(system, k, column_end):
-                    block = outer(scale(-1.0 / pivot, left), row_of(system, k, column_end, border.turning))
+                    block = outer(scale(-1.0 / pivot, left), row_of(system, k, column_end, border.by_position))
                     add_to_block(*size_of_blocks(system), row, point_at(system, k, column_end), block, points.matrix)
 
 
@@ -181,7 +182,7 @@ def find_drum(system, k, step, points):
     border, pivot, tension = equation_of(system, k, step)
     for end in range(2):
         if is_free(system, k, end):
-            tension += dot(row_of(system, k, end, border.turning), get(points.right, point_at(system, k, end)))
+            tension += dot(row_of(system, k, end, border.by_position), get(points.right, point_at(system, k, end)))
     speed, way, friction = numbers[SPEED], numbers[WAY], trial.drum.friction
     wanted = speed - of_one.residual_of(trial, speed, tension) / pivot
     onward, farthest = of_one.speed_after(chain, trial, speed, wanted, pivot), of_one.farthest_change(chain, step.h)
@@ -237,9 +238,8 @@ def fly_points(system, step):
                 point, node = point_at(system, k, end), segments_of(system, k) * end
                 attempt, free = attempt_of(system, k, step), scratch_of(system, k).free
                 x, v = motion_of(system, k)
-                flight = add_scaled(add_scaled(get(x, node), h, get(v, node)), h * h, free_acceleration(attempt.chain))
-                by_load = scale(h * h / points.mass[point], load_at(system, point, step.time + h))
-                put(free, node, add_scaled(flight, 1.0, by_load))
+                flight = backward_euler.flight(get(x, node), get(v, node), h, free_acceleration(attempt.chain))
+                put(free, node, add_scaled(flight, h * h / points.mass[point], load_at(system, point, step.time + h)))
 
 
 @kernel
@@ -265,7 +265,7 @@ def move_along(system, k):
 
 
 @kernel
-def restless_drums(system, step):
+def unconverged_drums(system, step):
     """Number of drums that are not found, or pay out more in the last iteration than each node of their lines may move."""
     count = 0
     for k in range(lines_of(system)):

@@ -32,7 +32,7 @@ FixedRoom = namedtuple("FixedRoom", "stages columns goal column numbers")
 FixedRoom.__doc__ = """Scratch arrays of a line in fixed steps.
 
 stages : `second_order.Workspace`.  columns : of its ends, see `linear_algebra.condensed`.
-goal : 1, the largest move of a node with which it has come to rest [m].
+goal : 1, the largest move of a node with which it has converged [m].
 column : of its drum, 3 (n + 1), see `drum_in_backward_euler.py`.  numbers : of its drum, DRUM_NUMBERS.
 """
 

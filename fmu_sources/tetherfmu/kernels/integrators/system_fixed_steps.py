@@ -1,6 +1,6 @@
 """Fixed steps of a system: three stages of all lines, or backward Euler, as `second_order.py` has them for a single tether.
 
-What makes a step of one line one of backward Euler (the ground, a stiffness, a stage that does not come to rest, energy that
+What makes a step of one line one of backward Euler (the ground, a stiffness, a stage that does not converge, energy that
 nobody put in) makes that of all lines one; the energy is that of all lines and points together.
 """
 
@@ -29,13 +29,24 @@ from . import backward_euler, second_order, system_turning
 from .backward_euler import EXPECTED, STAGE, WHOLE
 from .second_order import GAMMA, MIDDLE, ROUNDING, TO_NEXT
 from .system_control import work_of
-from .system_descent import STUCK, descend, holds, is_restless, restless_lines
-from .system_fixed_drums import restless_drums
+from .system_descent import STUCK, descend, holds, is_unconverged, unconverged_lines
+from .system_fixed_drums import unconverged_drums
 from .system_fixed_room import Step, any_drum, attempt_of, room_in_fixed_steps, scratch_of
 from .system_guess import begin_as_expected, guess, start
 from .system_room import has_drum, is_free, moves
 
 # --- backward Euler
+
+
+@kernel
+def note_unconverged(system, all_of_them, taken):
+    """Count a step that was ended before it converged in the scratch space (modified) of the lines that had not, or of all.
+
+    taken : part of the last move.
+    """
+    for k in range(lines_of(system)):
+        if moves(system, k) and (all_of_them or is_unconverged(system, k, taken)):
+            scratch_of(system, k).unconverged[0] += 1.0
 
 
 @kernel
@@ -51,44 +62,34 @@ def take_all(system, step):
 def take_step(system, step, most, in_any_case):
     """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations, at most `most`.
 
-    Drums that turn in it are not told its result.
+    Drums that turn in it do not get its result.
     """
     start(system, step)
-    iterations, taken, restless, phi = 0, inf, 1, 0.0
+    iterations, taken, unconverged, phi = 0, inf, 1, 0.0
     if step.kind == EXPECTED:
         phi, taken = begin_as_expected(system, step)
         iterations = 1
-        restless = restless_lines(system, taken) + restless_drums(system, step) if taken < inf else 1
+        unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step) if taken < inf else 1
     else:
         phi = guess(system, step)
-    while iterations < most and (restless > 0 or not holds(system, step)) and not (step.turns and taken == STUCK):
+    while iterations < most and (unconverged > 0 or not holds(system, step)) and not (step.turns and taken == STUCK):
         phi, taken = descend(system, step, phi, iterations >= MOST_ITERATIONS)
         iterations += 1
         if taken == inf:
             return False, -1
-        restless = restless_lines(system, taken) + restless_drums(system, step)
-    if not (in_any_case or (restless == 0 and taken != STUCK)):
+        unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step)
+    if not (in_any_case or (unconverged == 0 and taken != STUCK)):
         return False, iterations
-    for k in range(lines_of(system)):
-        if moves(system, k) and is_restless(system, k, taken):
-            scratch_of(system, k).restless[0] += 1.0
+    note_unconverged(system, False, taken)
     take_all(system, step)
     return True, iterations
-
-
-@kernel
-def note_all_restless(system):
-    """Note in the scratch space of all lines (modified) that a step was ended before it came to rest."""
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            scratch_of(system, k).restless[0] += 1.0
 
 
 @kernel
 def take_in_any_case(system, time, h, turns):
     """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
 
-    Where it does not come to rest with drums, the lines take it alone with their last speeds, in as many iterations again.
+    Where it does not converge with drums, the lines take it alone with their last speeds, in as many iterations again.
     turns : whether there are drums.
     """
     iterations = 0
@@ -97,15 +98,15 @@ def take_in_any_case(system, time, h, turns):
         taken, iterations = take_step(system, own, LAST_ITERATIONS, False)
         if taken or iterations < 0:
             return iterations
-        note_all_restless(system)
+        note_unconverged(system, True, 0.0)
         system_turning.turn_evenly(system, own)
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
     return more if more < 0 else iterations + more
 
 
 @kernel
-def careful_step(system, time, h, turns):
-    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.careful_step`; the iterations.
+def subdivided_step(system, time, h, turns):
+    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.subdivided_step`; the iterations.
 
     turns : whether there are drums.
     """
@@ -287,7 +288,7 @@ def stage(system, start, h, time, known, turns):
 def stages(system, time, h, known, turns):
     """One step of h [s] of all lines (modified) at a time [s]; whether it is to be taken, and the number of iterations.
 
-    known : as for `second_order.stage`.  turns : whether there are drums, which are not told the result.
+    known : as for `second_order.stage`.  turns : whether there are drums, which do not get the result.
     """
     reach = GAMMA * h
     remember(system)
@@ -329,27 +330,27 @@ def step(system, method, time, h, known, turns):
     turns : whether there are drums.
     """
     if method == at.BACKWARD_EULER or is_any_on_ground(system) or is_any_stiff(system, time):
-        return careful_step(system, time, h, turns), 1
+        return subdivided_step(system, time, h, turns), 1
     taken, iterations = stages(system, time, h, known, turns)
     if taken:
         if turns:
             system_turning.end_stages(system)
         return iterations, 0
     go_back(system)
-    more = careful_step(system, time, h, turns)
+    more = subdivided_step(system, time, h, turns)
     return more if more < 0 else iterations + more, 2
 
 
 @kernel
-def hurried_step(system, time, h, turns):
-    """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as restless."""
+def truncated_step(system, time, h, turns):
+    """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
     own = Step(time, h, WHOLE, turns)
     if turns:
         system_turning.attempt_whole_step(system, time, h)
     iterations = take_in_any_case(system, time, h, turns)
     if turns:
         system_turning.end_whole_step(system, own)
-    note_all_restless(system)
+    note_unconverged(system, True, 0.0)
     return iterations
 
 
@@ -367,12 +368,12 @@ def integrate(system, steps, duration):
         return FIXED_STEPS_TOO_MANY
     h = duration / count
     for k in range(lines_of(system)):
-        room_in_fixed_steps(system, k).stages.chain.restless[0] = 0.0
+        room_in_fixed_steps(system, k).stages.chain.unconverged[0] = 0.0
     turns = any_drum(system)
     spent, left, known = 0, 0, 0
     for i in range(count):
         if spent > STAGES * budget:
-            iterations, way = hurried_step(system, i * h, h, turns), 1
+            iterations, way = truncated_step(system, i * h, h, turns), 1
         else:
             iterations, way = step(system, steps.method, i * h, h, known, turns)
         if iterations < 0:

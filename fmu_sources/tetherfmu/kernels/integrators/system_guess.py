@@ -30,10 +30,10 @@ from .system_descent import (
     go_along,
     holds,
     potential,
-    restless_lines,
     solve_points,
     take_trial,
     try_part,
+    unconverged_lines,
 )
 from .system_fixed_drums import fly_points, sum_masses
 from .system_fixed_room import FROM_LENGTH, attempt_of, room_in_fixed_steps, scratch_of
@@ -158,7 +158,7 @@ def begin_as_expected(system, step):
             backward_euler.fly_as_expected(attempt_of(system, k, step), x, scratch_of(system, k))
     add_drag(system, step)
     taken = direction(system, step, False)
-    if taken > 0.0 and restless_lines(system, taken) == 0:
+    if taken > 0.0 and unconverged_lines(system, taken) == 0:
         try_part(system, taken)
         take_trial(system)
         return 0.0 if holds(system, step) else phi_of(system, step), taken

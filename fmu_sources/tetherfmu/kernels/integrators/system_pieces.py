@@ -11,12 +11,12 @@ from tetherfmu.runtime import system_layout as places
 from ..compilation import kernel
 from ..equations.drum import HELD
 from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from .drum_events import part_of_piece
 from .drum_step import Motion
 from .moving_drum import (
     NOTHING,
     drum_error,
     first_event,
-    part_of_piece,
     project,
     room_left,
     speed_after,

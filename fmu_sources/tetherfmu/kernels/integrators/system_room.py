@@ -26,7 +26,7 @@ DIRECTION = 0  # in which the drum turns, see `equations/drum.py`
 TURNED_BACK = 1  # not 0: a drum without mass has turned round under friction, which holds it
 NEW_LENGTH, NEW_SPEED = 2, 3  # after the step [m], [m/s]
 LENGTH_ERROR, SPEED_ERROR = 4, 5  # their error estimates
-HERE, PACE, PART, GAINED = 6, 7, 8, 9  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
+STAGE_LENGTH, STAGE_SPEED, SOLUTION, INCREMENT = 6, 7, 8, 9  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
 PIVOT = 10
 DRUM_NUMBERS = 11
 

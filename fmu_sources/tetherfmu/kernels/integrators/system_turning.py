@@ -11,7 +11,7 @@ from tetherfmu.runtime.status import OK
 from ..compilation import kernel, view
 from ..equations.drum import force_at
 from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling, state_of
-from ..equations.winch import NEUTRAL
+from ..linear_algebra.vectors import NEUTRAL
 from . import drum_in_backward_euler as of_one
 from .drum_in_fixed_steps import Motion, balanced, power_of_growth, turns_smoothly
 from .second_order import BESIDE, TO_NEXT, TO_SECOND, TO_THIRD
@@ -120,11 +120,11 @@ def go_to_second(system, reach):
         if has_drum(system, k):
             numbers, (length, speed) = room_in_fixed_steps(system, k).numbers, length_of(system, k)
             reached, first = numbers[REACHED], numbers[SPEED]
-            here, pace = length + TO_SECOND * (reached - length), speed + TO_SECOND * (first - speed)
-            numbers[ONWARD_LENGTH] = length + TO_THIRD * (reached - length) - BESIDE * here
-            numbers[ONWARD_SPEED] = speed + TO_THIRD * (first - speed) - BESIDE * pace
+            from_length, from_speed = length + TO_SECOND * (reached - length), speed + TO_SECOND * (first - speed)
+            numbers[ONWARD_LENGTH] = length + TO_THIRD * (reached - length) - BESIDE * from_length
+            numbers[ONWARD_SPEED] = speed + TO_THIRD * (first - speed) - BESIDE * from_speed
             numbers[FIRST] = first
-            attempt_stage(system, reach, (here, pace), first + TO_NEXT[1] * (first - speed), k)
+            attempt_stage(system, reach, (from_length, from_speed), first + TO_NEXT[1] * (first - speed), k)
 
 
 @kernel
@@ -134,10 +134,10 @@ def go_to_third(system, reach):
         if has_drum(system, k):
             numbers = room_in_fixed_steps(system, k).numbers
             first, second = numbers[FIRST], numbers[SPEED]
-            here = numbers[ONWARD_LENGTH] + BESIDE * numbers[REACHED]
-            pace = numbers[ONWARD_SPEED] + BESIDE * second
+            from_length = numbers[ONWARD_LENGTH] + BESIDE * numbers[REACHED]
+            from_speed = numbers[ONWARD_SPEED] + BESIDE * second
             numbers[SECOND] = second
-            attempt_stage(system, reach, (here, pace), second + TO_NEXT[2] * (second - first), k)
+            attempt_stage(system, reach, (from_length, from_speed), second + TO_NEXT[2] * (second - first), k)
 
 
 @kernel

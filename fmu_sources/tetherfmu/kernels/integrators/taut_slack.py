@@ -32,7 +32,7 @@ def went_over(s, chain, w):
     """Whether segment s ended the step on the other side of the transition."""
     r = sub(get(w.x, s + 1), get(w.x, s))
     rest = rest_length(chain, s)
-    return (dot(r, r) - rest * rest) * w.modes[s] < 0.0
+    return segment.beyond_rest(r, rest) * w.modes[s] < 0.0
 
 
 @kernel

@@ -8,6 +8,8 @@ from ..compilation import kernel
 
 ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 ZERO_VECTOR = (0.0, 0.0, 0.0)
+NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
+NEUTRAL_VECTOR = (NEUTRAL, NEUTRAL, NEUTRAL)
 
 
 @kernel

@@ -115,9 +115,7 @@ def missing_tension(chain, s, x, held):
     Its tension vector [N] as the state keeps it.
     """
     length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-    rest = rest_length(chain, s)
-    k, _ = segment.stiffness(chain, s, length - rest, rest)
-    pull = k * (length - rest)
+    pull = segment.spring_tension(chain, s, length)
     return add_scaled(held, -pull, e), norm(held) - pull
 
 

@@ -8,7 +8,7 @@
     hanging deep   ground_height - z of the lowest node, without ground contact, while both ends are above the ground
     under ground   ground_height - z of a driven end, with ground contact
     damping        E A h of backward Euler with a fixed step h, where that is above a tenth of the axial damping
-    restless       h of a fixed step that was ended before its iteration came to rest
+    unconverged       h of a fixed step that was ended before its iteration converged
     unresolved     h of the fixed steps of a communication step that the adaptive solver has given up
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
     slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
@@ -37,7 +37,7 @@ from ..equations import winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
 from ..equations.properties import chain_of, property_of, rest_length
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
 
@@ -137,10 +137,10 @@ def note_damping_of_steps(chain, parameters, state):
 
 
 @kernel
-def note_restless(count, h, state):
-    """Note a fixed step [s] in the state (modified), if in any iterations were ended before they came to rest: `count`."""
+def note_unconverged(count, h, state):
+    """Note a fixed step [s] in the state (modified), if in any iterations were ended before they converged: `count`."""
     if count > 0.0:
-        note(state, limits.FIXED_STEP_RESTLESS, h**2, 0.0)
+        note(state, limits.FIXED_STEP_UNCONVERGED, h**2, 0.0)
 
 
 @kernel
@@ -184,7 +184,7 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
         square = dot(total, total) / (longer * longer)
         note(state, kind, min(square, state[place + SQUARE_BEFORE]), limits.LARGEST_RESIDUE)
         state[place + SQUARE_BEFORE] = square
-        total, longer = (0.0, 0.0, 0.0), 0.0
+        total, longer = ZERO_VECTOR, 0.0
     put_at(state, place, total)
     state[place + WAY] = longer
 

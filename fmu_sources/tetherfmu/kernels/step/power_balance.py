@@ -79,7 +79,7 @@ def balance(n, parameters, state, v, inputs, energies, work):
         k, c = segment.stiffness(chain, s, length - rest, rest)
         drag = scale(2.0, segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
         air_velocity, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
-        elastic += 0.5 * k * (length - rest) ** 2
+        elastic += segment.elastic_energy(k, length - rest)
         tension = segment.tension(chain, length, rate, rest, k, c)
         energies[ENERGIES + s] = tension
         winch -= tension * length * chain.growth

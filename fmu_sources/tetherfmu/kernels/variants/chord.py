@@ -135,10 +135,10 @@ def load_of_pieces(line, state, height, rise, e, thins_out):
         between = add(a, swapped(a))
         moment = add(moment, load)
         load = add_scaled(load, 0.5 * speed_in_density(line, height, rise, 0.5, between, thins_out), between)
-    all_of_it, turning = add(first(load), second(load)), sub(second(moment), first(moment))
+    all_of_it, about_middle = add(first(load), second(load)), sub(second(moment), first(moment))
     density = 1.0 if thins_out else line.parameters[at.AIR_DENSITY]
     factor = 4.0 * half * OF_SIMPSON * segment.half_drag_factor(line, 0, 1.0, density)
-    return scale(factor, all_of_it), scale(factor, add_scaled(scale(0.5, all_of_it), half, turning))
+    return scale(factor, all_of_it), scale(factor, add_scaled(scale(0.5, all_of_it), half, about_middle))
 
 
 @kernel
@@ -148,7 +148,7 @@ def across_at_points(line, state, e, velocity, k):
     e : direction of the chord.  velocity : of the chord there [m/s], pairs.
     """
     last = wind_points.count_of(line.parameters) - 1
-    wind = wind_points.winds_at(1, line.parameters, state, (k, last - k))
+    wind = wind_points.winds_at(1, state, (k, last - k))
     w, _ = segment.apparent_wind(wind, e, velocity)
     return w
 

@@ -39,8 +39,8 @@ def crossing_and_sag(line, start, length, ground, chord, tension, load):
     piece = length / SAMPLES
     # beside its chord the tether is farthest from it where it is parallel to it: (t - s q) x c = 0; hanging from ends one
     # above the other, in its fold: (t - s q) . q = 0
-    turning = cross(load, chord)
-    parallel = dot(cross(tension, chord), turning) / max(dot(turning, turning), LEAST)
+    bending = cross(load, chord)
+    parallel = dot(cross(tension, chord), bending) / max(dot(bending, bending), LEAST)
     fold = dot(tension, load) / max(dot(load, load), LEAST)
     sag, farthest = 0.0, 0.0
     for arc in (parallel, fold):

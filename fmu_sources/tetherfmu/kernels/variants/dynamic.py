@@ -22,7 +22,7 @@ from ..integrators import (
     step_control,
 )
 from ..integrators.backward_euler import FixedSteps, given_steps
-from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack, note_unresolved
+from ..step.plausibility import note_damping_of_steps, note_stiff_and_slack, note_unconverged, note_unresolved
 from . import dynamic_chain, resting_kite
 
 
@@ -44,17 +44,15 @@ def initialize(n, parameters, inputs, state, work):
         status = resting_kite.find(n, parameters, inputs, state, work)
         if status != OK:
             return status
-        parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
-    status = dynamic_chain.initialize(n, parameters, state, work)
-    parameters[at.INITIAL_SHAPE] = shape
-    return status
+        shape = float(at.STATIC_EQUILIBRIUM)
+    return dynamic_chain.initialize(n, parameters, shape, state, work)
 
 
 @kernel
 def move(n, parameters, given, steps, before, state, work):
     """Move the chain of a state (modified) over a communication step with `FixedSteps`; other arguments as of `advance`."""
     x, v = positions_and_velocities(n, state)
-    conditions = conditions_of_chain(n, parameters, given, before, x, v)
+    conditions = conditions_of_chain(n, parameters, parameters[at.INITIAL_SHAPE], given, before, x, v)
     status = OK
     has_drum = winch.follows_force(parameters)
     if conditions.first <= conditions.last or has_drum:
@@ -64,7 +62,7 @@ def move(n, parameters, given, steps, before, state, work):
                 status = drum_in_fixed_steps.integrate(conditions, steps, given.step, state, x, v, b)
             else:
                 status = second_order.integrate(conditions, steps, given.step, state, x, v, b.steps)
-            note_restless(b.steps.chain.restless[0], steps.size, state)
+            note_unconverged(b.steps.chain.unconverged[0], steps.size, state)
         elif has_drum:
             status = moving_drum.integrate(conditions, given.step, state, x, v, drum_step.workspace(n, work))
         else:

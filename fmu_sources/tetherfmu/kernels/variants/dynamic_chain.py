@@ -14,17 +14,17 @@ from ..step.outputs import outputs_of_chain
 
 
 @kernel
-def initialize(n, parameters, state, work):
-    """Give a new state (modified) the shape that `initial_shape` asks for; returns a status: OK or NO_EQUILIBRIUM."""
+def initialize(n, parameters, shape, state, work):
+    """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
-    if parameters[at.INITIAL_SHAPE] == at.STRAIGHT:
+    if shape == at.STRAIGHT:
         straighten(chain, x)
         straighten(chain, v)
         return OK
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
     spin, extension_rate = ZERO_VECTOR, 0.0
-    if parameters[at.INITIAL_SHAPE] == at.QUASI_STEADY:
+    if shape == at.QUASI_STEADY:
         spin, extension_rate = rigid_motion(n, x, v)
     else:
         put(v, 0, ZERO_VECTOR)

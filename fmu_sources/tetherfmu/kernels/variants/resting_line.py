@@ -1,6 +1,6 @@
 """A line of a system at rest between its two points, some of which are sought: its forces on them, and their slopes.
 
-The line is in equilibrium (`dynamic_chain.initialize`), and never holds itself up as a strut. What its forces change with
+The line is in equilibrium (`dynamic_chain.initialize`), and never a compressed chain. What its forces change with
 the positions of its ends comes from the matrix of Newton's method, condensed to them (`linear_algebra.condensed`). The
 ground carries a point with its half segments as it carries a node.
 """
@@ -29,7 +29,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import chain_of, property_of
 from ..equilibrium import end_tensions, newton
-from ..equilibrium.rigid_body import Body, spring
+from ..equilibrium.rigid_body import Body
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.points import add_block, place_in
@@ -123,10 +123,7 @@ def rest_line(system, k, x):
     for end in range(2):
         put(nodes, n * end, position(system, k, end, x))
         put(v, n * end, ZERO_VECTOR)
-    shape = parameters[at.INITIAL_SHAPE]
-    parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
-    status = dynamic_chain.initialize(n, parameters, state, room_of(system, k))
-    parameters[at.INITIAL_SHAPE] = shape
+    status = dynamic_chain.initialize(n, parameters, float(at.STATIC_EQUILIBRIUM), state, room_of(system, k))
     if status == OK:
         points = number_of_line(system, k, places.SHAPE_POINTS)
         dynamic_chain.outputs_of(n, parameters, state, points, room_outputs(system, k), room_of(system, k))
@@ -163,8 +160,7 @@ def take_tensions(body, w):
     reach = max(norm(get(x, 0)), norm(get(x, chain.n)))
     for s in range(chain.n):
         length, _ = segment.geometry(add_scaled(get(x, s + 1), -1.0, get(x, s)))
-        elongation, stiffness = spring(chain, s, length, False)
-        pull = stiffness * elongation
+        pull = segment.spring_tension(chain, s, length)
         if chain.n == 1 or end_tensions.HELD * abs(pull) >= end_tensions.rounding(chain, s, reach):
             w.tension[s] = pull
 

@@ -2,14 +2,14 @@
 
     R_p = sum over the lines at p of their force on it + m_p g + load_p = 0
 
-Each line is in equilibrium between its two points (`dynamic_chain.initialize`), which never holds itself up as a strut. What
+Each line is in equilibrium between its two points (`dynamic_chain.initialize`), which is never a compressed chain. What
 its forces change with the positions of its ends (`resting_line.py`) is added up in S = -dR/dX. But for drag, R is the fall
 of a potential. A step dX solves (a I + S) dX = R with a damping a that makes the matrix positive definite, so that the
 potential falls along dX; the step ends before it rises much. Where the search begins: `resting_guess.py`.
 
 The friction of the ground holds a point: what pulls it sideways counts beyond mu times the pressure only.
 
-Where that fails, pseudo-transient continuation follows the points as if they sank in honey: steps of the same equation, each
+Where that fails, pseudo-transient continuation follows the points as in overdamped motion: steps of the same equation, each
 shorter than a part of the shortest line, whatever the potential does.
 Lines on the ground that push, since they are too short to fold, jam under friction, and far from the equilibrium. The last
 way to search is along the forces without friction, which are those of a potential again, in short steps; it ends where

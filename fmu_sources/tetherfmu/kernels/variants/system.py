@@ -39,7 +39,7 @@ from ..integrators import (
 from ..integrators.backward_euler import FixedSteps, given_steps
 from ..step import transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_damping_of_steps, note_restless, note_stiff_and_slack, note_unresolved
+from ..step.plausibility import note_damping_of_steps, note_stiff_and_slack, note_unconverged, note_unresolved
 from . import dynamic_chain, resting_line, resting_points
 
 # --- the plan
@@ -130,7 +130,7 @@ def start_line(system, k):
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status == OK:
         note_damping_of_steps(chain_of(n, parameters, state), parameters, state)
-        status = dynamic_chain.initialize(n, parameters, state, room_of(system, k))
+        status = dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, room_of(system, k))
     return transaction.commit_start(n, parameters, status, state)
 
 
@@ -184,9 +184,8 @@ def begin_line(system, k, step):
         x, v = motion_of(system, k)
         shape = parameters[at.INITIAL_SHAPE]
         if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
-            parameters[at.INITIAL_SHAPE] = at.STATIC_EQUILIBRIUM
-        store_conditions(conditions_of_chain(n, parameters, given, state, x, v), room_of(system, k))
-        parameters[at.INITIAL_SHAPE] = shape
+            shape = float(at.STATIC_EQUILIBRIUM)
+        store_conditions(conditions_of_chain(n, parameters, shape, given, state, x, v), room_of(system, k))
         transaction.remember(parameters, inputs, given, state)
     return status
 
@@ -218,7 +217,7 @@ def move(system, steps, step):
         return status
     status = system_fixed_steps.integrate(system, steps, step)
     for k in range(lines_of(system)):
-        note_restless(system_fixed_room.scratch_of(system, k).restless[0], steps.size, state_of(system, k))
+        note_unconverged(system_fixed_room.scratch_of(system, k).unconverged[0], steps.size, state_of(system, k))
     return status
 
 

@@ -1,12 +1,12 @@
-"""A slack chain in equilibrium with pressed segments: pseudo-transient continuation with tensions of either sign.
+"""A slack chain in equilibrium with compressed segments: pseudo-transient continuation with tensions of either sign.
 
-In a fold that hangs straight up and down, the segment at the bottom stands across and is pressed by the weight of its
+In a fold that hangs straight up and down, the segment at the bottom stands across and is compressed by the weight of its
 neighbours. Its stiffness across, T/l, is below zero, and the others hold it. Newton's method in `newton.py` keeps T above
 zero: there T falls by a factor in each iteration, and in the end nothing holds the segment across. If the chain is so stiff
 that the positions have not come to rest by then, they never do.
 
 Here T may change its sign, while it falls to a part of its size. What is found is an equilibrium, but it may be unstable,
-as it may be with any pressed segment. So implicit steps of the linear equations are made from it with a fixed damping c,
+as it may be with any compressed segment. So implicit steps of the linear equations are made from it with a fixed damping c,
 
     (c - dF/dx) dx_next = c dx,
 

@@ -13,7 +13,7 @@ import pytest
 from balance import residual, segments
 from mechanics import drags, line_density
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import pressed_segments
+from tetherfmu.kernels.equilibrium import compressed_segments
 from tetherfmu.runtime.parameters import Tether
 
 COUNT = 40
@@ -134,5 +134,5 @@ def test_a_tether_that_the_wind_never_lets_rest_is_refused(seed):
 def test_tensions_change_their_sign_at_a_part_of_their_size():
     w = type("Workspace", (), {})
     w.tension, w.aim = np.array([1.0, 1.0, 1.0, -1.0, -1.0]), np.array([-9.0, 0.0, 7.0, -9.0, 3.0])
-    pressed_segments.change_tensions.py_func(1.0, w)
+    compressed_segments.change_tensions.py_func(1.0, w)
     np.testing.assert_array_equal(w.tension, [-0.2, 0.0, 7.0, -5.0, 3.0])

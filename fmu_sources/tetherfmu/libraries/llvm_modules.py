@@ -1,0 +1,95 @@
+"""Modules of LLVM: all functions of a library in one, optimized, for a target, without any need but mathematics."""
+
+import re
+from typing import NamedTuple
+
+from tetherfmu.libraries.linking import MATHEMATICS, MEMORY
+
+
+class Target(NamedTuple):
+    """What LLVM calls a platform, and the plainest processor there, so that the library runs on all of them."""
+
+    triple: str
+    cpu: str
+
+
+ANY = Target("x86_64-unknown-linux-gnu", "x86-64")  # the first round of optimizing is for it, whatever the target
+
+# Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
+# in would need a function of the C library on Windows. And one whose loop is faster alone, by 1 to 2 % of a step
+APART = ("rosenbrock7prepare", "assembly11node_forces", "moving_drum9integrate")
+
+
+def whole_module(code):
+    """A module of all functions without what cannot happen; a second round alone would leave some of Python in."""
+    linked = _linked(code)
+    optimize(linked, machine_of(ANY), level=1)
+    return linked
+
+
+def _linked(code):
+    """One LLVM module of all functions, with nothing but the entry points exported, and names by place."""
+    linked = as_one_module(code.texts)
+    for name, exported in code.names.items():
+        linked.get_function(name).name = exported
+    for function in linked.functions:
+        if any(name in function.name for name in APART):
+            function.add_function_attribute("noinline")
+    # the names that numba gives have counters and addresses in them
+    for place, item in enumerate([*linked.global_variables, *linked.functions]):
+        if not item.is_declaration and item.name not in code.names.values():
+            item.linkage = "internal"
+            item.name = f"kernel.{place}"
+        elif item.name.startswith("numba.dynamic.globals"):
+            item.name = f"python.{place}"
+    return linked
+
+
+def as_one_module(texts):
+    """One LLVM module of the texts of several: two at a time, as LLVM looks through all of a module that it links to."""
+    import llvmlite.binding as llvm
+
+    modules = list(map(llvm.parse_assembly, texts))
+    while len(modules) > 1:
+        for module, next_one in zip(modules[::2], modules[1::2], strict=False):
+            module.link_in(next_one)
+        modules = modules[::2]
+    return modules[0]
+
+
+def machine_of(target):
+    """LLVM's machine of a target."""
+    import llvmlite.binding as llvm
+
+    found = llvm.Target.from_triple(target.triple)
+    return found.create_target_machine(cpu=target.cpu, opt=3, reloc="pic", codemodel="small")
+
+
+def for_target(text, target, machine):
+    """A module from intermediate code, for another target than the one it was written for."""
+    import llvmlite.binding as llvm
+
+    text = re.sub(r"^target triple = .*$", f'target triple = "{target.triple}"', text, flags=re.MULTILINE)
+    text = re.sub(r"^target datalayout = .*$", f'target datalayout = "{machine.target_data}"', text, flags=re.MULTILINE)
+    if not target.triple.startswith("x86"):
+        text = re.sub(r'"target-(cpu|features)"="[^"]*"', "", text)
+    return llvm.parse_assembly(text)
+
+
+def optimize(module, machine, level, vectors=False):
+    """Run LLVM's passes of a level; vectors : two statements in one instruction, which numba leaves out."""
+    import llvmlite.binding as llvm
+
+    tuning = llvm.create_pipeline_tuning_options(speed_level=level)
+    tuning.slp_vectorization = vectors
+    builder = llvm.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
+
+
+def check_names(module, exported):
+    """RuntimeError if a module needs more than the mathematical library, memset and memcpy."""
+    items = [*module.functions, *module.global_variables]
+    needed = {item.name for item in items if item.is_declaration and not item.name.startswith("llvm.")}
+    surplus = needed - {*MATHEMATICS, *MEMORY}
+    if surplus:
+        raise RuntimeError(f"the kernels {', '.join(exported)} need {sorted(surplus)}: see compilation.py")
