@@ -13,7 +13,7 @@ import numpy as np
 
 from tetherfmu.console.colours import COLOUR, SKY_BLUE
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
@@ -75,9 +75,7 @@ def plot(rests):
 def main(arguments=None):
     """Print the end forces, write the figure."""
     parser = Parser(description="the chain against the exact catenary")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
-    )
+    parser.add_out()
     add_fmu(parser)
     given = parser.parse_args(arguments)
     now("holding the tethers")

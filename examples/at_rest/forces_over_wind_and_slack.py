@@ -13,7 +13,7 @@ import numpy as np
 
 from tetherfmu.console.colours import COLOUR, SKY_BLUE
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
@@ -74,9 +74,7 @@ def plot(forces, slacks=SLACKS, winds=WINDS):
 def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
     parser = Parser(description="force of a tether over wind and slack")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
-    )
+    parser.add_out()
     add_fmu(parser, "all in dist/, built where they are missing; with one beside the dynamic tether")
     given = parser.parse_args(arguments)
     files = None

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
@@ -34,9 +34,7 @@ def write(tables, folder):
 def main(arguments=None):
     """Print the tables, write them and the figures."""
     parser = Parser(description="errors and limits of coupling a kite with its tether")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of all files (default: plots)"
-    )
+    parser.add_out("all files")
     parser.add_argument("--quick", action="store_true", help="a few points only, to see that it runs")
     given = parser.parse_args(arguments)
     from coupling import coupling_study as study  # here, so that a package that it needs is named in one line

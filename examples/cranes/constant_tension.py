@@ -21,7 +21,7 @@ import numpy as np
 from tetherfmu import MovingEnd, TetherDynamic, inputs_along, tether_of
 from tetherfmu.console.colours import OTHERS
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
@@ -63,8 +63,8 @@ def fly(drum):
 @command
 def main(arguments=None):
     """Print the tensions, draw them."""
-    parser, where = Parser(description="hold the tension of a wire to a ship that heaves"), Path("plots")
-    parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
+    parser = Parser(description="hold the tension of a wire to a ship that heaves")
+    parser.add_out()
     file = parser.parse_args(arguments).out / "constant_tension.png"
     from shared.flight_figures import plt
 

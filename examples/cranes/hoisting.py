@@ -17,7 +17,7 @@ import numpy as np
 from tetherfmu import TetherDynamicFree, tether_of
 from tetherfmu.console.colours import BLUE
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
@@ -63,8 +63,8 @@ def work(speed, torque):
 @command
 def main(arguments=None):
     """Print height, work and tension, draw them."""
-    parser, where = Parser(description="lift a load by an electric motor"), Path("plots")
-    parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
+    parser = Parser(description="lift a load by an electric motor")
+    parser.add_out()
     file = parser.parse_args(arguments).out / "hoisting.png"
     from shared.flight_figures import plt
 

@@ -22,7 +22,7 @@ import numpy as np
 from tetherfmu import Ground, TetherDynamicFree, tether_of
 from tetherfmu.console.colours import BLACK, OTHERS
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
@@ -72,8 +72,8 @@ def fly(speed):
 @command
 def main(arguments=None):
     """Print what the deck carries and the largest tensions, draw heights and tensions."""
-    parser, where = Parser(description="set a load down on a deck, and take it up again"), Path("plots")
-    parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
+    parser = Parser(description="set a load down on a deck, and take it up again")
+    parser.add_out()
     file = parser.parse_args(arguments).out / "set_down.png"
     from shared.flight_figures import draw_ground, plt
 

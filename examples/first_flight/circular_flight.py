@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse, command
-from tetherfmu.console.options import Parser, file, folder, number
+from tetherfmu.console.options import Parser, file, number
 from tetherfmu.console.progress import now
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
@@ -194,7 +194,7 @@ def add_options(parser, rate=True, length="default: 525", wind="default: none", 
         "--start", choices=STARTS, default="quasi_steady", help="shape of the tether at the start (default: quasi_steady)"
     )
     option("--ground", action="store_true", help="a flat ground at the height of the ground station carries the tether")
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
+    parser.add_out("the figures")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from tetherfmu import Ground, MovingEnd, Tether, TetherDynamic, TetherDynamicFree, inputs_along
 from tetherfmu.console.colours import BLACK, BLUE, GREY, ORANGE
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 
@@ -129,8 +129,8 @@ def draw(landed, walked, reeled):
 @command
 def main(arguments=None):
     """Print weights and pulls beside their formulas, draw them."""
-    parser, where = Parser(description="land a kite, and drag its tether over the ground"), Path("plots")
-    parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
+    parser = Parser(description="land a kite, and drag its tether over the ground")
+    parser.add_out()
     file = parser.parse_args(arguments).out / "landing.png"
     lying, landed = land()
     walked, reeled = drag(lying), land_freely()

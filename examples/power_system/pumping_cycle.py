@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.console.options import Parser, number
 from tetherfmu.console.progress import now
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
@@ -218,7 +218,7 @@ def parse(arguments, prog):
     option(
         "--segments", type=number(1, 300, whole=True), default=10, metavar="N", help="segments of the tether (default: 10)"
     )
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
+    parser.add_out("the figures")
     option("--html", action="store_true", help="also write an animated page (needs plotly)")
     add_fmu(parser, "dist/TetherDynamicFree.fmu")
     return parser.parse_args(arguments)

@@ -16,7 +16,7 @@ import numpy as np
 
 from tetherfmu.console.colours import BLUE, GREEN, VERMILLION
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
@@ -58,8 +58,8 @@ def explicit(master, step):
 @command
 def main(arguments=None):
     """Print the mean power and the peak force of a cycle of each kind, draw the reel-out speeds."""
-    parser, where = Parser(description="a pumping kite with its winch inside the tether, and as an FMU"), Path("plots")
-    parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
+    parser = Parser(description="a pumping kite with its winch inside the tether, and as an FMU")
+    parser.add_out()
     file = parser.parse_args(arguments).out / "winch_inside.png"
     from power_system.pumping_figures import plt
 

@@ -20,7 +20,7 @@ import numpy as np
 from tetherfmu import TetherSystem
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.runtime.layout import GROUND_TENSION
 
 FILE = Path(__file__).with_name("four_drones.toml")
@@ -87,9 +87,7 @@ def draw(time, flown, duration, path):
 def main(arguments=None):
     """Print accelerations and tensions of the flights, write a figure of each."""
     parser = Parser(description="four drones that carry a load along a path")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)"
-    )
+    parser.add_out("the figures")
     out = parser.parse_args(arguments).out
     out.mkdir(parents=True, exist_ok=True)
     print(f"a rope goes slack at {GRAVITY * HALF_SIDE / BELOW:.2f} m/s2")

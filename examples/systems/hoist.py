@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar
 from tetherfmu import TetherSystem
 from tetherfmu.console.colours import BLACK, BLUE, VERMILLION
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.runtime.layout import GROUND_TENSION
 
 FILE = Path(__file__).with_name("hoist.toml")
@@ -107,9 +107,7 @@ def draw(time, ends, tensions, path):
 def main(arguments=None):
     """Print where the load ends, by the flight and by four bars, write the figure."""
     parser = Parser(description="a load on two winches that run at different speeds")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
-    )
+    parser.add_out()
     file = parser.parse_args(arguments).out / "hoist.png"
     time, ends, tensions = fly()
     at_end = time > DURATION - SETTLED

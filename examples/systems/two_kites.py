@@ -12,14 +12,13 @@ is the arm.
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
 from tetherfmu import Environment, Line, MovingEnd, Point, Tether, TetherDynamic, TetherSystem, inputs_along
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.runtime.layout import GROUND_TENSION
 
 MAIN, ARM, RADIUS = 150.0, 60.0, 40.0  # m
@@ -115,9 +114,7 @@ def tension(flown, name):
 def main(arguments=None):
     """Print how far the knot moves and what the tethers cost the kites, write the figure."""
     parser = Parser(description="two kites on one tether, against one alone")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
-    )
+    parser.add_out()
     file = parser.parse_args(arguments).out / "two_kites.png"
     (_, flown), alone = fly_together(), fly_alone()
     settled = slice(len(alone.positions) // 2, None)

@@ -14,14 +14,13 @@ lift F more at one half than at the mean and tips that are spread with P, it rol
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
 from tetherfmu import Line, Point, Tether, TetherSystem
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.runtime.layout import GROUND_TENSION
 
 MAIN, BRIDLE, WIDTH = 200.0, 10.0, 6.0  # m
@@ -120,9 +119,7 @@ def draw(time, flown, path):
 def main(arguments=None):
     """Print how far the kite rolls, by the flight and by statics, write the figure."""
     parser = Parser(description="a kite on a Y-bridle under a load that turns")
-    parser.add_argument(
-        "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
-    )
+    parser.add_out()
     file = parser.parse_args(arguments).out / "y_bridle.png"
     time, flown = fly()
     roll, at_rest = (np.degrees(each) for each in (roll_of(flown, time), roll_at_rest(time)))

@@ -16,7 +16,7 @@ import numpy as np
 from tetherfmu import PlausibilityWarning
 from tetherfmu.console.colours import BLACK, COLOUR, GROUND, SKY_BLUE
 from tetherfmu.console.ending import WrongUse, command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
 
 
@@ -238,7 +238,7 @@ def parse(arguments, prog, about):
     """Command line options of a lesson."""
     parser = Parser(prog=prog, description=about.partition("\n")[0])
     option = parser.add_argument
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)")
+    parser.add_out()
     option("--show", action="store_true", help="open figure and animation in windows")
     option("--animate", action="store_true", help="write the animation as GIF (of 05, 06, 08, 11 and 12)")
     option("--save-frames", action="store_true", help="write the animation as HTML page with its frames in a folder")

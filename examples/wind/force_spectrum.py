@@ -27,7 +27,7 @@ import numpy as np
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder
+from tetherfmu.console.options import Parser
 from tetherfmu.paths import inputs_along
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.wind.frozen_turbulence import FrozenTurbulence, MeanWind
@@ -131,8 +131,7 @@ def draw(found, target):
 def main(arguments=None):
     """Print the ratio of both powers at low frequency, and draw the spectra."""
     parser = Parser(description="compare the spectrum of the force on the ground with quasi-steady linear theory")
-    about = "folder of the figure (default: plots)"
-    parser.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help=about)
+    parser.add_out()
     given = parser.parse_args(arguments)
     given.out.mkdir(parents=True, exist_ok=True)
     found = spectra()

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse, command
-from tetherfmu.console.options import Parser, file, folder, number
+from tetherfmu.console.options import Parser, file, number
 from tetherfmu.console.progress import now
 from tetherfmu.wind.wind_boxes import WrongBox, open_box
 
@@ -210,7 +210,7 @@ def parse(arguments):
     option("--spacing", type=number(1e-6, 1e5, "m"), nargs=3, metavar="D", help="of a Mann box: distances of its points [m]")
     option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help="of a box that is made (default: 0.15)")
     option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help="of a flight [s] (default: 120)")
-    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)")
+    parser.add_out()
     add_fmu(parser)
     return parser.parse_args(arguments)
 

@@ -1,4 +1,4 @@
-"""The catenary on a flat ground: another code, its equations by quadrature, limits in closed form, and what must not change.
+"""The catenary on a flat ground: another code, its equations by quadrature, and limits in closed form.
 
 A part that hangs begins at an end with the force P of the tether on it as tension: with the load q per unstretched length
 
@@ -8,36 +8,23 @@ until t is horizontal, at s = P_z/q_z; there it must touch the ground. On the gr
 of the tension H there. Its tension falls by friction from H to max(0, H - mu n l), with n the load that presses it down.
 """
 
-import warnings
-
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 
 from mechanics import drags, line_density
 from scenes import read
-from tetherfmu import PlausibilityWarning
-from tetherfmu.models import TetherCatenary, TetherStraight
 from tetherfmu.runtime.parameters import Environment, Tether
+from touchdowns import GRAVITY, ROPE, WEIGHT, forces, held, random_scene
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore:a segment is stretched"),  # soft ropes, so that the stretch counts
     pytest.mark.filterwarnings("ignore:a driven end"),  # of paths that lead one under the ground
 ]
 
-GRAVITY = 9.81
-ROPE = Tether(initial_length=100.0, axial_stiffness=1e5)
-WEIGHT = line_density(ROPE) * GRAVITY  # per unstretched length [N/m]
 CASES = read("moorpy_touchdown.csv")
 POINTS, WEIGHTS = leggauss(20)
 POINTS, WEIGHTS = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS  # on 0 .. 1
-
-
-def held(tether, ground, kite, friction=0.0, wind=(0.0, 0.0, 0.0), height=0.0, points=0, model=TetherCatenary):
-    """Outputs of a tether that lies on a ground at a height [m] between two ends [m]."""
-    place = {"ground_contact": "flat", "ground_friction": friction, "ground_height": height}
-    started = model(tether, **place, shape_points=points)
-    return started.initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
 
 
 def of_case(case):
@@ -62,20 +49,6 @@ def test_is_that_of_moorpy(number):
 
 
 # --- any tether, in wind
-
-
-def random_scene(random):
-    """Tether, ends [m], friction, wind [m/s] and height of the ground [m] of a tether that is likely to touch it."""
-    length = 10.0 ** random.uniform(1.0, 3.0)
-    tether = Tether(initial_length=length, axial_stiffness=10.0 ** random.uniform(3.0, 7.0))
-    heights = length * np.array([random.choice([0.0, random.uniform(0.0, 0.3)]), random.uniform(0.0, 0.8)])
-    random.shuffle(heights)
-    out, azimuth = length * random.uniform(0.0, 1.0), random.uniform(-np.pi, np.pi)
-    height = random.uniform(-50.0, 50.0)
-    ground = np.array([*random.uniform(-50.0, 50.0, 2), height + heights[0]])
-    kite = np.array([ground[0] + out * np.cos(azimuth), ground[1] + out * np.sin(azimuth), height + heights[1]])
-    wind = random.choice([0.0, 2.0, 8.0]) * random.normal(size=3) * (1.0, 1.0, 0.3)
-    return tether, ground, kite, random.choice([0.0, random.uniform(0.0, 1.5)]), wind, height
 
 
 def load_of(tether, ground, kite, wind):
@@ -261,66 +234,6 @@ def test_whole_tether_on_the_ground_and_both_ends_in_one_place():
     assert (outputs.shape == 0.0).all()
 
 
-def jumps(values):
-    """Largest change between neighbours over the largest value."""
-    values = np.array(values)
-    return np.abs(np.diff(values, axis=0)).max() / np.abs(values).max()
-
-
-def forces(outputs):
-    return [*outputs.ground_force, *outputs.kite_force, outputs.sag, outputs.grounded_length]
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.5, 2.0])
-@pytest.mark.parametrize("station", [0.0, 5.0])
-@pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (4.0, 3.0, 0.0)])
-def test_numbers_are_continuous_where_it_touches_the_ground(station, friction, wind):
-    """Where the free tether just touches, its forces are those of one that lies; the length on the ground begins at 0.
-
-    Near there it grows with the root of how much longer the tether is: 1e-7 m more lie as up to 1e-2 m.
-    """
-    ends = (0.0, 0.0, station), (60.0, 10.0, 30.0)
-
-    def outputs_with(length):
-        return held(Tether(initial_length=length), *ends, friction, wind)
-
-    lengths = np.linspace(60.0, 90.0, 601)
-    lies = [outputs_with(length).grounded_length > 0.0 for length in lengths]
-    first = int(np.argmax(lies))
-    assert first > 0
-    assert all(lies[first:])
-    low, high = lengths[first - 1 : first + 1]
-    while high - low > 1e-7:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if outputs_with(middle).grounded_length > 0.0 else (middle, high)
-    below, above = forces(outputs_with(low)), forces(outputs_with(high))
-    assert np.allclose(below[:7], above[:7], rtol=0.0, atol=1e-3 * max(np.abs(below[:6])))
-    assert 0.0 < above[7] < 2e-2
-    closer = forces(outputs_with(low + 0.01 * (high - low)))
-    assert np.abs(np.subtract(closer, below))[:6].max() <= np.abs(np.subtract(above, below))[:6].max()
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.5, 2.0])
-@pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (4.0, 3.0, 0.0)])
-@pytest.mark.parametrize(
-    "path",
-    [
-        lambda t: ((0.0, 0.0, 5.0 * t), (50.0, 0.0, 40.0)),  # the station rises from the ground
-        lambda t: ((0.0, 0.0, 0.0), (50.0, 0.0, 40.0 * t)),  # the kite rises from the ground
-        lambda t: ((0.0, 0.0, 5.0), (50.0, 0.0, 40.0 * t)),  # and past the height of the station
-        lambda t: ((0.0, 0.0, 2.0 - 4.0 * t), (50.0, 0.0, 40.0)),  # the station sinks into the ground
-        lambda t: ((0.0, 0.0, 0.0), (20.0, 0.0, 40.0 - 80.0 * t)),  # the kite sinks into the ground
-        lambda t: ((0.0, 0.0, 0.0), (100.0 * t, 0.0, 40.0)),  # from slack to taut
-        lambda t: ((0.0, 0.0, 0.0), (60.0 - 120.0 * t, 1.0, 40.0)),  # the kite crosses the station
-    ],
-)
-def test_numbers_are_continuous_along_a_path(path, wind, friction):
-    """Four times as many steps along it make the largest jump smaller, by a factor above that of a root where it begins."""
-    rope = Tether(initial_length=95.0)
-    found = [forces(held(rope, *path(t), friction, wind)) for t in np.linspace(0.0, 1.0, 1601)]
-    assert jumps(found) < 0.75 * jumps(found[::4])
-
-
 # --- ends under the ground, friction between two ends
 
 
@@ -339,111 +252,6 @@ def test_friction_between_two_ends_resists_the_higher_one():
     level = held(ROPE, low, (85.0, 0.0, 10.0), 0.5)
     assert level.ground_force[0] == pytest.approx(-level.kite_force[0], rel=1e-9)
     assert level.grounded_length > 10.0
-
-
-# --- what must not change
-
-
-SCENES = [
-    {"initial_length": 100.0, "kite_position": (60.0, 20.0, 70.0), "wind_velocity": (3.0, 1.0, 0.0)},  # is above the ground
-    {"initial_length": 100.0, "kite_position": (0.0, 90.0, 45.0)},
-    {"initial_length": 100.0, "kite_position": (10.0, 0.0, -99.0)},
-]
-
-
-def every_number(tether, scene, reel_out_speed=0.1):
-    scene = {name: value for name, value in scene.items() if name != "initial_length"}
-    tether.initialize(**scene)
-    return [tether.step(0.05, **scene, reel_out_speed=reel_out_speed) for _ in range(3)]
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_without_contact_not_a_bit_changes(scene):
-    ground_height = min(0.0, scene["kite_position"][2]) - 0.5
-    options = {"initial_length": scene["initial_length"], "shape_points": 9}
-    free = every_number(TetherCatenary(**options), scene)
-    over = every_number(TetherCatenary(**options, ground_contact="flat", ground_height=ground_height), scene)
-    for one, other in zip(free, over, strict=True):
-        assert other.grounded_length == 0.0
-        for name in vars(one) if hasattr(one, "__dict__") else one._fields:
-            assert np.array_equal(getattr(one, name), getattr(other, name)), name
-
-
-def test_the_straight_tether_ignores_the_ground():
-    outputs = held(ROPE, (0.0, 0.0, 0.0), (60.0, 0.0, 10.0), 0.5, height=5.0, model=TetherStraight)
-    free = TetherStraight(ROPE).initialize(kite_position=(60.0, 0.0, 10.0))
-    assert outputs.grounded_length == 0.0
-    assert np.array_equal(outputs.kite_force, free.kite_force)
-
-
-def warned(**options):
-    """Sentences about the ground of a tether that hangs 10 m below z = 0."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        tether = TetherCatenary(initial_length=100.0, **options)
-        tether.initialize(kite_position=(60.0, 0.0, 50.0))
-        tether.step(0.1, kite_position=(60.0, 0.0, 50.0))
-    return [str(each.message) for each in caught if issubclass(each.category, PlausibilityWarning)]
-
-
-def test_a_ground_that_is_ignored_is_noted_once():
-    (sentence,) = warned()
-    assert "ground_contact" in sentence
-    assert warned(ground_contact="flat") == []
-    assert warned(ground_height=-10.0) == []  # 0.3 m below: less than 1 % of the length
-    assert warned(ground_height=1.0) == []  # the station is below the ground itself
-
-
-# --- winches
-
-
-@pytest.mark.filterwarnings("ignore:the winch pulls with 3 N at a slack tether")
-@pytest.mark.parametrize("mass", [0.0, 20.0])
-@pytest.mark.parametrize("friction", [0.0, 0.5])
-def test_a_winch_that_is_told_a_force_finds_its_length_on_the_ground(mass, friction):
-    """At rest the tension at the ground is the force of the winch, whatever lies on the ground."""
-    kite, force = (85.0, 0.0, 5.0), 3.0
-    options = {"initial_length": 100.0, "ground_contact": "flat", "ground_friction": friction}
-    tether = TetherCatenary(**options, winch_control="force", winch_mass=mass, winch_damping=20.0 if mass else 0.0)
-    outputs = tether.initialize(kite_position=kite, winch_force=force)
-    assert outputs.grounded_length > 80.0
-    for _ in range(1500 if mass else 2):
-        outputs = tether.step(0.1, kite_position=kite, winch_force=force)
-    assert outputs.ground_tension == pytest.approx(force, rel=1e-6)
-    assert 1.0 < outputs.grounded_length < 80.0
-
-
-@pytest.mark.filterwarnings("ignore:the winch was told a length")
-def test_a_winch_that_is_told_a_length_reels_the_tether_over_the_ground():
-    kite = (60.0, 0.0, 30.0)
-    tether = TetherCatenary(initial_length=95.0, ground_contact="flat", winch_control="length")
-    tether.initialize(kite_position=kite, winch_length=95.0)
-    for k in range(60):
-        length = 95.0 - 0.5 * k
-        outputs = tether.step(0.1, kite_position=kite, winch_length=length)
-        expected = held(Tether(initial_length=outputs.tether_length), (0.0, 0.0, 0.0), kite, 0.5)
-        assert np.allclose(forces(outputs), forces(expected), rtol=1e-9, atol=1e-9)
-
-
-def test_every_tether_that_hangs_below_the_ground_is_laid_on_it():
-    """In calm air and in storms whose drag is hundreds of times the weight, with a bounded number of iterations."""
-    random, count, iterations = np.random.default_rng(10), 0, []
-    for _ in range(1500):
-        tether, ground, kite, friction, wind, height = random_scene(random)
-        wind = wind * random.choice([1.0, 10.0])
-        free = TetherCatenary(tether, shape_points=201)
-        free.initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
-        shape = free.step(0.1, ground_position=ground, kite_position=kite, wind_velocity=wind).shape
-        outputs = held(tether, ground, kite, friction, wind, height, points=41)
-        if shape[:, 2].min() < height - 1e-6 * tether.initial_length:
-            count += 1
-            assert outputs.grounded_length > 0.0
-        elif shape[:, 2].min() > height + 1e-2 * tether.initial_length:  # between two points it may hang a little lower
-            assert outputs.grounded_length == 0.0
-        assert outputs.shape[:, 2].min() >= height - 1e-12 * tether.initial_length
-        iterations.append(outputs.solver_iterations)
-    assert count > 500
-    assert max(iterations) < 40  # twice what the most difficult one takes here
 
 
 def test_sag_is_the_largest_distance_from_the_chord():

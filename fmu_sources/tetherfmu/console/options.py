@@ -19,6 +19,11 @@ class Parser(argparse.ArgumentParser):
         """Leave with status 2."""
         self.exit(WRONG_USE, f"{self.prog}: {message}\n")
 
+    def add_out(self, what="the figure"):
+        """Add the option --out: the folder of what the command writes."""
+        about = f"folder of {what} (default: plots)"
+        self.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help=about)
+
 
 def number(minimum=-float("inf"), maximum=float("inf"), unit="", whole=False):
     """Type of an option that is a finite number, or a whole one, in a range."""
