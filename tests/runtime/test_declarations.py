@@ -8,7 +8,7 @@ import pytest
 import tetherfmu
 from tetherfmu.console.colours import PALETTE
 from tetherfmu.runtime import inputs, layout, outputs
-from tetherfmu.runtime.variables import PARAMETER, variables
+from tetherfmu.runtime.variables import PARAMETER, PARAMETERS, variables
 from tetherfmu.runtime.variants import TABLE
 
 every_variant = pytest.mark.parametrize("variant", TABLE, ids=lambda variant: variant.name)
@@ -30,6 +30,16 @@ def test_each_place_has_a_name_of_its_own():
     assert (of_inputs.keys() | of_outputs.keys()) & written_in(layout) == {"SHAPE"}
     for name, place in (of_inputs | of_outputs).items():
         assert getattr(layout, name) == place
+
+
+def test_each_scalar_of_the_parameters_has_a_place_of_its_own():
+    """A parameter must not take the name of anything else in `layout`: an input, an output, a number of the state."""
+    declared = [each.name.upper() for each in PARAMETERS if hasattr(layout, each.name.upper())]
+    others = ("GROUND_IS_FREE", "KITE_IS_FREE", "CALM_LAYER", "WIND_POINTS")
+    places = [getattr(layout, name) for name in (*declared, *others)]
+    assert sorted(places) == list(range(layout.PARAMETER_SCALARS))
+    taken = {name.upper() for name in (*inputs.PLACES, *outputs.PLACES)} | written_in(layout)
+    assert not set(declared) & taken
 
 
 @pytest.mark.parametrize(("table", "end"), [(inputs, layout.INPUTS), (outputs, layout.outputs_size(1))])

@@ -14,7 +14,32 @@ The kernels freeze these numbers.
 """
 
 from . import inputs, outputs
-from .limits import (  # noqa: F401 - for those who look for them here, as the kernels do
+from .enumerations import (  # noqa: F401 - for those who look for them here, as the kernels do
+    AT_NODES,
+    BACKWARD_EULER,
+    DERIVED,
+    EXPLOG,
+    FLAT,
+    GIVEN,
+    HELD,
+    LINEAR,
+    LOGARITHMIC,
+    NO_GROUND,
+    POWER_LAW,
+    QUASI_STEADY,
+    SECOND_ORDER,
+    START_AT_REST,
+    START_GIVEN,
+    STATIC_EQUILIBRIUM,
+    STRAIGHT,
+    STRAIN_RATE,
+    STRETCH_RATE,
+    UNIFORM,
+    WINCH_BY_FORCE,
+    WINCH_BY_LENGTH,
+    WINCH_BY_SPEED,
+)
+from .limits import (  # noqa: F401 - likewise
     COARSE_WORK,
     ITERATION_BUDGET,
     LARGEST_INPUT,
@@ -26,42 +51,21 @@ from .limits import (  # noqa: F401 - for those who look for them here, as the k
     NO_STOP,
     WORK_BUDGET,
 )
+from .parameters import RECORDS, FreeKite
+from .quantities import quantities
 
-# parameters: scalars
-GRAVITY = 0
-AIR_DENSITY = 1
-AIR_DENSITY_SCALE_HEIGHT = 2
-WIND_PROFILE = 3
-WIND_REFERENCE_HEIGHT = 4
-WIND_EXPONENT = 5
-SURFACE_ROUGHNESS = 6
-SLACK_STIFFNESS_RATIO = 7
-SLACK_DAMPING_RATIO = 8
-DAMPING_LAW = 9
-RELATIVE_TOLERANCE = 10
-FIXED_STEP = 11
-INITIAL_SHAPE = 12
-INITIAL_LENGTH = 13
-GROUND_IS_FREE = 14
-KITE_IS_FREE = 15
-END_VELOCITIES = 16
-INPUT_CONTINUATION = 17
-CALM_LAYER = 18  # thickness [m] of a layer above z = 0, see `kernels/equations/air.py`; 0 but in `equilibrium/calm_layer.py`
-WINCH_CONTROL = 19
-WINCH_MASS = 20
-WINCH_DAMPING = 21
-WINCH_FRICTION = 22
-SHORTEST_LENGTH = 23  # unstretched [m], where the drum stops
-LONGEST_LENGTH = 24  # the same [m]; NO_STOP for none
-GROUND_CONTACT = 25
-GROUND_HEIGHT = 26
-GROUND_FRICTION = 27
-GROUND_SINK = 28
-# parameters: one array of n numbers per property of a segment, in this order ...
-WIND_POINTS = 29  # at which the wind is an input, 0 for none
-FIXED_STEP_METHOD = 30
-KITE_START = 31  # of a free kite, else 0
-PARAMETER_SCALARS = 32
+# parameters: first the scalars in the order of their records: the place of gravity is GRAVITY; quantities of which the array
+# has something for each segment or node are not there
+_FOR_EACH = ("segments", "diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "kite_mass")
+_SCALARS = [name for record in (*RECORDS, FreeKite) for name, _ in quantities(record) if name not in _FOR_EACH]
+globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
+# then what is no parameter of a tether
+GROUND_IS_FREE = len(_SCALARS)
+KITE_IS_FREE = GROUND_IS_FREE + 1
+CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/equilibrium/calm_layer.py`
+WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
+PARAMETER_SCALARS = GROUND_IS_FREE + 4
+# then one array of n numbers per property of a segment, in this order ...
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
@@ -123,18 +127,6 @@ RECENT_WINCH_FORCE_RATE = RECENT_LOAD_RATE + 3  # [N/s]
 GIVEN_DERIVATIVES = RECENT_WINCH_FORCE_RATE + 1  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
-
-# enumerations of the parameters
-STRAIN_RATE, STRETCH_RATE = 1, 2
-UNIFORM, POWER_LAW, LOGARITHMIC, EXPLOG = 1, 2, 3, 4
-AT_NODES = 5  # no choice of `Environment`: the wind is given at each node, or at wind points
-STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
-GIVEN, DERIVED = 1, 2
-START_GIVEN, START_AT_REST = 1, 2  # of a free kite, or of a free point of a system
-LINEAR, HELD = 1, 2
-SECOND_ORDER, BACKWARD_EULER = 1, 2
-WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
-NO_GROUND, FLAT = 1, 2
 
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 

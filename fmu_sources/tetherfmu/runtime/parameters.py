@@ -7,7 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import pi
 
-from . import layout as at
+from .enumerations import EXPLOG, LOGARITHMIC
+from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
 from .quantities import check, checked, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
@@ -30,8 +31,8 @@ class Tether:
     2
     """
 
-    segments: int = quantity(20, "", "number of segments", 1, at.MAX_SEGMENTS)
-    initial_length: float = quantity(505.0, "m", "unstretched length at the start", at.MIN_SEGMENT_LENGTH, 1e5)
+    segments: int = quantity(20, "", "number of segments", 1, MAX_SEGMENTS)
+    initial_length: float = quantity(505.0, "m", "unstretched length at the start", MIN_SEGMENT_LENGTH, 1e5)
     diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0))
     density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e5)
     axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", 1e-3, 1e12)
@@ -109,7 +110,7 @@ class Environment:
 
     def __post_init__(self):
         check(self)
-        if self.wind_profile in (at.LOGARITHMIC, at.EXPLOG) and self.surface_roughness >= self.wind_reference_height:
+        if self.wind_profile in (LOGARITHMIC, EXPLOG) and self.surface_roughness >= self.wind_reference_height:
             roughness, height = self.surface_roughness, self.wind_reference_height
             raise ValueError(ROUGHNESS_TOO_LARGE.format(roughness=roughness, height=height))
 
@@ -244,6 +245,7 @@ class FreeKite:
         check(self)
 
 
+RECORDS = (Tether, Environment, Solver, Winch, Ground)  # in the order in which the kernel `pack` takes their quantities
 QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 

@@ -11,7 +11,7 @@ from . import layout as at
 from . import system_layout as plan
 from .inputs import components
 from .parameters import Ground, Tether, Winch
-from .system_variables import COUNTERS, GIVEN, OF_A_LINE, OF_THE_SYSTEM, SUMMED
+from .system_variables import COUNTERS, GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED
 
 
 def inputs_of(structure, places):
@@ -29,7 +29,8 @@ def inputs_of(structure, places):
                 named |= dict(zip(count(first + inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
         for name in GIVEN:
             named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
-        named |= dict(zip(count(first + at.WIND_VELOCITY), components("wind_velocity", 3), strict=False))
+        for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
+            named |= dict(zip(count(first + inputs.PLACES[each.name]), components(each.name, each.size), strict=False))
     first = plan.inputs_size(len(structure.lines), 0)
     for k, point in enumerate(structure.free):
         named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))

@@ -32,6 +32,7 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
 }
 COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit")
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
+GIVEN_TO_ALL = ("wind_velocity",)  # vectors that all lines share
 GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
@@ -149,8 +150,8 @@ def _inputs(structure):
                 0,
                 line.starts.get(name, declared.start[0]),
             )
-    wind = inputs.BY_NAME["wind_velocity"]
-    yield from _vector(wind.name, INPUT, Quantity(wind.unit, wind.meaning), wind.start)
+    for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
+        yield from _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start)
 
 
 _LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"

@@ -14,12 +14,11 @@ from . import layout as at
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
 from .outputs import ARRAY_ORDER, POINTS, SCALAR, VECTOR
-from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
+from .parameters import RECORDS, FreeKite
 from .quantities import Quantity, quantities
 from .variants import BY_NAME
 
 INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
-RECORDS = (Tether, Environment, Solver, Winch, Ground)
 
 
 @dataclass(frozen=True)

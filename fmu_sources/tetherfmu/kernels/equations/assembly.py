@@ -20,6 +20,7 @@ from ..compilation import kernel, view
 from ..linear_algebra.both_ends import (
     get_interleaved,
     get_matrix_of_pairs,
+    get_node,
     get_vector_of_pairs,
     next_interleaved,
     put_interleaved,
@@ -173,7 +174,7 @@ def linearize(chain, x, v, modes, segments, records, force_rate):
         linearize_segments(chain, True, x, v, modes, segments, records)
     else:
         linearize_segments(chain, False, x, v, modes, segments, records)
-    rate_from_reeling(chain, records, force_rate)
+    rate_from_reeling(chain, x, v, records, force_rate)
 
 
 @view
@@ -206,8 +207,11 @@ def put_records(s, axial, drag, drag_by_velocity, others, records):
 
 
 @kernel
-def rate_from_reeling(chain, records, force_rate):
-    """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities."""
+def rate_from_reeling(chain, x, v, records, force_rate):
+    """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities.
+
+    x, v : these, interleaved [m], [m/s].
+    """
     for k in range(3 * (chain.n + 1)):
         force_rate[k] = 0.0
     if chain.reeling == 0.0:
@@ -215,10 +219,12 @@ def rate_from_reeling(chain, records, force_rate):
     for s in range(chain.n):
         record = record_of(s, chain.n, records)
         rest_rate = property_of(chain, s, at.SHARE) * chain.reeling
-        load = node_loads.load_rate(chain, 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_rate)
+        half = 0.5 * property_of(chain, s, at.LINE_DENSITY) * rest_rate
         pull = scale(record[segment.SLOPE] * rest_rate, segment.direction_in(record))
-        put(force_rate, s, add(get(force_rate, s), add(load, pull)))
-        put(force_rate, s + 1, sub(load, pull))
+        below = node_loads.load_rate(chain, half, get_node(chain.n, s, x), get_node(chain.n, s, v))
+        above = node_loads.load_rate(chain, half, get_node(chain.n, s + 1, x), get_node(chain.n, s + 1, v))
+        put(force_rate, s, add(get(force_rate, s), add(below, pull)))
+        put(force_rate, s + 1, sub(above, pull))
 
 
 @kernel

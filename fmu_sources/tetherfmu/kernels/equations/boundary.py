@@ -82,7 +82,13 @@ load, load_rate : force on a free kite end at the start [N], its constant rate [
 """
 
 
-# --- inputs that continue within a step
+# --- inputs that continue within a step, or are held
+
+
+@kernel
+def wind_of(inputs):
+    """Wind [m/s] at the reference height that the inputs give, whatever they say of wind points."""
+    return vector_at(inputs, at.WIND_VELOCITY)
 
 
 @kernel
@@ -225,7 +231,7 @@ def inputs_of_step(parameters, inputs, step, state):
         winch_speed(inputs, state),
         inputs[at.WINCH_FORCE],
         force_rate(parameters, inputs, step, state),
-        vector_at(inputs, at.WIND_VELOCITY),
+        wind_of(inputs),
         given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
         vector_at(inputs, at.KITE_LOAD),
         load_rate(parameters, inputs, step, state),

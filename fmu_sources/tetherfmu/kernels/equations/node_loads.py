@@ -12,6 +12,7 @@ from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, symmetric
 from ..linear_algebra.pairs import broadcast
 from ..linear_algebra.vectors import NEUTRAL, dot, scale
+from . import ground
 from .ground import ground_of, has_ground, specific_energy
 
 
@@ -34,8 +35,8 @@ def load(chain, mass, x, v, acceleration):
 
 
 @kernel
-def load_rate(chain, mass_rate):
-    """Rate of the load [N/s] of a node whose mass changes at this rate [kg/s]."""
+def load_rate(chain, mass_rate, x, v):
+    """Rate of the load [N/s] of a node at x [m] with the velocity v [m/s] whose mass changes at this rate [kg/s]."""
     return weight(chain, mass_rate)
 
 
@@ -52,6 +53,14 @@ def specific_potential(chain, x, is_free):
     if is_free and has_ground(chain.parameters):
         specific += specific_energy(ground_of(chain.parameters), x)
     return specific
+
+
+@kernel
+def specific_losses(chain, x, v, is_free):
+    """Heat of the loads of a node at x [m] with the velocity v [m/s] over its mass, in contact and by sliding [W/kg]."""
+    if is_free and has_ground(chain.parameters):
+        return ground.specific_losses(ground_of(chain.parameters), x, v)
+    return 0.0, 0.0
 
 
 @kernel

@@ -121,7 +121,7 @@ def put_rates(conditions, chain, x, v, b):
     """F_L and F_u of all nodes into b.by_length, b.by_speed (both modified), at constant masses."""
     n, w = conditions.n, b.chain
     growing = chain_with(conditions, chain.length, 1.0)
-    assembly.rate_from_reeling(growing, w.records, b.by_length)
+    assembly.rate_from_reeling(growing, w.start_x, w.start_v, w.records, b.by_length)
     if has_ground(chain.parameters):
         contact.add_rate(growing, x, v, w, b.by_length)
     for k in range(3 * (n + 1)):

@@ -7,8 +7,8 @@ from ..arrays import copy, positions_and_velocities, shared_arrays
 from ..compilation import kernel, part
 from ..equations import node_loads, segment
 from ..equations.assembly import end_force, node_masses
+from ..equations.boundary import wind_of
 from ..equations.drum import drum_of
-from ..equations.ground import ground_of, has_ground, specific_losses
 from ..equations.properties import chain_at, point_mass, rest_length
 from ..equations.winch import follows_force
 from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
@@ -49,7 +49,7 @@ def balance(n, parameters, state, v, inputs, energies, work):
     count.
     work (modified) : for node masses.
     """
-    chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], vector_at(inputs, at.WIND_VELOCITY))
+    chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], wind_of(inputs))
     x, _ = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
     node_masses(chain, mass)
@@ -66,10 +66,9 @@ def balance(n, parameters, state, v, inputs, energies, work):
         specific = node_loads.specific_potential(chain, get(x, i), free > 0.0)
         potential += (tether + free * point_mass(chain, i)) * specific
         new_material += tether * (moving + specific)
-        if free > 0.0 and has_ground(parameters):
-            contact, sliding = specific_losses(ground_of(parameters), get(x, i), get(v, i))
-            contact_loss += mass[i] * contact
-            sliding_loss += mass[i] * sliding
+        contact, sliding = node_loads.specific_losses(chain, get(x, i), get(v, i), free > 0.0)
+        contact_loss += mass[i] * contact
+        sliding_loss += mass[i] * sliding
     elastic = winch = wind = damping = friction = 0.0
     for s in range(n):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)

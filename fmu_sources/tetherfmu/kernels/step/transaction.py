@@ -20,7 +20,7 @@ from tetherfmu.runtime.status import (
 from ..arrays import copy, state_size
 from ..compilation import kernel
 from ..equations import winch, wind_points
-from ..equations.boundary import place_at_start
+from ..equations.boundary import place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
 from ..equations.properties import chain_at, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, put_at, vector_at
@@ -63,7 +63,7 @@ def start(n, parameters, inputs, state):
     place_at_start(n, parameters, inputs, state)
     state[at.LENGTH] = winch.first_length(parameters, inputs)
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
-    put_at(state, at.WIND, vector_at(inputs, at.WIND_VELOCITY))
+    put_at(state, at.WIND, wind_of(inputs))
     wind_points.start(n, parameters, inputs, state)
     if winch.follows_force(parameters):
         return check_stops(parameters, state[at.LENGTH])
