@@ -13,7 +13,7 @@ import pytest
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
-PHONE = {"width": 390, "height": 844, "pixelRatio": 2.0, "mobile": True, "touch": True}
+PHONE = {"width": 390, "height": 844, "deviceScaleFactor": 2.0, "mobile": True}
 TIMEOUT = 300.0  # seconds, for what hangs
 FLAGS = (
     "--headless",
@@ -63,16 +63,23 @@ def started(width, profile):
     options.binary_location = CHROMIUM
     for flag in (*FLAGS, f"--user-data-dir={profile}", f"--window-size={width},900"):
         options.add_argument(flag)
-    if width == PHONE["width"]:
-        options.add_experimental_option("mobileEmulation", {"deviceMetrics": PHONE})
     options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
     driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
     driver.set_script_timeout(TIMEOUT)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+    show_in(driver, width)
     try:
         yield driver
     finally:
         driver.quit()
+
+
+def show_in(browser, width):
+    """Give the page a window of a width [px]; the width of `PHONE` is a phone, with two pixels for one and touch."""
+    is_phone = width == PHONE["width"]
+    window = PHONE if is_phone else {"width": width, "height": 900, "deviceScaleFactor": 1.0, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", window)
+    browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": is_phone})
 
 
 def wait_until(browser, condition):

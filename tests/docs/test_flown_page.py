@@ -296,9 +296,16 @@ def test_keys_and_buttons_fly_pause_and_turn(address, browser):
     assert "TetherStraight" in browser.find_element("id", "command").text
 
 
-def test_it_fits_a_phone(address, tmp_path):
-    with chromium.started(chromium.PHONE["width"], tmp_path / "phone") as browser:
-        opened(browser, address, f"scene=landing&show={','.join(VARIANTS)},reference")
-        wide, viewport = browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
-        assert wide <= viewport == chromium.PHONE["width"]
-        assert chromium.errors(browser) == []
+@pytest.fixture
+def phone(browser):
+    """The browser as a phone."""
+    chromium.show_in(browser, chromium.PHONE["width"])
+    yield browser
+    chromium.show_in(browser, DESK)
+
+
+def test_it_fits_a_phone(address, phone):
+    opened(phone, address, f"scene=landing&show={','.join(VARIANTS)},reference")
+    wide, viewport = phone.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+    assert wide <= viewport == chromium.PHONE["width"]
+    assert chromium.errors(phone) == []

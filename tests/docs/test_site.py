@@ -46,11 +46,18 @@ def site(tmp_path_factory):
         yield address
 
 
-@pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"], scope="module")
-def browser(request, tmp_path_factory):
-    """Chromium with a window of one of the widths, in the dark theme."""
-    with chromium.started(request.param, tmp_path_factory.mktemp("chromium")) as driver:
+@pytest.fixture(scope="module")
+def chromium_of_module(tmp_path_factory):
+    """Chromium in the dark theme."""
+    with chromium.started(DESK, tmp_path_factory.mktemp("chromium")) as driver:
         yield driver
+
+
+@pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])
+def browser(request, chromium_of_module):
+    """It with a window of one of the widths."""
+    chromium.show_in(chromium_of_module, request.param)
+    return chromium_of_module
 
 
 def opened(browser, address):
@@ -64,21 +71,26 @@ def is_phone(browser):
 
 
 @pytest.mark.parametrize("page", [*(f"manual/{page}" for page in PAGES), "flight.html"])
-def test_pages_need_no_other_host_and_fit_the_window(site, browser, page):
+def test_pages_need_no_other_host_and_fit_the_window(site, chromium_of_module, page):
+    """Loaded by a phone, whose window then becomes that of a desk."""
+    browser = chromium_of_module
+    chromium.show_in(browser, PHONE)
     browser.get_log("performance")
     opened(browser, f"{site}/{page}")
+    for width in (PHONE, DESK):
+        chromium.show_in(browser, width)
+        wide, viewport, unshown, wrong, title = browser.execute_script(
+            "const count = what => document.querySelectorAll(what).length;"
+            "return [document.documentElement.scrollWidth, innerWidth, count('.math:not(:has(mjx-container svg))'),"
+            "        count('[data-mml-node=merror]'), document.title]"
+        )
+        assert viewport == width  # not the 980 px that a phone gives a page that says nothing of its width
+        assert wide <= viewport
+        assert (unshown, wrong) == (0, 0)  # formulas
+        assert title
     asked = [each["request"]["url"] for each in chromium.messages(browser, "Network.requestWillBeSent")]
     assert f"{site}/{page}" in asked
     assert [url for url in asked if not url.startswith((f"{site}/", "data:", "blob:"))] == []
-    wide, viewport, unshown, wrong, title = browser.execute_script(
-        "const count = what => document.querySelectorAll(what).length;"
-        "return [document.documentElement.scrollWidth, innerWidth, count('.math:not(:has(mjx-container svg))'),"
-        "        count('[data-mml-node=merror]'), document.title]"
-    )
-    assert viewport in (PHONE, DESK)  # not the 980 px that a phone gives a page that says nothing of its width
-    assert wide <= viewport
-    assert (unshown, wrong) == (0, 0)  # formulas
-    assert title
 
 
 def test_the_manual_has_formulas(site, browser):
