@@ -23,8 +23,8 @@ from .evidence import INPUT_DIGITS, OUTPUT_DIGITS, STEP, flat, rise, rounded, ta
 
 STEPS = 120  # of communication
 TOLERANCE, REFERENCE_TOLERANCE = 1e-6, 1e-8  # of the run: a drum remembers when it broke away; of the reference
-# With one segment nothing but the drum has inertia, and it bounces between slack and taut; with many, waves in the slack
-# tether are so short that what the tolerance leaves of them is 1 to 6 % of the largest force.
+# With one segment kite and drum bounce between slack and taut, and the tolerance leaves 0.3 % of the largest force; with
+# many, waves in the slack tether are so short that it leaves 1 to 6 %.
 SEGMENTS = range(2, 41)
 RECORDED = ("ground_tension", "kite_tension", "tether_length", "winch_speed")
 TOLD = {"force": "winch_force", "length": "winch_length"}  # kind of set: the input that changes

@@ -31,6 +31,7 @@ from . import rosenbrock, step_control
 from .drum_events import SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
 from .drum_step import Motion, chain_with, first_tension, step, with_length
 from .rodas4p import GAMMA
+from .taut_slack import drum_transition_error, keep_energy_of_drum
 
 NOTHING, TURNS, PAID_OUT, REELED_IN, RESTS_OUTWARDS, RESTS_INWARDS = range(6)  # events that end a piece
 LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
@@ -85,14 +86,20 @@ def project(conditions, drum, direction, time, d, length, speed, x, v):
 
 
 @kernel
-def drum_error(conditions, drum, motion, speed, v):
-    """Error of `Motion` over what is allowed [-]: as of a node that moves with it, from its speed at the start [m/s]."""
+def drum_error(conditions, drum, direction, motion, speed, h, v, w):
+    """Error of `Motion` in a step of h [s] over what is allowed [-]: as of a node that moves with it.
+
+    direction, speed [m/s] : of the drum at the start.  v : velocities of the nodes there [m/s].
+    """
     position_scale, velocity_scale = step_control.allowed_errors(conditions, v)
     error = abs(motion.length_error) / position_scale
-    if drum.mass == 0.0:
+    if direction == HELD or drum.mass == 0.0:
         return error
     fastest = max(abs(speed), abs(motion.speed))
-    return max(error, abs(motion.speed_error) / max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest))
+    velocity_scale = max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest)
+    error = max(error, abs(motion.speed_error) / velocity_scale)
+    transition = drum_transition_error(drum, chain_with(conditions, motion.length, motion.speed), h, w) / velocity_scale
+    return max(error, transition * transition) if transition > 1.0 else error
 
 
 @kernel
@@ -220,9 +227,11 @@ def integrate(conditions, duration, state, x, v, b):
         end = time + h_now
         new_length, new_speed = motion.length, motion.speed
         if done and new_length > 0.0:
-            error = drum_error(conditions, drum, motion, speed, v)
-            if conditions.first <= conditions.last:
-                chain = chain_with(conditions, new_length, new_speed)
+            error = drum_error(conditions, drum, direction, motion, speed, h_now, v, w)
+            chain = chain_with(conditions, new_length, new_speed)
+            if conditions.first > conditions.last:
+                new_speed = keep_energy_of_drum(drum, chain, w) if direction != HELD else new_speed
+            else:
                 of_chain = step_control.error_of_step(conditions, chain, h_now, v, w)
                 error = error if of_chain <= error else of_chain  # also where it is no number
         if error <= 1.0 and direction != HELD and drum.mass == 0.0:

@@ -20,9 +20,11 @@ from .drum_events import SMALLEST_PIECE
 from .drum_step import chain_with
 from .rodas4p import GAMMA
 from .step_control import SMALLEST_STEP, cut, error_of_step, even_step, first_step, is_given_up, next_step, step_after_event
+from .system_drums import drum_at
 from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
-from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves
+from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves, turns
 from .system_step import apply_changes, collect_changes, whole_masses
+from .taut_slack import keep_energy_of_drum
 
 
 @kernel
@@ -40,10 +42,13 @@ def error_of_line(system, k, time, h):
     _, v = motion_of(system, k)
     if not has_drum(system, k):
         return error_of_step(conditions, chain_during(conditions, time), h, v, room.w)
-    error = error_of_drum(system, k)
-    if error < inf and has_free_nodes(system, k):
+    error = error_of_drum(system, k, h)
+    if error < inf:
         chain = chain_with(conditions, room.numbers[NEW_LENGTH], room.numbers[NEW_SPEED])
-        error = larger(error, error_of_step(conditions, chain, h, v, room.w))
+        if has_free_nodes(system, k):
+            error = larger(error, error_of_step(conditions, chain, h, v, room.w))
+        elif turns(system, k):
+            room.numbers[NEW_SPEED] = keep_energy_of_drum(drum_at(conditions), chain, room.w)
     return error
 
 

@@ -68,15 +68,16 @@ def turn_drums(system, time, duration):
 
 
 @kernel
-def error_of_drum(system, k):
-    """Error of the drum of line k in the step, see `moving_drum.drum_error`; inf if it has no length any more."""
-    conditions, numbers = conditions_of(system, k), integrator_of(system, k).numbers
+def error_of_drum(system, k, h):
+    """Error of the drum of line k in the step of h [s], see `moving_drum.drum_error`; inf if it has no length any more."""
+    conditions, room = conditions_of(system, k), integrator_of(system, k)
+    numbers = room.numbers
     if not numbers[NEW_LENGTH] > 0.0:
         return inf
     _, v = motion_of(system, k)
     motion = Motion(numbers[NEW_LENGTH], numbers[NEW_SPEED], numbers[LENGTH_ERROR], numbers[SPEED_ERROR])
     _, speed = length_of(system, k)
-    return drum_error(conditions, drum_at(conditions), motion, speed, v)
+    return drum_error(conditions, drum_at(conditions), numbers[DIRECTION], motion, speed, h, v, room.w)
 
 
 @kernel

@@ -85,3 +85,34 @@ def keep_energy(conditions, chain, w):
                 put(w.v, s, add_scaled(get(w.v, s), -impulse * mobility_p, e))
                 put(w.v, s + 1, add_scaled(above, impulse * mobility_q, e))
         below = above
+
+
+# --- with the drum of a winch, whose speed the first segment changes, too
+
+
+@kernel
+def drum_transition_error(drum, chain, h, w):
+    """`transition_error` of the speed [m/s] of a drum with mass, on which the first segment pulls; `chain` as there."""
+    if drum.mass == 0.0 or not went_over(0, chain, w):
+        return 0.0
+    over = abs(norm(sub(get(w.x, 1), get(w.x, 0))) - rest_length(chain, 0))
+    return TRANSITION * h * abs(excess_stiffness(0, chain, w)) * over / drum.mass
+
+
+@kernel
+def keep_energy_of_drum(drum, chain, w):
+    """Speed [m/s] of a drum with mass after a step in which its only segment, between driven ends, went over the transition.
+
+    As `keep_energy`, with the mass of the drum, and the rate of l - l0, of which the speed of the drum is a part. `chain` is
+    that at the end of the step, w.x and w.v are the driven ends.
+    """
+    speed = chain.reeling
+    if drum.mass == 0.0 or not went_over(0, chain, w):
+        return speed
+    length, e = segment.geometry(sub(get(w.x, 1), get(w.x, 0)))
+    over = length - rest_length(chain, 0)
+    rate = dot(e, sub(get(w.v, 1), get(w.v, 0))) - speed
+    if rate * over <= 0.0:
+        return speed
+    square = rate * rate + excess_stiffness(0, chain, w) * over * over / drum.mass
+    return speed + rate - copysign(sqrt(max(square, 0.0)), rate)
