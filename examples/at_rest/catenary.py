@@ -74,7 +74,7 @@ def plot(rests):
 @command
 def main(arguments=None):
     """Print the end forces, write the figure."""
-    parser = Parser(description="the chain against the exact catenary")
+    parser = Parser(description="compare the chain with the exact catenary")
     parser.add_argument(
         "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
     )

@@ -33,7 +33,7 @@ def write(tables, folder):
 @command
 def main(arguments=None):
     """Print the tables, write them and the figures."""
-    parser = Parser(description="errors and limits of coupling a kite with its tether")
+    parser = Parser(description="measure errors and limits of coupling a kite with its tether")
     parser.add_argument(
         "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of all files (default: plots)"
     )

@@ -58,7 +58,7 @@ def explicit(master, step):
 @command
 def main(arguments=None):
     """Print the mean power and the peak force of a cycle of each kind, draw the reel-out speeds."""
-    parser, where = Parser(description="a pumping kite with its winch inside the tether, and as an FMU"), Path("plots")
+    parser, where = Parser(description="fly a pumping kite with its winch inside the tether, and as an FMU"), Path("plots")
     parser.add_argument("--out", type=folder, default=where, metavar="DIR", help="folder of the figure (default: plots)")
     file = parser.parse_args(arguments).out / "winch_inside.png"
     from power_system.pumping_figures import plt

@@ -114,7 +114,7 @@ def tension(flown, name):
 @command
 def main(arguments=None):
     """Print how far the knot moves and what the tethers cost the kites, write the figure."""
-    parser = Parser(description="two kites on one tether, against one alone")
+    parser = Parser(description="fly two kites on one tether, and one alone")
     parser.add_argument(
         "--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)"
     )
