@@ -208,8 +208,10 @@ def parse(arguments):
         help="points of a Mann box along, across, upwards",
     )
     option("--spacing", type=number(1e-6, 1e5, "m"), nargs=3, metavar="D", help="distances of the points of a Mann box [m]")
-    option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help="intensity of the box that is made (default: 0.15)")
-    option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help="duration of a flight [s] (default: 120)")
+    about = "intensity of a box that is made (default: 0.15)"
+    option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help=about)
+    about = "duration of a flight [s] (default: 120)"
+    option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help=about)
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figure (default: plots)")
     add_fmu(parser)
     return parser.parse_args(arguments)
