@@ -50,7 +50,8 @@ the ends rest.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
 leave segments shorter than 1 cm, a winch without mass would have to push, or the solver fails. The state then does not
-change, and the next good step works. A parameter out of range is refused when the initialization ends, with the allowed range.
+change, and the next good step works. A parameter out of range is refused when the initialization ends, with the allowed
+range.
 
 One warning each is logged, and the numbers are not changed, when a segment is stretched by more than 5 %, an end is
 accelerated beyond 1000 g or moves faster than sound, positions contradict velocities, the winch reels in a slack tether, or
