@@ -101,7 +101,7 @@ measured one.
 inside the tether, `winch_control` = force. Then `winch_mass` is the inertia of the drum over the square of its radius,
 301 kg, `winch_damping` and `winch_friction` are its friction, and the only thing left outside is the motor, the FMU
 `WinchMotor`: from the speed of the drum and the tension at the end of a step it computes the `winch_force` of the next one,
-which leads the drum to the pairs of tension and speed that the flight controller wants. Mean power over a cycle in 8 m/s
+which brings the drum to the pairs of tension and speed that the flight controller wants. Mean power over a cycle in 8 m/s
 [W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
@@ -114,7 +114,7 @@ which leads the drum to the pairs of tension and speed that the flight controlle
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.png)
 
-Two things are late in this system. What makes `pumping_cycle.py` diverge in steps of 100 ms is the load on the kite,
+Two signals are delayed in this system. What makes `pumping_cycle.py` diverge in steps of 100 ms is the load on the kite,
 wherever the winch is; so tether and kite repeat each step here until the load on the kite agrees within 1 N
 (`agreement.py`), 2 steps of the tether for each of 100 ms. Then the winch is left: the FMU gets the tension after the
 step and gives its speed to the next one. That holds for 100 ms; in 200 ms its motor pulls with all it can, to and fro,
@@ -152,7 +152,7 @@ PyConTurb 2.7.4 writes the points of a `.bts` plane upwards first, TurbSim and t
 of the lowest row is that in a TurbSim file, otherwise 0, plus `box_origin[3]`.
 
 Outside of the box: `outside` = periodic (1) repeats it in all three directions; the seams are smooth only if it was made
-periodic (of a TurbSim file, in time: `UsableTime` = "ALL"). The fluctuations are repeated; the mean wind goes on as
+periodic (of a TurbSim file, in time: `UsableTime` = "ALL"). The fluctuations are repeated; the mean wind continues as
 U(z/h)^`wind_exponent`. refused (2) refuses a step after which a point would be outside, the start included: the grid of
 TurbSim begins above the ground, so a tether that reaches down to it needs the first choice. The tower points of TurbSim are
 not read.
@@ -180,8 +180,8 @@ one of yours):
 | circle, mean wind alone | 11.6 ± 0.6 m/s | 10.0 ± 0.5 m/s | 2005 ± 120 N | 2186 N |
 
 Means and standard deviations from 20 s on. The parked kite feels the gusts, and flies up and down in them; the kite on the
-circle is led, so only the drag of the tether itself changes. Sampling 22 points takes 30 to 55 µs in numpy, a step of the
-FMU with FMPy 0.1 ms (AMD EPYC, 2 cores with other load, Linux, Python 3.11, 2026-11-23).
+circle has a prescribed path, so only the drag of the tether itself changes. Sampling 22 points takes 30 to 55 µs in numpy,
+a step of the FMU with FMPy 0.1 ms (AMD EPYC, 2 cores with other load, Linux, Python 3.11, 2026-11-23).
 
 ## A model of your own
 
@@ -212,8 +212,8 @@ the first step, with which a kite at the ground station is refused: use one of t
 
 Each file also has its system for the Open Simulation Platform, in `extra/com.open-simulation-platform`
 (`CosimExecution.from_osp_config_file` of libcosimpy, on that folder of the extracted file). There each FMU may have steps
-of its own: in `winch_inside.ssp` controller and motor have 100 ms, tether and kite 20 ms. So the winch may be late, and only
-the load on the kite, which must not be, is exchanged often."""
+of its own: in `winch_inside.ssp` controller and motor have 100 ms, tether and kite 20 ms. So the winch may be delayed; the
+load on the kite, which must not be, is exchanged often."""
 
 
 def section(name):

@@ -49,12 +49,13 @@ at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm
 the ends rest.
 
 A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
-leave segments shorter than 1 cm, a winch without mass is to push, or the solver fails. The state then does not change, and
-the next good step works. A parameter out of range is refused when the initialization ends, with the allowed range.
+leave segments shorter than 1 cm, a winch without mass would have to push, or the solver fails. The state then does not
+change, and the next good step works. A parameter out of range is refused when the initialization ends, with the allowed
+range.
 
 One warning each is logged, and the numbers are not changed, when a segment is stretched by more than 5 %, an end is
 accelerated beyond 1000 g or moves faster than sound, positions contradict velocities, the winch reels in a slack tether, or
-it was told a length that is far too long ([Plausibility](../models/theory.md#plausibility)). One more tells that a step
+`winch_length` is far too long ([Plausibility](../models/theory.md#plausibility)). One more tells that a step
 would have taken [too many internal steps](../models/numerics.md#too-many-internal-steps) and was done with fixed steps.
 
 ## The winch
@@ -66,11 +67,11 @@ read after the start.
 |---|---|---|
 | 1 (speed) | `reel_out_speed` | it pays out at this speed, whatever the tension |
 | 2 (force) | `winch_force` | it pulls with this force; the tension decides whether the tether is paid out or reeled in |
-| 3 (length) | `winch_length` | it moves until so much unstretched tether is paid out, as an end moves to its position |
+| 3 (length) | `winch_length` | it pays out or reels in to this unstretched length, as a driven end moves to its position |
 
 Take the one that you know: the set point of a speed controller, the tension that a winch holds or the torque of its motor
-over the radius of the drum, the length in a log. An error of a length is felt: one metre too little makes a taut tether of
-500 m pull with 1.2 kN more. A force has no such consequence. `tether_length` and `winch_speed` say what the winch does,
+over the radius of the drum, the length in a log. An error of a length matters: one metre too little makes a taut tether of
+500 m pull with 1.2 kN more. With a force there is no such effect. `tether_length` and `winch_speed` say what the winch does,
 whatever controls it.
 
 With force control the drum turns by its own equation of motion, together with the tether and not one step later:
@@ -87,12 +88,12 @@ must be at least minus `winch_friction`.
 
 ## The ground
 
-Without more, a tether hangs wherever its weight takes it, also below the station. With `ground_contact` = 2 (flat) it lies
+By default a tether hangs wherever its weight takes it, also below the station. With `ground_contact` = 2 (flat) it lies
 on a plane at `ground_height`, with the friction `ground_friction`; a free kite lands on it with its mass. At rest a tether
-sinks `ground_sink` deep, which sets how hard the ground is; the catenary has a rigid one, and the straight line ignores it.
-`grounded_length` says how much of the tether lies there. The ends are where the inputs say, also below the ground, and no
-force of the ground is in their forces: what it carries is missing from them. A tether that hangs below `ground_height`
-without ground contact, both ends above it, says so once. The equations: [Ground](../models/theory.md#ground).
+sinks `ground_sink` deep, which sets the stiffness of the ground; the catenary has a rigid one, and the straight line
+ignores it. `grounded_length` says how much of the tether lies there. The ends are where the inputs say, also below the
+ground, and no force of the ground is in their forces: what it carries is missing from them. A tether that hangs below
+`ground_height` without ground contact, both ends above it, says so once. Equations: [Ground](../models/theory.md#ground).
 
 ## Coupling by force
 

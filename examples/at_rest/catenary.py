@@ -74,7 +74,7 @@ def plot(rests):
 @command
 def main(arguments=None):
     """Print the end forces, write the figure."""
-    parser = Parser(description="the chain against the exact catenary")
+    parser = Parser(description="compare the chain with the exact catenary")
     parser.add_out()
     add_fmu(parser)
     given = parser.parse_args(arguments)

@@ -73,7 +73,7 @@ def plot(forces, slacks=SLACKS, winds=WINDS):
 @command
 def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
-    parser = Parser(description="force of a tether over wind and slack")
+    parser = Parser(description="compute the force of a tether over wind and slack")
     parser.add_out()
     add_fmu(parser, "all in dist/, built where they are missing; with one beside the dynamic tether")
     given = parser.parse_args(arguments)

@@ -33,7 +33,7 @@ def write(tables, folder):
 @command
 def main(arguments=None):
     """Print the tables, write them and the figures."""
-    parser = Parser(description="errors and limits of coupling a kite with its tether")
+    parser = Parser(description="measure errors and limits of coupling a kite with its tether")
     parser.add_out("all files")
     parser.add_argument("--quick", action="store_true", help="a few points only, to see that it runs")
     given = parser.parse_args(arguments)

@@ -1,1 +1,1 @@
-"""How does a winch that is told a force hold a tension, and lift a load?"""
+"""How does a winch that is controlled by force hold a tension, and lift a load?"""

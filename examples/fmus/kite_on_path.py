@@ -1,4 +1,4 @@
-"""PythonFMU slave: a kite that is led along a circle or a figure of eight, for a first system of two FMUs.
+"""PythonFMU slave: a kite that moves along a circle or a figure of eight, for a first system of two FMUs.
 
     circle           p = R (cos(a) c + sin(a) (cos(phi) e1 + sin(phi) e2))
     figure of eight  p = R d(azimuth + a sin(phi), elevation + b sin(2 phi))
@@ -62,10 +62,10 @@ def frame(azimuth, elevation):
 
 
 class KiteOnPath(ModelSlave):
-    """A kite that is led along a path."""
+    """A kite that moves along a given path."""
 
     description = (
-        "A kite that is led along a circle or a figure of eight. It feels no force. "
+        "A kite that moves along a circle or a figure of eight. It feels no force. "
         "Out: its position and velocity, which lead a tether with a driven kite end."
     )
     outputs = (

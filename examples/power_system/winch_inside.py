@@ -58,7 +58,7 @@ def explicit(master, step):
 @command
 def main(arguments=None):
     """Print the mean power and the peak force of a cycle of each kind, draw the reel-out speeds."""
-    parser = Parser(description="a pumping kite with its winch inside the tether, and as an FMU")
+    parser = Parser(description="fly a pumping kite with its winch inside the tether, and as an FMU")
     parser.add_out()
     file = parser.parse_args(arguments).out / "winch_inside.png"
     from power_system.pumping_figures import plt

@@ -86,7 +86,7 @@ def draw(time, flown, duration, path):
 @command
 def main(arguments=None):
     """Print accelerations and tensions of the flights, write a figure of each."""
-    parser = Parser(description="four drones that carry a load along a path")
+    parser = Parser(description="fly four drones that carry a load along a path")
     parser.add_out("the figures")
     out = parser.parse_args(arguments).out
     out.mkdir(parents=True, exist_ok=True)

@@ -106,7 +106,7 @@ def draw(time, ends, tensions, path):
 @command
 def main(arguments=None):
     """Print where the load ends, by the flight and by four bars, write the figure."""
-    parser = Parser(description="a load on two winches that run at different speeds")
+    parser = Parser(description="tilt a load with two winches that run at different speeds")
     parser.add_out()
     file = parser.parse_args(arguments).out / "hoist.png"
     time, ends, tensions = fly()

@@ -113,7 +113,7 @@ def tension(flown, name):
 @command
 def main(arguments=None):
     """Print how far the knot moves and what the tethers cost the kites, write the figure."""
-    parser = Parser(description="two kites on one tether, against one alone")
+    parser = Parser(description="fly two kites on one tether, and one alone")
     parser.add_out()
     file = parser.parse_args(arguments).out / "two_kites.png"
     (_, flown), alone = fly_together(), fly_alone()

@@ -118,7 +118,7 @@ def draw(time, flown, path):
 @command
 def main(arguments=None):
     """Print how far the kite rolls, by the flight and by statics, write the figure."""
-    parser = Parser(description="a kite on a Y-bridle under a load that turns")
+    parser = Parser(description="fly a kite on a Y-bridle under a load that turns")
     parser.add_out()
     file = parser.parse_args(arguments).out / "y_bridle.png"
     time, flown = fly()

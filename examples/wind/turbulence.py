@@ -205,11 +205,13 @@ def parse(arguments):
         type=number(2, 1e7, whole=True),
         nargs=3,
         metavar="N",
-        help="of a Mann box: points along, across, upwards",
+        help="points of a Mann box along, across, upwards",
     )
-    option("--spacing", type=number(1e-6, 1e5, "m"), nargs=3, metavar="D", help="of a Mann box: distances of its points [m]")
-    option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help="of a box that is made (default: 0.15)")
-    option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help="of a flight [s] (default: 120)")
+    option("--spacing", type=number(1e-6, 1e5, "m"), nargs=3, metavar="D", help="distances of the points of a Mann box [m]")
+    about = "intensity of a box that is made (default: 0.15)"
+    option("--intensity", type=number(0.0, 1.0), default=0.15, metavar="I", help=about)
+    about = "duration of a flight [s] (default: 120)"
+    option("--duration", type=number(STEP, 1e5, "s"), default=120.0, metavar="T", help=about)
     parser.add_out()
     add_fmu(parser)
     return parser.parse_args(arguments)

@@ -102,20 +102,24 @@ def test_the_deck_carries_the_load():
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    ("name", "words", "numbers"),
     [
-        ("constant_tension", "no drum: at most 20000 N"),
-        ("hoisting", "turns at 0 m/s"),
-        ("set_down", "of load and wire"),
+        ("constant_tension", "no drum: at most 20000 N", 3),
+        ("hoisting", "turns at 0 m/s", 2),
+        ("set_down", "of load and wire", 4),
     ],
 )
-def test_prints_and_draws(tmp_path, name, words):
+def test_prints_and_draws(tmp_path, name, words, numbers):
+    """numbers : rows or figures that are printed and stand on the page."""
     done = run_python(EXAMPLES / "cranes" / f"{name}.py", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert words in done.stdout
     page = (EXAMPLES.parent / "docs" / "use" / "cranes_and_drones.md").read_text(encoding="utf-8")
-    for line in re.findall(r"at (\S+ m/s): at most (\d+ N), by the formula (\d+ N) \+- (\d+ N)", done.stdout):
+    lines = re.findall(r"at (\S+ m/s): at most (\d+ N), by the formula (\d+ N) \+- (\d+ N)", done.stdout)
+    alone = re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", done.stdout)
+    assert len(lines) + len(alone) == numbers
+    for line in lines:
         assert "| {} | {} | {} ± {} |".format(*line) in page
-    for number in re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", done.stdout):
+    for number in alone:
         assert "".join(number) in page
     assert_is_drawn(tmp_path / f"{name}.png")

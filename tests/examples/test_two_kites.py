@@ -1,5 +1,6 @@
 """Two kites on one tether: the drag on them against the formula of a tether that turns, and what the example prints."""
 
+import re
 import sys
 
 import numpy as np
@@ -28,7 +29,12 @@ def test_a_kite_pulls_its_arm_only(tmp_path):
     assert_is_drawn(tmp_path / "two_kites.png")
 
 
-def test_prints_what_it_found(tmp_path):
+def test_prints_what_the_page_says(tmp_path):
     said = run_python(EXAMPLES / "systems" / "two_kites.py", "--out", tmp_path).stdout
-    assert "held back by 30.8 N on the shared tether (formula 31.7 N)" in said
-    assert "held back by 106.0 N on one of its own (formula 105.0 N)" in said
+    page = (EXAMPLES.parent / "docs" / "use" / "systems.md").read_text(encoding="utf-8").replace("\n", " ")
+    own = np.hypot(two_kites.AWAY, two_kites.RADIUS)
+    for where, length in (("the shared tether", two_kites.ARM), ("one of its own", own)):
+        found, formula = map(float, re.search(rf"held back by (\S+) N on {where} \(formula (\S+) N\)", said).groups())
+        assert formula == pytest.approx(two_kites.formula(length), abs=0.05)  # no more digits are printed
+        assert found == pytest.approx(formula, rel=0.05)
+        assert f" by {found:.0f} N" in page

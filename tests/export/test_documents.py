@@ -108,6 +108,7 @@ def test_licences_and_dependencies_of_native_fmus(native_folder, fmi3_folder):
         assert f"Platform: {this_platform()}.\n" in needed
         assert "No Python" in needed
         page = Page(files["documentation/index.html"].decode("utf-8"))
+        assert "licenses/license.txt" in page.links
         assert all(str(PurePosixPath("documentation") / link) in files for link in page.links)
 
 

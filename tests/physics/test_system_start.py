@@ -120,7 +120,7 @@ def test_other_starts_are_refused_in_words():
         driven.initialize(positions={"a": (0.0, np.nan, 0.0)})
     elastic = Tether(segments=4, initial_length=30.0, axial_stiffness=1.0)
     torn = TetherSystem(driven.points, [Line("line", "a", "b", elastic)])
-    with pytest.raises(StepRefused, match="no equilibrium was found of the free point b; check"):
+    with pytest.raises(StepRefused, match="no equilibrium was found for the free point b; check"):
         torn.initialize((100.0, 0.0, 0.0))  # its drag grows as its length, which stretches it without end
 
 

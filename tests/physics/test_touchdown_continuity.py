@@ -148,7 +148,7 @@ def test_a_winch_that_is_told_a_force_finds_its_length_on_the_ground(mass, frict
     assert 1.0 < outputs.grounded_length < 80.0
 
 
-@pytest.mark.filterwarnings("ignore:the winch was told a length")
+@pytest.mark.filterwarnings("ignore:the length that the winch follows")
 def test_a_winch_that_is_told_a_length_reels_the_tether_over_the_ground():
     kite = (60.0, 0.0, 30.0)
     tether = TetherCatenary(initial_length=95.0, ground_contact="flat", winch_control="length")

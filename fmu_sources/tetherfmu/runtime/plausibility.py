@@ -13,7 +13,7 @@ JUDGED_WAY = 0.5  # displacement of an end over which positions and velocities a
 LARGEST_RESIDUE = 0.5  # part of it that the velocities need not account for [-]; it is 1 if they are 0
 SLACK = 0.99  # distance of the ends over the length, below which a tether is slack as a whole [-]
 LEAST_RESISTANCE = 0.1  # tension over the force of a winch that reels in, below which hardly more than inertia resists [-]
-LARGEST_EXCESS = 0.05  # of a length that the winch was told over the distance of the ends, part of the distance [-]
+LARGEST_EXCESS = 0.05  # of a length that the winch follows over the distance of the ends, part of the distance [-]
 SHALLOW = 0.01  # of the length: how far below the ground a tether without ground contact may hang [-]
 UNDER = 0.1  # how far below the ground a driven end may be where there is ground contact [m]
 NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
@@ -55,7 +55,7 @@ SENTENCES = {
         "positions of the ends, the sign of winch_force and winch_mass, or give the winch more winch_damping"
     ),
     WINCH_TOO_LONG: (
-        "the winch was told a length that is {value:.3g} m longer than the distance of the ends, by more than {excess:.3g} "
+        "the length that the winch follows is {value:.3g} m longer than the distance of the ends, by more than {excess:.3g} "
         "%; unless the tether is to hang slack, check winch_length (initial_length where it is 0 at the start) and the "
         "positions of the ends for wrong units and offsets"
     ),

@@ -98,7 +98,7 @@ SENTENCES = {
         "input_continuation to 2 (held) where winch_force jumps"
     ),
     NO_EQUILIBRIUM_OF_POINT: (
-        "no equilibrium was found of the free point {name}; check the positions of the driven points, the loads, "
+        "no equilibrium was found for the free point {name}; check the positions of the driven points, the loads, "
         "initial_length and axial_stiffness of the lines, or give a position where it starts"
     ),
     NO_POINT_IS_GIVEN: "no point of the system is driven or has a position: give one where it starts",

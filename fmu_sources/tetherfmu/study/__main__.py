@@ -53,7 +53,7 @@ def add_limits_and_costs(added):
         "--points", type=number(1, whole=True), default=20_000, metavar="N", help="number of random points (default: 20000)"
     )
     option("--seed", type=number(0, whole=True), default=1, metavar="SEED", help="seed of the random points (default: 1)")
-    about = "what the winch is told (default: speed)"
+    about = "control of the winch: speed, force or length (default: speed)"
     option("--control", choices=("speed", "force", "length"), default="speed", metavar="CONTROL", help=about)
     option(
         "--ground",
@@ -107,13 +107,13 @@ def add_replay(added):
         type=constant,
         action="append",
         metavar="NAME=VALUE",
-        help="another constant of the map: tether.diameter=0.014",
+        help="change a constant of the map, such as tether.diameter=0.014",
     )
     leads = ("tension", "length", "speed")
     option(
         "--lead",
         choices=leads,
-        help="what the winch is told: tension, length or speed (default: the first of them in the log)",
+        help="what the winch follows: tension, length or speed (default: the first of them in the log)",
     )
     tethers = tuple(reversed(VARIANTS))
     option("--tether", choices=tethers, nargs="+", metavar="NAME", help=f"tethers: {', '.join(tethers)} (default: all)")
@@ -129,11 +129,11 @@ def add_replay(added):
     option("--to", dest="end", type=number(unit="s"), metavar="T", help="end of the flight (default: that of the log)")
     fits = ("offset", "origin", "delay", "nothing")
     about = (
-        "what is fitted so that length and positions fit: offset, origin, delay, or nothing (default: offset, if possible)"
+        "what is fitted so that length and positions agree: offset, origin, delay, or nothing (default: offset, if possible)"
     )
     option("--fit", choices=fits, nargs="+", metavar="WHAT", help=about)
     about = (
-        "part of the log that is fitted on (default: what is before the flight; its first half if that is less than 20 s)"
+        "start of the part used for the fit (default: what is before the flight; its first half if that is less than 20 s)"
     )
     option("--fit-from", type=number(unit="s"), metavar="T", help=about)
     option("--fit-to", type=number(unit="s"), metavar="T", help="end of that part")

@@ -3,13 +3,16 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.runtime.parameters import Ground
 from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.advise import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, finer_model
+from tetherfmu.study.advice.ground import hanging
 from tetherfmu.study.advice.page import asking
 from tetherfmu.study.advice.tradeoff import measure
 from tetherfmu.study.measuring.errors import converged
@@ -138,6 +141,15 @@ def test_the_advice_says_how_far_a_tether_hangs_below_the_ground():
     assert said.count("below") == 1
     high = replace(landing, ground=Ground(ground_height=-50.0))
     assert "below" not in explain(high, advise(high, FAST_BUDGET))
+
+
+def test_the_share_of_the_time_in_which_it_hangs_below():
+    """In one of four rows, by 2 m."""
+    shape = np.zeros((4, 3, 3))
+    shape[:, 1, 2] = 1.0, 1.0, -2.0, 1.0
+    scene = replace(load(SCENES / "landing.toml"), ground=Ground())
+    (said,) = hanging(scene, SimpleNamespace(shape=shape))
+    assert "up to 2 m below ground.height, during 25 % of the flight" in said
 
 
 def test_a_tether_that_stays_above_the_ground_says_nothing_of_it():

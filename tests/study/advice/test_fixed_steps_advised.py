@@ -40,6 +40,16 @@ def test_no_candidate_takes_longer_than_allowed(scene):
     assert max(each.smooth_time for each in candidates(asked)) <= most
     assert max(each.smooth_time for each in candidates(scene)) > most
     assert Fixed(20, 0.02, 4).time(12) > 3.0 * Fixed(20, 0.02, 1).time(3)
+    assert Fixed(20, 0.02, 4).smooth_time == Fixed(20, 0.02, 1).time(4 * STAGES)
+
+
+def test_a_time_alone_that_cannot_be_met_is_told(scene):
+    """No step takes a nanosecond, whatever its error."""
+    asked = replace(scene, wanted=replace(scene.wanted, allowed_error=0.5, time_per_step=1e-9))
+    advice, text = advise_in_words(asked, FAST_BUDGET)
+    assert advice.point.error(NAMES) < 0.4
+    assert not advice.met
+    assert "No configuration is known to reach that" in text
 
 
 def test_what_cannot_be_met_is_told(tmp_path, capsys):

@@ -101,7 +101,12 @@ def test_errors_by_phase_are_means_of_their_rows():
     assert by_length.at["phase in", "length: mean m"] == pytest.approx(3.0)
     by_tension = comparison.errors(found, start=-comparison.SETTLED, lead="length").set_index("part")
     assert by_tension.at["phase out", "rms N"] == pytest.approx(2.0)
+    assert by_tension.at["all", "correlation"] == 1.0
     assert "length: mean m" not in by_tension
+    falling = found.assign(tension=-2.0 * time)  # computed is 100 - t where 100 + t is measured
+    assert comparison.errors(falling, -comparison.SETTLED, "length").set_index("part").at["all", "correlation"] == -1.0
+    later = comparison.errors(found, start=0.0, lead="tension").set_index("part")
+    assert later.at["all", "time s"] == pytest.approx(10.0 - comparison.SETTLED)
 
 
 def test_the_part_of_the_fit_is_what_was_before_or_the_first_half():

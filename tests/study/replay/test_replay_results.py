@@ -15,7 +15,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise
 from tetherfmu.study.measuring import runs as measuring
-from tetherfmu.study.replay import facts, figures, log, page, runs, scene
+from tetherfmu.study.replay import comparison, facts, figures, log, page, runs, scene
 from tetherfmu.study.replay import replay as command
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.scenes.files import load
@@ -100,6 +100,18 @@ def test_length_that_was_found_gives_the_measured_tension(made, tmp_path):
     measured = made.flight.measured("ground_tension", START + found.times[1:])
     assert np.sqrt(np.mean((again - measured) ** 2)) < 13.0
     assert measured.mean() > 1500.0
+
+
+def test_residuals_are_those_of_the_tether_less_the_log(made):
+    """A tether that is 5 m longer and pulls with 7 N more."""
+    whole = made.flown["dynamic"]
+    table = whole.table.assign(tether_length=whole.table.tether_length + 5.0, mean_tension=whole.table.mean_tension + 7.0)
+    before, after = (
+        comparison.residuals(made.flight, {"dynamic": each}) for each in (whole, runs.Flown(table, whole.shapes, (), 0.0))
+    )
+    np.testing.assert_allclose(after.length - before.length, 5.0, rtol=1e-9)
+    np.testing.assert_allclose((after.tension - before.tension).dropna(), 7.0, rtol=1e-9)
+    assert before.tension.notna().sum() > 100
 
 
 @pytest.mark.parametrize("lead", ["tension", "length", "speed"])

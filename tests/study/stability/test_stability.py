@@ -192,7 +192,7 @@ def test_maps_of_other_winches_and_grounds_are_counted_apart():
     force = results_of([hard._replace(control=at.WINCH_BY_FORCE)], Verdict("refused", refusal="step budget spent"))
     ground = results_of(ON_GROUND[:20], Verdict("stable", 0.1, unresolved=True))
     whole = kinds(speed, force, ground)
-    rows = by_map(whole).set_index(["winch is told", "ground"])
+    rows = by_map(whole).set_index(["winch control", "ground"])
     assert rows.points.to_dict() == {("speed", "none"): 31, ("speed", "flat"): 20, ("force", "none"): 1}
     assert tuple(rows.loc[("force", "none"), ["refused %", "possible"]]) == (100.0, 0)
     assert rows["given up %"].tolist() == [0.0, 100.0, 0.0]

@@ -57,7 +57,7 @@ class Wanted:
 
     outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
-    real_time_factor: float = quantity(0.0, "", "how much faster than real time, 0: no matter", minimum=0.0, maximum=1e9)
+    real_time_factor: float = quantity(0.0, "", "times faster than real time, 0: no requirement", minimum=0.0, maximum=1e9)
     communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
     fixed: bool = field(default=False, metadata={"read": yes_or_no})
     time_per_step: float = quantity(

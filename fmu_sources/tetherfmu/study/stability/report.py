@@ -73,7 +73,7 @@ def by_map(whole):
         shares = mine.verdict.value_counts(normalize=True)
         can = mine[mine.asks == POSSIBLE]
         rows.append(
-            {"winch is told": winch, "ground": ground, "points": len(mine)}
+            {"winch control": winch, "ground": ground, "points": len(mine)}
             | {f"{verdict} %": 100.0 * shares.get(verdict, 0.0) for verdict in VERDICTS[:3]}
             | {verdict: int((mine.verdict == verdict).sum()) for verdict in FORBIDDEN}
             | {"given up %": 100.0 * (mine.unresolved & mine.verdict.isin(HELD)).mean()}
