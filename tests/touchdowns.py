@@ -11,11 +11,19 @@ ROPE = Tether(initial_length=100.0, axial_stiffness=1e5)
 WEIGHT = line_density(ROPE) * GRAVITY  # per unstretched length [N/m]
 
 
+def over_ground(tether, friction=0.0, height=0.0, points=0, model=TetherCatenary):
+    """A tether over a ground at a height [m]."""
+    return model(tether, ground_contact="flat", ground_friction=friction, ground_height=height, shape_points=points)
+
+
+def between(model, ground, kite, wind=(0.0, 0.0, 0.0)):
+    """Outputs of a tether at rest between two ends [m] in a wind [m/s]."""
+    return model.initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
+
+
 def held(tether, ground, kite, friction=0.0, wind=(0.0, 0.0, 0.0), height=0.0, points=0, model=TetherCatenary):
     """Outputs of a tether that lies on a ground at a height [m] between two ends [m]."""
-    place = {"ground_contact": "flat", "ground_friction": friction, "ground_height": height}
-    started = model(tether, **place, shape_points=points)
-    return started.initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
+    return between(over_ground(tether, friction, height, points, model), ground, kite, wind)
 
 
 def random_scene(random):

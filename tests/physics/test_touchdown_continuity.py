@@ -12,7 +12,7 @@ import pytest
 from tetherfmu import PlausibilityWarning
 from tetherfmu.models import TetherCatenary, TetherStraight
 from tetherfmu.runtime.parameters import Tether
-from touchdowns import ROPE, forces, held, random_scene
+from touchdowns import ROPE, between, forces, held, over_ground, random_scene
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore:a segment is stretched"),  # soft ropes, so that the stretch counts
@@ -71,8 +71,8 @@ def test_numbers_are_continuous_where_it_touches_the_ground(station, friction, w
 )
 def test_numbers_are_continuous_along_a_path(path, wind, friction):
     """Four times as many steps along it make the largest jump smaller, by a factor above that of a root where it begins."""
-    rope = Tether(initial_length=95.0)
-    found = [forces(held(rope, *path(t), friction, wind)) for t in np.linspace(0.0, 1.0, 1601)]
+    rope = over_ground(Tether(initial_length=95.0), friction)
+    found = [forces(between(rope, *path(t), wind)) for t in np.linspace(0.0, 1.0, 1601)]
     assert jumps(found) < 0.75 * jumps(found[::4])
 
 
