@@ -1,4 +1,4 @@
-"""What the constants of a map do: delays, the mean of the wind, places of sensor and outlet, counted rope; the air."""
+"""What the constants of a map do: delays, mean wind, places of sensor and outlet, rope that is counted; and still air."""
 
 import numpy as np
 
