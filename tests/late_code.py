@@ -2,14 +2,15 @@
 
 numba optimizes each function with all that it calls, makes machine code of it and of two wrappers, and does that again for
 its caller. Here its libraries keep the text of their functions, as in `libraries.intermediate_code`. When Python calls a
-kernel, or asks for the address of an entry point, it is linked with all that it needs, optimized and compiled once, for
-this very processor. References to arrays are not counted: an array that a test gives to a kernel lives until the end.
+kernel, it is linked with all that it needs, optimized and compiled once, for this very processor; and so are all entry
+points together when Python asks for the address of one.
+References to arrays are not counted: an array that a test gives to a kernel lives until the end.
 """
 
 import gc
 from contextlib import contextmanager
 
-from numba.core import codegen, cpu, dispatcher, registry
+from numba.core import ccallback, codegen, cpu, dispatcher, registry
 from numba.core.runtime.nrt import rtsys
 
 from tetherfmu.libraries.intermediate_code import keep_texts, texts_below
@@ -20,6 +21,9 @@ class _Caller:
     """Who calls what numba compiles now."""
 
     is_python = False
+
+
+_waiting = {}  # names of entry points whose machine code nobody has asked for yet, and their libraries
 
 
 @contextmanager
@@ -39,6 +43,7 @@ def make_code_late():
     codegen.JITCodeLibrary.get_pointer_to_function = _get_pointer_to_function
     codegen.JITCPUCodegen.set_env = _where_code_is(codegen.JITCPUCodegen.set_env)
     cpu.CPUContext.create_cpython_wrapper = _where_python_calls(cpu.CPUContext.create_cpython_wrapper)
+    ccallback.CFunc.address = property(_address)
     dispatcher.Dispatcher.add_overload = _add_overload
     dispatcher.Dispatcher._compile_for_args = _compile_for_args
 
@@ -80,15 +85,33 @@ def _compile_for_args(self, *arguments):
 
 
 def _get_pointer_to_function(self, name):
-    """Address of a function of a library, which is compiled now; 0 for one that nobody outside calls."""
-    if not (_Caller.is_python or name.startswith("cfunc.")):
+    """Address of a function of a library, which is compiled now; 0 for an entry point, and for one that only kernels call."""
+    if name.startswith("cfunc."):
+        _waiting[name] = self
         return 0
-    module = as_one_module(texts_below(self))
+    if not _Caller.is_python:
+        return 0
+    _make_code({name: self})
+    return self._codegen._engine.get_function_address(name)
+
+
+def _address(self):
+    """Address of an entry point, with which all that wait are compiled."""
+    if _waiting:
+        _make_code(_waiting)
+        _waiting.clear()
+    return self._library._codegen._engine.get_function_address(self._wrapper_name)
+
+
+def _make_code(functions):
+    """Link, optimize and compile functions, names and libraries, with all that they call."""
+    texts = dict.fromkeys(text for library in functions.values() for text in texts_below(library))
+    module = as_one_module(texts)
     for function in module.functions:
-        if not function.is_declaration and function.name != name:
+        if not function.is_declaration and function.name not in functions:
             function.linkage = "internal"
     module.link_in(rtsys.library._get_module_for_linking(), preserve=True)
-    optimize(module, self._codegen._tm, level=1)
-    self._codegen._add_module(module)
-    self._codegen._engine.finalize_object()
-    return self._codegen._engine.get_function_address(name)
+    code = next(iter(functions.values()))._codegen
+    optimize(module, code._tm, level=1)
+    code._add_module(module)
+    code._engine.finalize_object()

@@ -101,7 +101,7 @@ def test_a_point_that_is_given_starts_there(chains, native):
 
 
 REFUSED = {
-    "torn": ({"upper.axial_stiffness": 1.0, "lower.axial_stiffness": 1.0, "air_density": 50.0}, "of the free point"),
+    "torn": ({"upper.axial_stiffness": 1.0, "lower.axial_stiffness": 1.0, "air_density": 50.0}, "for the free point"),
     "nothing given": (
         {"top.start": EQUILIBRIUM},
         "no point of the system is driven or has a position: give one where it starts",

@@ -29,7 +29,7 @@ def started(path, **values):
 @of_every_flavour("name")
 @in_own_process
 def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
-    """Both call the same library; `libraries/test_just_in_time.py` compares it with kernels compiled in another way."""
+    """Both call the same library; `libraries/test_same_bits.py` compares it with kernels compiled in another way."""
     host = started(fmu_folder / f"{name}.fmu")
     tether = getattr(models, name)(Tether(initial_length=525.0))
     position, velocity = circle(0.0)
