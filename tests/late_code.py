@@ -85,7 +85,7 @@ def _compile_for_args(self, *arguments):
 
 
 def _get_pointer_to_function(self, name):
-    """Address of a function of a library, which is compiled now; 0 for an entry point, and for one that only kernels call."""
+    """Address of a function of a library, compiled now; 0 for an entry point, and for one that only kernels call."""
     if name.startswith("cfunc."):
         _waiting[name] = self
         return 0
