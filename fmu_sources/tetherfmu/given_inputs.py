@@ -17,13 +17,10 @@ class Receiver(NamedTuple):
     name: str  # of its class, for messages
     variant: Variant
     instance: Instance  # whose values and parameters are modified
-    values: memoryview  # of the instance: faster than an array for a few numbers
+    inputs: np.ndarray  # a view of its values, with the wind at the wind points
+    places: memoryview  # of its values: faster than an array for a few numbers
     wind_profile: int  # of its `Environment`
-
-    @property
-    def wind_points(self):
-        """Points at which the wind is given, 0 for none."""
-        return self.instance.wind_points
+    wind_points: int  # at which the wind is given, 0 for none
 
 
 def put(to, wind_velocity=None, wind_at=None, **given):
@@ -32,11 +29,11 @@ def put(to, wind_velocity=None, wind_at=None, **given):
     wind_velocity : [m/s], (3,), or at each node.  wind_at : at the wind points [m/s].  given : all others by name.
     """
     for start, end, numbers in arguments.numbers_at(given):
-        to.values[start:end] = numbers
+        to.places[start:end] = numbers
     if wind_velocity is not None:
         _put_wind(to, wind_velocity)
     if wind_at is not None:
-        np.frombuffer(to.values)[at.INPUTS : to.instance.outputs_at] = wind_at_points(to, wind_at, ()).ravel()
+        to.inputs[at.INPUTS :] = wind_at_points(to, wind_at, ()).ravel()
 
 
 def _put_wind(to, wind):
@@ -47,7 +44,7 @@ def _put_wind(to, wind):
     if shape == (nodes, 3) and to.variant.has_nodes:
         compiled_flight.put_node_winds(to.instance, arguments.node_vectors("wind_velocity", wind, nodes - 1))
     elif shape == (3,):
-        np.frombuffer(to.values)[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+        to.inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
         to.instance.parameters[at.WIND_PROFILE] = at.AT_NODES if to.wind_points else to.wind_profile
     else:
         either = f", or ({nodes}, 3) for a wind at each node" if to.variant.has_nodes else ""
@@ -69,7 +66,7 @@ def rows(to, inputs, wind_at):
     if wind_at is not None:
         winds = wind_at_points(to, wind_at, (len(inputs),)).reshape(len(inputs), -1)
     elif to.wind_points:
-        winds = np.tile(np.frombuffer(to.values)[at.INPUTS : to.instance.outputs_at], (len(inputs), 1))
+        winds = np.tile(to.inputs[at.INPUTS :], (len(inputs), 1))
     else:
         return inputs
     return np.concatenate((inputs, winds), axis=1)

@@ -111,7 +111,9 @@ class TetherModel:
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
         self._inputs, self._outputs = np.split(values, (instance.outputs_at,))
         name, profile = type(self).__name__, self._records[1].wind_profile
-        self._receiver = given_inputs.Receiver(name, self._variant, instance, memoryview(instance.values), profile)
+        self._receiver = given_inputs.Receiver(
+            name, self._variant, instance, self._inputs, memoryview(instance.values), profile, self.wind_points
+        )
 
     def __getstate__(self):
         """What a copy is made of: all attributes but the arrays, and the state if it runs."""
