@@ -68,6 +68,7 @@ def started(width, profile):
     driver.set_script_timeout(TIMEOUT)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
     show_in(driver, width)
+    driver.get("about:blank")  # some versions start with a page for new tabs, which asks for hundreds of files
     try:
         yield driver
     finally:
