@@ -16,8 +16,9 @@ from random_systems import random_network
 from tetherfmu import Ground, StepRefused, TetherSystem
 
 GROUND = Ground(ground_contact="flat")
-# systems of `benchmarks/random_systems_started.py --ground`, in wind, that are not found without a search in thinner air
-REFUSED_ONCE = (26, 106, 146, 190)
+# systems of `benchmarks/random_systems_started.py --ground`, in wind, that are not found without a search in thinner air,
+# and with it are, in winds that differ by 1e-15 to 1e-9: each 20 of 20 times (of some others rounding decides)
+REFUSED_ONCE = (26, 386, 422, 472, 620)
 
 
 def found(number):
