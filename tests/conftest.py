@@ -75,10 +75,10 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown(item, nextitem):
-    """The cases of a test may share processes, until the last one of them."""
+    """The tests of a file may share processes, until the last one of them."""
     from isolation import end_shared
 
-    if getattr(nextitem, "function", None) is not getattr(item, "function", None):
+    if nextitem is None or nextitem.path != item.path:
         end_shared()
 
 

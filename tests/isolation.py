@@ -23,12 +23,13 @@ if FORKS:
     CONTEXT.set_forkserver_preload(["fmpy", "hypothesis.stateful", "lxml.etree", "pytest", "tetherfmu.export.archive"])
 
 
-def _child(connection, module, name):
+def _child(connection):
     gc.freeze()  # what was imported before the fork need not be looked through when this process ends
-    while arguments := connection.recv():
+    while call := connection.recv():
+        module, name, arguments = call
         try:
             function = getattr(importlib.import_module(module), name)
-            connection.send((None, getattr(function, "__wrapped__", function)(**arguments[0])))
+            connection.send((None, getattr(function, "__wrapped__", function)(**arguments)))
         except BaseException:
             connection.send((traceback.format_exc(), None))
     if FORKS:
@@ -36,18 +37,18 @@ def _child(connection, module, name):
 
 
 class _Process:
-    """A new process that calls a function of a module, as often as it is asked to."""
+    """A new process that calls functions of modules, as often as it is asked to."""
 
-    def __init__(self, function):
+    def __init__(self):
         self.connection, other = CONTEXT.Pipe()
-        self.process = CONTEXT.Process(target=_child, args=(other, function.__module__, function.__name__))
+        self.process = CONTEXT.Process(target=_child, args=(other,))
         self.process.start()
         other.close()
 
-    def call(self, arguments):
+    def call(self, function, arguments):
         """What the function returns; a process that hangs or dies is no more."""
         try:
-            self.connection.send((arguments,))
+            self.connection.send((function.__module__, function.__name__, arguments))
             problem, result = self.connection.recv() if self.connection.poll(TIMEOUT) else ("the process hangs", None)
         except (EOFError, OSError):
             problem, result = "the process died", None
@@ -69,9 +70,9 @@ class _Process:
 
 def own_process(function, **arguments):
     """What a function of a module returns, called in a new process, which must also end cleanly."""
-    process = _Process(function)
+    process = _Process()
     try:
-        result = process.call(arguments)
+        result = process.call(function, arguments)
     finally:
         code = process.end()
     assert code == 0, f"the process ended with exit code {code}"
@@ -88,21 +89,21 @@ def in_own_process(function):
     return test
 
 
-_shared = {}  # processes of the test that runs now, by the FMU whose cases they run
+_shared = {}  # processes of the file whose tests run now, by the FMU that they have
 
 
 def in_shared_process(function):
-    """As `in_own_process`, for a test with many cases: those of one FMU follow each other in one process.
+    """As `in_own_process`, for a test that may follow others: those of a file that have the same FMU share a process.
 
-    A case that fails ends it, and the next one gets a new process. `end_shared` asks whether the others ended cleanly.
+    A test that fails ends it, and the next one gets a new process. `end_shared` asks whether the others ended cleanly.
     """
 
     @functools.wraps(function)
     def test(**arguments):
         fmu = tuple(str(each) for each in arguments.values() if isinstance(each, Path) or each in tuple(SLAVES))
-        process = _shared.pop(fmu, None) or _Process(function)
+        process = _shared.pop(fmu, None) or _Process()
         try:
-            process.call(arguments)
+            process.call(function, arguments)
         except BaseException:
             process.end()
             raise
@@ -112,7 +113,8 @@ def in_shared_process(function):
 
 
 def end_shared():
-    """End the processes of a test after its last case; all must end cleanly."""
+    """End the processes of a file after its last test; all must end cleanly."""
     codes = {fmu: process.end() for fmu, process in _shared.items()}
     _shared.clear()
-    assert not any(codes.values()), f"processes ended with exit codes {codes}"
+    failed = {fmu: code for fmu, code in codes.items() if code != 0}
+    assert not failed, f"processes of this file ended with exit codes: {failed}"

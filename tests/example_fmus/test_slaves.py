@@ -7,7 +7,7 @@ from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
 from tetherfmu.export import example_fmus
 
@@ -52,7 +52,7 @@ def test_the_same_bytes_again(example_folder, tmp_path, name):
 
 
 @every_example
-@in_own_process
+@in_shared_process
 def test_rollback_is_exact(example_folder, name):
     """A state restored continues bit for bit, in another instance and after a reset too."""
     path = example_folder / f"{name}.fmu"
@@ -68,7 +68,7 @@ def test_rollback_is_exact(example_folder, name):
 
 
 @every_example
-@in_own_process
+@in_shared_process
 def test_refused_steps_and_states_change_nothing(example_folder, name):
     host, twin = (Host(example_folder / f"{name}.fmu").start() for _ in range(2))
     fly(host, 0, 5)
@@ -95,7 +95,7 @@ def test_refused_steps_and_states_change_nothing(example_folder, name):
 
 
 @every_example
-@in_own_process
+@in_shared_process
 def test_parameters_out_of_range_are_named(example_folder, name):
     host = Host(example_folder / f"{name}.fmu")
     parameter = next(v for v in host.description.modelVariables if v.causality == "parameter" and v.min is not None)
@@ -104,7 +104,7 @@ def test_parameters_out_of_range_are_named(example_folder, name):
     assert f"{parameter.name} is -1e+30; it must be at least" in "".join(host.messages)
 
 
-@in_own_process
+@in_shared_process
 def test_all_in_one_process_with_a_tether(example_folder, fmu_folder):
     """Different classes with different helpers under the same names: each runs its own."""
     paths = [*(example_folder / f"{name}.fmu" for name in example_fmus.SLAVES), fmu_folder / "TetherStraight.fmu"]

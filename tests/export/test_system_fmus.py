@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, extract_all, restore
 from tetherfmu import TetherSystem
 from tetherfmu.check.__main__ import main as check
@@ -98,7 +98,7 @@ def as_fmu(system, outputs):
 
 @every_flavour
 @pytest.mark.parametrize("name", ["y_bridle", "two_kites"])
-@in_own_process
+@in_shared_process
 def test_the_numbers_are_those_of_python(folder, name):
     """Bit for bit, also where a free point starts in equilibrium (the knot of the bridle)."""
     system = TetherSystem.from_file(FILES / f"{name}.toml")
@@ -110,7 +110,7 @@ def test_the_numbers_are_those_of_python(folder, name):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_fixed_steps_are_those_of_python(folder):
     """Bit for bit, two of order 2 in each communication step."""
     found = files.load(FILES / "two_kites.toml")
@@ -127,7 +127,7 @@ def test_fixed_steps_are_those_of_python(folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_a_state_continues_bit_for_bit_after_a_refused_step_and_a_reset(folder):
     host = opened(folder / "YBridle.fmu")
     for k in range(5):
@@ -144,7 +144,7 @@ def test_a_state_continues_bit_for_bit_after_a_refused_step_and_a_reset(folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_a_state_of_another_system_is_refused(folder):
     bridle, kites = opened(folder / "YBridle.fmu"), opened(folder / "TwoKites.fmu")
     blob = blob_of(bridle)
@@ -180,7 +180,7 @@ def test_a_start_is_refused_with_the_name_of_point_or_line(folder, name, value, 
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_a_step_is_refused_with_the_name_of_point_or_line(folder):
     host = opened(folder / "YBridle.fmu")
     before = host.outputs()
@@ -190,7 +190,7 @@ def test_a_step_is_refused_with_the_name_of_point_or_line(folder):
     assert host.outputs() == before
 
 
-@in_own_process
+@in_shared_process
 def test_the_first_outputs_depend_on_what_is_declared(folder):
     """Each input and parameter is changed, one at a time: an output that changes must declare it, or say nothing.
 
@@ -235,7 +235,7 @@ def test_between_driven_points_the_first_outputs_depend_on_their_line():
     assert declared["a.force[1]"].isdisjoint({"bc.diameter", "c.position[2]"})
 
 
-@in_own_process
+@in_shared_process
 def test_a_state_goes_from_one_flavour_to_the_other(folders):
     hosts = [opened(folders[flavour] / "YBridle.fmu") for flavour in ("pythonfmu", "native")]
     for k in range(5):

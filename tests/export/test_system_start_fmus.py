@@ -5,7 +5,7 @@ No point of the file is driven: which of them are given, and which are sought, i
 
 import pytest
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import TetherSystem
 from tetherfmu.export import systems
@@ -66,7 +66,7 @@ def as_fmu(outputs):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_points_are_sought_with_the_inputs_of_the_start(chains, native):
     system = TetherSystem.from_file(chains / "chain.toml")
     start = as_fmu(system.initialize(WIND, loads=LOADS))
@@ -88,7 +88,7 @@ def test_points_are_sought_with_the_inputs_of_the_start(chains, native):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_a_point_that_is_given_starts_there(chains, native):
     positions = {"knot": (3.0, 0.0, 41.0), "load": None}
     system = TetherSystem.from_file(chains / "chain.toml")
@@ -113,7 +113,7 @@ REFUSED = {
 
 @every_flavour
 @pytest.mark.parametrize("refused", REFUSED.values(), ids=REFUSED)
-@in_own_process
+@in_shared_process
 def test_what_has_no_equilibrium_is_refused_in_words(chains, native, refused):
     values, says = refused
     host = Host(chains / str(native) / "Chain.fmu")

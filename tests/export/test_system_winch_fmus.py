@@ -2,7 +2,7 @@
 
 import pytest
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host
 from tetherfmu import Solver, TetherSystem
 from tetherfmu.check.__main__ import main as check
@@ -31,7 +31,7 @@ def winches(built_once):
 
 @pytest.mark.parametrize("native", [0, 2, 3])
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
-@in_own_process
+@in_shared_process
 def test_the_numbers_of_the_python_api(winches, native, fixed_step):
     found = files.load(winches / "winches.toml")
     system = TetherSystem(found.points, found.lines, found.environment, Solver(fixed_step=fixed_step), found.ground)
@@ -53,7 +53,7 @@ def test_the_numbers_of_the_python_api(winches, native, fixed_step):
 
 
 @pytest.mark.parametrize("native", [0, 2, 3])
-@in_own_process
+@in_shared_process
 def test_stops_that_cross_are_refused_with_the_line(winches, native):
     host = Host(winches / str(native) / "TwoWinches.fmu")
     with pytest.raises(Exception, match="fmi"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from mechanics import drags, line_density, node_masses
 from runtime.host import Host, blob_of, fly, names_of, restore, started
 from tetherfmu.export.archive import SLAVES
@@ -68,7 +68,7 @@ def flown(path, steps=30):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_differences_of_steps_that_are_done_again(native_folder, name):
     """By save, restore and steps with other inputs, extrapolated.
 
@@ -125,7 +125,7 @@ def test_by_the_force_of_a_winch(native_folder, name, mass):
         assert found[0] == pytest.approx(2.0, rel=1e-6)
 
 
-@in_own_process
+@in_shared_process
 def test_formula_of_a_taut_straight_line(native_folder):
     """T = EA (c/L - 1): K = EA/L e e^T + T/c (1 - e e^T) by position, and what an input moves within the step.
 
@@ -193,7 +193,7 @@ def test_formula_of_a_straight_line_that_is_nearly_taut(native_folder, stretch, 
 
 
 @pytest.mark.parametrize("length", [500.01, 500.0, 499.99])
-@in_own_process
+@in_shared_process
 def test_a_stiff_catenary_that_becomes_taut(native_folder, length):
     """Its tension bends within centimetres: EA 1e9, so a difference over 10 mm was wrong by 2 to 10 %. Without a kink."""
     host = Host(native_folder / "TetherCatenary.fmu")
@@ -210,7 +210,7 @@ def test_a_stiff_catenary_that_becomes_taut(native_folder, length):
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=5e-4 * np.abs(expected).max())
 
 
-@in_own_process
+@in_shared_process
 def test_formula_of_one_segment(native_folder):
     """One spring and damper, F = -(k (l - l0) + c v.e) e: of the dynamic tether, whose inputs change velocities, too."""
     host = Host(native_folder / "TetherDynamic.fmu").start(segments=1, initial_length=480.0, drag_coefficient=0.0)
@@ -273,7 +273,7 @@ def exact_kite_force(state, inputs, before, wind):
     return forces(*nodes(STEP, done.y[:, -1]))[-1]
 
 
-@in_own_process
+@in_shared_process
 def test_independent_solution_of_the_chain(native_folder):
     """Differences of DOP853's solutions; no code is shared with the kernels. Observed 5e-7, tolerance of the FMU 1e-8.
 
@@ -305,7 +305,7 @@ def test_independent_solution_of_the_chain(native_folder):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_fmi3_finds_the_same(native_folder, fmi3_folder, name):
     """To the last bit, with vectors as unknowns and knowns."""
     host, blob = flown(native_folder / f"{name}.fmu")
@@ -327,7 +327,7 @@ def test_fmi3_finds_the_same(native_folder, fmi3_folder, name):
     assert "5 values were passed for variables that have 6" in other.messages[-1]
 
 
-@in_own_process
+@in_shared_process
 def test_linear_in_the_seed_and_nothing_changes(native_folder):
     host, _ = flown(native_folder / "TetherDynamic.fmu")
     before = blob_of(host)
@@ -341,7 +341,7 @@ def test_linear_in_the_seed_and_nothing_changes(native_folder):
     assert fly(host, 30, 35) == fly(twin, 0, 35)[30:]
 
 
-@in_own_process
+@in_shared_process
 def test_inputs_that_were_set_since_do_not_count(native_folder):
     host, _ = flown(native_folder / "TetherDynamic.fmu")
     expected = jacobian(host, FORCES, MOTION)
@@ -356,7 +356,7 @@ def test_inputs_that_were_set_since_do_not_count(native_folder):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_of_the_start_in_initialization_mode(native_folder, name):
     """By differences of starts; the catenary and the chains hang between the ends."""
     path = native_folder / f"{name}.fmu"
@@ -380,7 +380,7 @@ def test_of_the_start_in_initialization_mode(native_folder, name):
     host.step(STEP)
 
 
-@in_own_process
+@in_shared_process
 def test_refused_where_no_step_is_known(native_folder):
     words = "no step has been done since the start or since a state was set"
     host = started(native_folder / "TetherDynamic.fmu")

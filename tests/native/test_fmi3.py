@@ -16,7 +16,7 @@ from fmpy.fmi3 import FMU3Model
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
@@ -91,7 +91,7 @@ def test_terminals_name_variables(fmi3_folder, name):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_numbers_and_states_of_fmi2(native_folder, fmi3_folder, name):
     """To the last bit, and a state of one goes on in the other."""
     two, three = (started(folder / f"{name}.fmu") for folder in (native_folder, fmi3_folder))
@@ -110,7 +110,7 @@ def test_numbers_and_states_of_fmi2(native_folder, fmi3_folder, name):
         assert other.get(element) == two.get(element)
 
 
-@in_own_process
+@in_shared_process
 def test_steps(fmi3_folder):
     """No event, no early return, no end; a discarded step has got nowhere, and the next one is done."""
     host = Host(fmi3_folder / "TetherDynamic.fmu").start()
@@ -127,7 +127,7 @@ def test_steps(fmi3_folder):
     assert host.flags == (False, False, False, 2.0 * STEP)
 
 
-@in_own_process
+@in_shared_process
 def test_a_stop_before_the_start_is_refused(fmi3_folder):
     host = Host(fmi3_folder / "TetherDynamic.fmu")
     with pytest.raises(FMICallException):
@@ -136,7 +136,7 @@ def test_a_stop_before_the_start_is_refused(fmi3_folder):
     host.start()
 
 
-@in_own_process
+@in_shared_process
 def test_arrays_are_set_as_a_whole(fmi3_folder):
     host = Host(fmi3_folder / "TetherDynamic.fmu")
     reference = host.reference["kite_position"]
@@ -155,7 +155,7 @@ def test_arrays_are_set_as_a_whole(fmi3_folder):
     assert (host.get("kite_position"), host.get("segments"), host.get("wind_profile")) == ([1.0, 2.0, 3.0], 5, 2)
 
 
-@in_own_process
+@in_shared_process
 def test_every_function_is_there(fmi3_folder, native_folder):
     for folder, version in ((native_folder, 2), (fmi3_folder, 3)):
         host = Host(folder / "TetherStraight.fmu")
@@ -167,7 +167,7 @@ def test_every_function_is_there(fmi3_folder, native_folder):
         assert [name for name in missing if name not in ("fmi2StepFinished",)] == []
 
 
-@in_own_process
+@in_shared_process
 def test_what_is_not_offered_is_refused(fmi3_folder):
     host = Host(fmi3_folder / "TetherDynamic.fmu").start()
     before = blob_of(host)
@@ -189,7 +189,7 @@ def test_what_is_not_offered_is_refused(fmi3_folder):
     assert blob_of(host) == before
 
 
-@in_own_process
+@in_shared_process
 def test_instances_that_are_refused(fmi3_folder):
     host = Host(fmi3_folder / "TetherDynamic.fmu")
     for wrong in ({"eventModeUsed": True}, {"requiredIntermediateVariables": [19]}):
@@ -206,7 +206,7 @@ def test_instances_that_are_refused(fmi3_folder):
     assert "this FMU is for co-simulation only" in host.messages[-1]
 
 
-@in_own_process
+@in_shared_process
 def test_instances_and_states_are_told_apart(fmi3_folder):
     """A state where an instance belongs, and the other way round: refused, nothing is freed, both can be used."""
     host = Host(fmi3_folder / "TetherDynamic.fmu").start()
@@ -234,7 +234,7 @@ def test_instances_and_states_are_told_apart(fmi3_folder):
     assert blob_of(host) == before
 
 
-@in_own_process
+@in_shared_process
 def test_simulate_fmu(fmi3_folder):
     """FMPy's own loop with arrays as start values and as outputs."""
     path = fmi3_folder / "TetherDynamic.fmu"

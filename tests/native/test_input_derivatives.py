@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from native.flights import flown, give
 from runtime.host import Host, blob_of, restore
 from tetherfmu.export.archive import SLAVES
@@ -58,7 +58,7 @@ def test_way_of_the_end(native_folder, name, end_velocities):
     assert [host.get(f"shape[21,{i}]") for i in (1, 2, 3)] == pytest.approx(expected, abs=1e-9)
 
 
-@in_own_process
+@in_shared_process
 def test_wind_at_the_end_of_a_step(native_folder):
     """The straight tether feels the wind of the end of the step: w + h dw/dt."""
     wind, rate = np.array([8.0, 1.0, 0.0]), np.array([-10.0, 20.0, 0.0])
@@ -70,7 +70,7 @@ def test_wind_at_the_end_of_a_step(native_folder):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_error_in_a_flight_with_all_inputs_in_motion(native_folder, name):
     """Against steps of 1 ms with estimates: the error falls with the square of the step, and is a fraction of before.
 
@@ -102,7 +102,7 @@ def ready(path):
 
 
 @every_driven_fmu
-@in_own_process
+@in_shared_process
 def test_they_wait_in_a_saved_state_and_through_a_refused_step(native_folder, name):
     path = native_folder / f"{name}.fmu"
     expected = step_with_all(ready(path))
@@ -117,7 +117,7 @@ def test_they_wait_in_a_saved_state_and_through_a_refused_step(native_folder, na
 
 
 @every_driven_fmu
-@in_own_process
+@in_shared_process
 def test_state_in_which_they_wait_goes_on_in_pythonfmu(native_folder, fmu_folder, name):
     native = ready(native_folder / f"{name}.fmu")
     other = Host(fmu_folder / f"{name}.fmu")
@@ -125,7 +125,7 @@ def test_state_in_which_they_wait_goes_on_in_pythonfmu(native_folder, fmu_folder
     assert step_with_all(other) == step_with_all(native)
 
 
-@in_own_process
+@in_shared_process
 def test_given_before_the_initialization_ends(native_folder):
     """They count in the first step; a reset forgets them."""
     host = Host(native_folder / "TetherStraight.fmu")

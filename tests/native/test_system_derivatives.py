@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from native.flights import give, scene
 from runtime.host import Host, blob_of, restore
 from tetherfmu.commands.build import main
@@ -73,7 +73,7 @@ def side_by_side(folder, single, system, given, **start):
 
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
 @pytest.mark.parametrize("given", [True, False])
-@in_own_process
+@in_shared_process
 def test_given_to_one_line_they_do_what_they_do_to_a_tether(folder, given, fixed_step):
     one, other = side_by_side(folder, "TetherDynamic", "Driven", given, fixed_step=fixed_step)
     for name in ("ground_force", "kite_force"):
@@ -81,7 +81,7 @@ def test_given_to_one_line_they_do_what_they_do_to_a_tether(folder, given, fixed
 
 
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
-@in_own_process
+@in_shared_process
 def test_a_given_rate_of_a_load_does_what_it_does_to_a_free_kite(folder, fixed_step):
     """Another elimination, so other rounding; with loads that are held the kite comes elsewhere."""
     one, other = side_by_side(folder, "TetherDynamicFree", "Free", True, fixed_step=fixed_step, relative_tolerance=1e-7)
@@ -110,7 +110,7 @@ def ready(path):
     return host
 
 
-@in_own_process
+@in_shared_process
 def test_they_wait_in_a_saved_state_and_through_a_refused_step(folder):
     path = folder / "Y.fmu"
     host = ready(path)
@@ -132,7 +132,7 @@ def test_they_wait_in_a_saved_state_and_through_a_refused_step(folder):
     assert host.all_outputs() == expected
 
 
-@in_own_process
+@in_shared_process
 def test_given_before_the_initialization_ends(folder):
     """They count in the first step, L = L0 + v h + a h^2/2; a reset forgets them."""
     host = Host(folder / "Y.fmu")
@@ -157,7 +157,7 @@ def jacobian(host, outputs, inputs):
 
 
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
-@in_own_process
+@in_shared_process
 def test_those_of_one_line_are_those_of_a_tether(folder, fixed_step):
     """The same differences of the same numbers."""
     hosts = side_by_side(folder, "TetherDynamic", "Driven", False, fixed_step=fixed_step)
@@ -170,7 +170,7 @@ def test_those_of_one_line_are_those_of_a_tether(folder, fixed_step):
 
 
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
-@in_own_process
+@in_shared_process
 def test_differences_of_steps_of_a_y_that_are_done_again(folder, fixed_step):
     """By save, restore and steps with other inputs, extrapolated; of each column the largest counts."""
     host = Host(folder / "Y.fmu").start(fixed_step=fixed_step)
@@ -205,7 +205,7 @@ def test_differences_of_steps_of_a_y_that_are_done_again(folder, fixed_step):
         assert np.abs(expected).max() > 0.0
 
 
-@in_own_process
+@in_shared_process
 def test_at_the_start_they_are_those_of_the_equilibrium(folder):
     """In initialization mode: of one line those of a tether."""
     found = []
@@ -221,7 +221,7 @@ def test_at_the_start_they_are_those_of_the_equilibrium(folder):
     assert np.abs(found[0]).max() > 1.0
 
 
-@in_own_process
+@in_shared_process
 def test_fmi_3_has_them_too(folder):
     """A gradient of the force on the kite by its velocity, through arrays."""
     two, three = (Host(path).start() for path in (folder / "Driven.fmu", folder / "3" / "Driven.fmu"))

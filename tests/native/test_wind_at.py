@@ -8,7 +8,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host, blob_of, description_of, extract_all, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu import models
@@ -59,7 +59,7 @@ def fly(host, name, begin=0, end=STEPS):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_same_numbers_as_in_python(fmus, name):
     model = getattr(models, name)(initial_length=525.0, wind_points=POINTS)
     outputs = model.initialize(*circle(0.0), wind_at=wind(0))
@@ -77,7 +77,7 @@ def test_same_numbers_as_in_python(fmus, name):
 
 @every_flavour
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_state_goes_on_and_a_refused_step_names_the_wind(fmus, name, flavour):
     """The state has the winds of the last step: those that are set afterwards do not show in the outputs."""
     path = fmus / flavour / f"{name}.fmu"
@@ -97,7 +97,7 @@ def test_state_goes_on_and_a_refused_step_names_the_wind(fmus, name, flavour):
     assert fly(other, name, 10) == expected
 
 
-@in_own_process
+@in_shared_process
 def test_state_of_an_fmu_with_another_number_of_points(fmus, native_folder):
     host, other = started(fmus / "native" / "TetherStraight.fmu"), Host(native_folder / "TetherStraight.fmu").start()
     for one, blob in ((host, blob_of(other)), (other, blob_of(host))):
@@ -112,7 +112,7 @@ def give_rate(host, rate):
 
 
 @pytest.mark.parametrize("when", ["before the start", "before a step"])
-@in_own_process
+@in_shared_process
 def test_given_derivatives(fmus, when):
     """Without waves: the wind of the end of the step, w + h dw/dt; for one step, and they wait in a saved state."""
     rate = np.random.default_rng(2).normal(size=(POINTS, 3))
@@ -136,7 +136,7 @@ def test_given_derivatives(fmus, when):
     assert growing.all_outputs() == constant.all_outputs()
 
 
-@in_own_process
+@in_shared_process
 def test_a_tether_with_waves_feels_the_mean_of_the_step(fmus):
     """Its motion is that in the wind of the middle of the step; its drag then is that of the end."""
     rate, name = np.random.default_rng(3).normal(size=(POINTS, 3)), "TetherDynamicFree"
@@ -150,7 +150,7 @@ def test_a_tether_with_waves_feels_the_mean_of_the_step(fmus):
 
 
 @pytest.mark.parametrize("flavour", ["native", "fmi3"])
-@in_own_process
+@in_shared_process
 def test_directional_derivative(fmus, flavour):
     """Of the forces by the wind at the middle point: that of the differences of steps done again."""
     name = "TetherStraight"
@@ -209,7 +209,7 @@ def test_model_description(fmus, name, flavour):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_each_number_is_felt_at_the_start(fmus, name):
     """Each declared dependency on the wind is seen, and what wind_at replaces changes nothing."""
     host = Host(fmus / "native" / f"{name}.fmu")

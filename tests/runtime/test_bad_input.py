@@ -5,7 +5,7 @@ import math
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import Host, every_flavour, names_of, of_every_flavour
 
 
@@ -18,7 +18,7 @@ def refused(host, action):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_inputs_that_are_not_finite(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu").start()
     twin = Host(fmu_folder / f"{fmu}.fmu").start()
@@ -37,7 +37,7 @@ def test_inputs_that_are_not_finite(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_steps_that_are_not_positive(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu").start()
     twin = Host(fmu_folder / f"{fmu}.fmu").start()
@@ -85,7 +85,7 @@ def test_parameters_out_of_range(fmu_folder, name, value, allowed):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_roughness_above_the_reference_height(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     said = refused(host, lambda: host.start(wind_profile=3, surface_roughness=10.0))
@@ -93,7 +93,7 @@ def test_roughness_above_the_reference_height(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_parameters_are_fixed_after_the_start(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     host.refuses(lambda: host.set(diameter=0.01), "diameter cannot be set to 0.01 now")
@@ -102,7 +102,7 @@ def test_parameters_are_fixed_after_the_start(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_reeling_in_to_nothing(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     said = refused(host, lambda: host.step(1.0, reel_out_speed=-505.0))
@@ -139,7 +139,7 @@ def test_stops_of_a_winch(fmu_folder, fmu, stops, words):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_a_winch_without_mass_cannot_push(fmu_folder, fmu):
     """Beyond its friction; nor by a derivative, nor does its force go there by extrapolation."""
     host = Host(fmu_folder / f"{fmu}.fmu").start(winch_control=2, winch_friction=20.0, initial_length=499.0, gravity=0.0)
@@ -156,7 +156,7 @@ def test_a_winch_without_mass_cannot_push(fmu_folder, fmu):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_damaged_state_is_refused(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     blob = bytearray(host.fmu.serializeFMUstate(host.fmu.getFMUState()))
@@ -166,7 +166,7 @@ def test_damaged_state_is_refused(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_state_of_another_tether_is_refused(fmu_folder):
     host = Host(fmu_folder / "TetherQuasiSteady.fmu").start()
     other = Host(fmu_folder / "TetherDynamic.fmu").start()
@@ -176,7 +176,7 @@ def test_state_of_another_tether_is_refused(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_more_fixed_steps_than_the_budget(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start(fixed_step=1e-300)
     said = refused(host, lambda: host.step(0.02))
@@ -184,7 +184,7 @@ def test_more_fixed_steps_than_the_budget(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_integers_are_told_as_integers(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     with pytest.raises(FMICallException):

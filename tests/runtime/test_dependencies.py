@@ -8,7 +8,7 @@ from itertools import product
 
 import pytest
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host
 from scenes import kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
@@ -105,7 +105,7 @@ def see_dependencies(host, knowns, outputs):
 
 
 @pytest.mark.parametrize("fmu", list(SLAVES))
-@in_own_process
+@in_shared_process
 def test_initial_dependencies_are_true(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu")
     host.fmu.setupExperiment(startTime=0.0)
@@ -146,7 +146,7 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
 
 
 @pytest.mark.parametrize("fmu", list(SLAVES))
-@in_own_process
+@in_shared_process
 def test_outputs_do_not_follow_an_input_before_the_next_step(fmu_folder, fmu):
     """ModelStructure says that outputs depend on no input between two steps."""
     host = Host(fmu_folder / f"{fmu}.fmu").start()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, every_flavour, flown_in_python, of_every_flavour, restore
 from scenes import kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
@@ -52,7 +52,7 @@ def rows_in_python(name, ground, steps):
 @pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
 @every_flavour
 @pytest.mark.parametrize("name", list(SLAVES))
-@in_own_process
+@in_shared_process
 def test_the_flight_of_the_python_api(fmu_folder, name):
     touched = {}
     for ground, values in GROUNDS.items():
@@ -68,7 +68,7 @@ def test_the_flight_of_the_python_api(fmu_folder, name):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_states_continue(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu", {})
     fly(host, 0, 10)
@@ -80,7 +80,7 @@ def test_states_continue(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_a_ground_without_gravity_is_refused(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu")
     with pytest.raises(FMICallException):

@@ -8,7 +8,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from bounds import most_work
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import Host, blob_of, every_flavour, of_every_flavour, restore
 from runtime.test_hostile_input import ALLOWED, COUNTERS, watched
 from tetherfmu.runtime.saved_state import FACTS, HEADER
@@ -53,7 +53,7 @@ def refused(host, blob):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
     """Refused: the state of before stays. Taken: outputs are finite, and a step is done or refused, with bounded work."""
     host, good = flying(fmu_folder / f"{fmu}.fmu")
@@ -92,7 +92,7 @@ def test_tolerance_and_time(fmu_folder, place, value, words):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_a_name_with_something_behind_it(fmu_folder):
     """Of the variant: nothing follows the zero behind "straight"."""
     host, good = flying(fmu_folder / "TetherStraight.fmu")

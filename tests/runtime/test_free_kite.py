@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import Host, blob_of, count_of, restore
 from scenes import SCENE_08, SCENE_08_ERRORS, nodes, read
 from tetherfmu.runtime.saved_state import from_bytes, to_bytes
@@ -15,7 +15,7 @@ FMU = "TetherDynamicFree.fmu"
 
 
 @pytest.mark.parametrize(("tolerance", "allowed"), SCENE_08_ERRORS)
-@in_own_process
+@in_shared_process
 def test_released_end(fmu_folder, tolerance, allowed):
     """As `physics/test_kite_mass.py`; each node is a point of the shape, the last one is the kite."""
     expected = nodes(read("tether_08.csv"), 10)
@@ -31,7 +31,7 @@ def test_released_end(fmu_folder, tolerance, allowed):
     np.testing.assert_allclose(kites, expected[:, -1], rtol=0.0, atol=allowed)
 
 
-@in_own_process
+@in_shared_process
 def test_the_motion_starts_where_the_parameters_say(fmu_folder):
     """Also when the velocities of the ends are derived: that of a free kite is no input."""
     for derived in (1, 2):
@@ -49,7 +49,7 @@ def test_the_motion_starts_where_the_parameters_say(fmu_folder):
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -2e9])
-@in_own_process
+@in_shared_process
 def test_a_load_that_is_no_number_is_refused(fmu_folder, value):
     host, twin = Host(fmu_folder / FMU).start(), Host(fmu_folder / FMU).start()
     for each in (host, twin):
@@ -83,7 +83,7 @@ def test_parameters_out_of_range(fmu_folder, name, value, allowed):
     assert allowed in said
 
 
-@in_own_process
+@in_shared_process
 def test_the_motion_cannot_be_set(fmu_folder):
     host = Host(fmu_folder / FMU).start()
     host.set(**{"kite_position[1]": 0.0})
@@ -94,7 +94,7 @@ def test_the_motion_cannot_be_set(fmu_folder):
 
 
 @pytest.mark.parametrize("value", [math.nan, 1e300])
-@in_own_process
+@in_shared_process
 def test_a_forged_motion_is_computed_anew(fmu_folder, value):
     """Of a state before the start nothing is read; afterwards the motion follows from the state of the tether."""
 
@@ -116,7 +116,7 @@ def test_a_forged_motion_is_computed_anew(fmu_folder, value):
     assert host.all_outputs() == twin.all_outputs()
 
 
-@in_own_process
+@in_shared_process
 def test_a_start_without_equilibrium_keeps_the_motion_that_was(fmu_folder):
     """Read in initialization mode: what cannot be calculated leaves the outputs of before."""
     host = Host(fmu_folder / FMU)

@@ -9,7 +9,7 @@ import math
 from fmpy.fmi1 import FMICallException
 
 from bounds import most_work
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host, names_of, of_every_flavour
 from scenes import kite_inputs
 
@@ -51,7 +51,7 @@ def assert_sound(host):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_every_input(fmu_folder, fmu):
     """From the same state each time; a refused step keeps it, a step that was done can be followed by a good one."""
     host = Host(fmu_folder / f"{fmu}.fmu").start()
@@ -71,7 +71,7 @@ def test_every_input(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_every_length_of_step(fmu_folder, fmu):
     host = Host(fmu_folder / f"{fmu}.fmu").start()
     host.step(0.02)
@@ -91,7 +91,7 @@ def test_every_length_of_step(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_every_parameter(fmu_folder, fmu):
     """A hostile parameter is refused at the end of initialization, or the tether starts and steps."""
     first = Host(fmu_folder / f"{fmu}.fmu")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, count_of, every_flavour, of_every_flavour, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.runtime.variants import VARIANTS, class_name
@@ -28,7 +28,7 @@ def started(path, length=525.0, **values):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_a_kite_at_500_m_on_a_tether_of_100_m(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu", 100.0)
     assert len(host.messages) == 1
@@ -38,7 +38,7 @@ def test_a_kite_at_500_m_on_a_tether_of_100_m(fmu_folder, fmu):
 
 
 @every_driven_fmu
-@in_own_process
+@in_shared_process
 def test_once_in_flight_and_again_after_reset(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
     assert host.messages == []
@@ -51,7 +51,7 @@ def test_once_in_flight_and_again_after_reset(fmu_folder, fmu):
 
 
 @every_driven_fmu
-@in_own_process
+@in_shared_process
 def test_states(fmu_folder, fmu):
     """A state that has said it says nothing anywhere; one of before says it once, but not twice in one instance."""
     path = fmu_folder / f"{fmu}.fmu"
@@ -69,7 +69,7 @@ def test_states(fmu_folder, fmu):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_nothing_is_said_of_what_is_plausible(fmu_folder, fmu):
     """A flight; a first start in initialization mode with other ends; a kite that waits elsewhere before the first step."""
     host = Host(fmu_folder / f"{fmu}.fmu")
@@ -109,7 +109,7 @@ def test_a_forged_note_is_refused(fmu_folder, value):
 
 
 @every_fmu
-@in_own_process
+@in_shared_process
 def test_a_diameter_in_millimetres_is_named(fmu_folder, fmu):
     """Once at each start, not in initialization mode, and not from 0.2 m down."""
     said = "diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004"
@@ -125,7 +125,7 @@ def test_a_diameter_in_millimetres_is_named(fmu_folder, fmu):
 
 
 @every_driven_fmu
-@in_own_process
+@in_shared_process
 def test_a_refused_step_names_its_time(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
     fly(host, 0, 10, 1.0)

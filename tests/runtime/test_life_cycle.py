@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from isolation import in_own_process
+from isolation import in_shared_process
 from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import REVOLUTION, circle, kite_at_start, kite_inputs
 from tetherfmu import models
@@ -27,7 +27,7 @@ def started(path, **values):
 
 
 @of_every_flavour("name")
-@in_own_process
+@in_shared_process
 def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
     """Both call the same library; `libraries/test_same_bits.py` compares it with kernels compiled in another way."""
     host = started(fmu_folder / f"{name}.fmu")
@@ -54,7 +54,7 @@ def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
 
 
 @every_shell
-@in_own_process
+@in_shared_process
 def test_importers_tolerance_and_own_tolerance(fmu_folder):
     """A tolerance of 0 takes the importer's where that is tighter than the default; another one wins."""
     path = fmu_folder / "TetherDynamic.fmu"
@@ -74,7 +74,7 @@ def test_importers_tolerance_and_own_tolerance(fmu_folder):
 
 
 @every_shell
-@in_own_process
+@in_shared_process
 def test_a_tolerance_that_is_none_is_said(fmu_folder):
     """A warning, with which the run goes on as without a tolerance."""
     path = fmu_folder / "TetherDynamic.fmu"
@@ -86,7 +86,7 @@ def test_a_tolerance_that_is_none_is_said(fmu_folder):
 
 
 @of_every_flavour("name")
-@in_own_process
+@in_shared_process
 def test_state_is_restored_bit_for_bit(fmu_folder, name):
     host = started(fmu_folder / f"{name}.fmu")
     fly(host, 50)
@@ -105,7 +105,7 @@ def test_state_is_restored_bit_for_bit(fmu_folder, name):
 
 
 @of_every_flavour("name")
-@in_own_process
+@in_shared_process
 def test_reset_equals_a_fresh_instance(fmu_folder, name):
     host = started(fmu_folder / f"{name}.fmu")
     fresh = fly(host, 30)
@@ -116,7 +116,7 @@ def test_reset_equals_a_fresh_instance(fmu_folder, name):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_steps_of_any_length_lead_to_the_same_motion(fmu_folder):
     """Held ends: how the time is cut changes the result by the solver's tolerance only."""
     values = {"kite_position": (300.0, 0.0, 400.0), "wind_velocity": (5.0, 0.0, 0.0), "initial_shape": 3}
@@ -131,7 +131,7 @@ def test_steps_of_any_length_lead_to_the_same_motion(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_two_instances_do_not_see_each_other(fmu_folder):
     path = fmu_folder / "TetherDynamic.fmu"
     alone = fly(started(path), 40)
@@ -144,7 +144,7 @@ def test_two_instances_do_not_see_each_other(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_outputs_can_be_read_while_initializing(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     host.fmu.setupExperiment(startTime=0.0)
@@ -158,7 +158,7 @@ def test_outputs_can_be_read_while_initializing(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_solver_options(fmu_folder):
     """fixed_step takes exactly its steps, also when the importer's step is not exactly representable."""
     results = []

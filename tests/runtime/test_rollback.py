@@ -21,7 +21,7 @@ def continue_from(path, blob, begin, end):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_at_every_communication_point_in_any_order(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
     blobs, rows = [], []
@@ -47,7 +47,7 @@ def test_in_another_process(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_after_reset_and_after_the_end(fmu_folder, fmu):
     host = started(fmu_folder / f"{fmu}.fmu")
     fly(host, 0, 10)
@@ -62,7 +62,7 @@ def test_after_reset_and_after_the_end(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_a_refused_step_changes_nothing(fmu_folder, fmu):
     """The state before and after a refusal are the same bytes, but for the input that was refused."""
     host, twin = started(fmu_folder / f"{fmu}.fmu"), started(fmu_folder / f"{fmu}.fmu")
@@ -78,7 +78,7 @@ def test_a_refused_step_changes_nothing(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_before_and_during_initialization(fmu_folder, fmu):
     """A state that was saved before the tether was started goes back to there, with its parameters."""
     host = Host(fmu_folder / f"{fmu}.fmu")
@@ -99,7 +99,7 @@ def test_before_and_during_initialization(fmu_folder, fmu):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_size_of_a_state(fmu_folder):
     """Header 56 bytes, all values, 100 numbers of the tether and 6 of each node."""
     host = started(fmu_folder / "TetherDynamic.fmu")
@@ -120,7 +120,7 @@ def test_truncated_state(fmu_folder, kept):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_forged_state(fmu_folder):
     """A state with a valid checksum but parameters that do not fit its nodes is refused as well."""
     import struct
@@ -176,7 +176,7 @@ def test_forged_states_are_refused(fmu_folder, name, value):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_a_forged_state_of_before_the_start_cannot_kill_what_reads_integers(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     for name in ("slack_segments", "segments", "damping_law"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, every_flavour, flown_in_python, of_every_flavour, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
@@ -56,7 +56,7 @@ def rows_in_python(name, winch, steps):
 @pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
 @every_flavour
 @pytest.mark.parametrize("name", list(SLAVES))
-@in_own_process
+@in_shared_process
 def test_the_flight_of_the_python_api(fmu_folder, name):
     """And each winch ends with another length."""
     lengths = set()

@@ -5,7 +5,7 @@ import math
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from isolation import in_own_process, in_shared_process
+from isolation import in_shared_process
 from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import kite_at_start, kite_inputs
 
@@ -17,7 +17,7 @@ def step_is_refused(host, words):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_getters_before_initialization(fmu_folder, fmu):
     """Inputs and parameters have their start values, outputs are finite."""
     host = Host(fmu_folder / f"{fmu}.fmu")
@@ -41,7 +41,7 @@ def test_unknown_value_references(fmu_folder, fmu, kind):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_outputs_cannot_be_set(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     before = host.get("sag")
@@ -50,14 +50,14 @@ def test_outputs_cannot_be_set(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_integers_are_not_reals(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     host.refuses(lambda: host.fmu.getReal([host.reference["segments"]]), "not a variable of this type")
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_phases(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     step_is_refused(host, "a step cannot be done before the initialization")
@@ -81,7 +81,7 @@ def test_phases(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_time_that_jumps(fmu_folder):
     """Nothing depends on time: a step from another point is done, with one warning; NaN and infinity are refused."""
     host, twin = Host(fmu_folder / "TetherDynamic.fmu").start(), Host(fmu_folder / "TetherDynamic.fmu").start()
@@ -97,7 +97,7 @@ def test_time_that_jumps(fmu_folder):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_kite_at_the_ground_station_and_kite_teleported(fmu_folder, fmu):
     """Both ends at one point, from the start and in flight; then 1 km away within a step. Done or refused in words.
 
@@ -119,7 +119,7 @@ def test_kite_at_the_ground_station_and_kite_teleported(fmu_folder, fmu):
 
 
 @of_every_flavour("fmu")
-@in_own_process
+@in_shared_process
 def test_reeled_in_to_zero(fmu_folder, fmu):
     """The tether can be reeled in until its segments have 1 cm, no farther; then it can be paid out again.
 
@@ -159,7 +159,7 @@ def test_times_of_the_experiment(fmu_folder, start, stop, words):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_an_experiment_that_has_begun_is_not_set_up(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     host.refuses(lambda: host.fmu.setupExperiment(startTime=0.0), "the experiment cannot be set up after the initialization")
@@ -167,7 +167,7 @@ def test_an_experiment_that_has_begun_is_not_set_up(fmu_folder):
 
 
 @every_flavour
-@in_own_process
+@in_shared_process
 def test_no_input_is_taken_after_the_termination(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu").start()
     before, wind = host.all_outputs(), host.get("wind_velocity")
