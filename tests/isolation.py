@@ -1,8 +1,9 @@
 """Run code in a process of its own, so that a crash is a failed test and not a dead test run.
 
 Where the system can fork, the process is forked from one that has imported the packages and has loaded no FMU. It ends as
-every Python process does: exit handlers, finalization of the interpreter, exit handlers of C. This takes most of the time of
-a short test: cases of one test that differ in numbers can follow each other in one process (`in_shared_process`).
+every Python process does: exit handlers, finalization of the interpreter, exit handlers of C. This and the loading of an FMU
+take most of the time of a short test: tests of a file that have the same FMU can follow each other in one process
+(`in_shared_process`).
 """
 
 import contextlib
