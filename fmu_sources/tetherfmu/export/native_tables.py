@@ -196,14 +196,17 @@ def _references(name, texts):
 
 
 def variable_texts(table, at, widths, count):
-    """Kind, width and start value by value reference, of which there are so many; last the time. at : of the table."""
-    kinds, starts = [0] * count, [0.0] * count
+    """Name, kind, width and start value by value reference, of which there are so many; last the time. at : of the table."""
+    kinds, starts, names = [0] * count, [0.0] * count, [""] * count
     for reference, variable in zip(at, table, strict=True):
         starts[reference] = float(variable.start or 0.0)
+        is_array = (widths or {}).get(reference, 1) > 1
+        names[reference] = variable.name.partition("[")[0] if is_array else variable.name
         if widths is None or reference in widths:
             kinds[reference] = KINDS[variable.kind] | KINDS[variable.causality]
     wide = [(widths or {}).get(reference, 1) for reference in range(count)]
     return [
+        c_texts("NAME", [*names, "" if widths is None else "time"]),
         c_numbers("unsigned char KIND", [*kinds, 0 if widths is None else KINDS["Real"] | INDEPENDENT]),
         c_numbers("unsigned short WIDTH", [*wide, 1]),
         c_numbers("double START", starts),

@@ -16,13 +16,14 @@ PARTS = (
     "instance",
 )
 OF_A_SYSTEM = {"arrays": "system_arrays", "tether_derivatives": "system_derivatives"}  # in their place
+OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # in the place of vsnprintf and stderr
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen"),
     ("libc.so.6", "private"): ("memcpy", "memcmp", "bcmp", "strchr"),  # LLVM makes bcmp of memcmp
     ("libc.so.6", "heap"): ("calloc", "free"),
     ("libc.so.6", "convert"): ("strtod", "strtol"),
-    ("libc.so.6", "stdio"): ("vsnprintf", "__stdio_common_vsprintf"),  # the second on Windows
+    ("libc.so.6", "stdio"): ("vsnprintf", "fputs", "stderr", *OF_WINDOWS),
 }
 OPTIONS = (
     *("-Os", "-fno-inline-functions"),  # compiles in half the time of -O2, and a step takes its time in the kernels

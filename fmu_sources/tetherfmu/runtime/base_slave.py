@@ -18,6 +18,7 @@ from .parameters import DEFAULT_TOLERANCE
 from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
+NO_INTEGER = -(2**31)  # what is read of an Integer variable that has no value, as NaN of a Real one
 WARNING, DISCARD, ERROR = Fmi2Status.warning, Fmi2Status.discard, Fmi2Status.error
 
 
@@ -181,7 +182,7 @@ class BaseSlave(Fmi2Slave):
 
     def get_integer(self, vrs):
         """Values of Integer and Enumeration variables."""
-        return [int(value) for value in self._get(vrs, self._integers)]
+        return [int(value) if isfinite(value) else NO_INTEGER for value in self._get(vrs, self._integers)]
 
     def set_integer(self, vrs, values):
         """Store values of Integer and Enumeration parameters; they are checked when initialization ends."""
@@ -189,7 +190,7 @@ class BaseSlave(Fmi2Slave):
 
     def get_boolean(self, vrs):
         """There are no Boolean variables."""
-        return [bool(value) for value in self._get(vrs, frozenset())]
+        return [False for _ in self._get(vrs, frozenset())]
 
     def get_string(self, vrs):
         """There are no String variables."""
@@ -202,29 +203,34 @@ class BaseSlave(Fmi2Slave):
     set_string = set_boolean
 
     def _get(self, vrs, allowed):
+        """Values of allowed references, NaN where that fails: PythonFMU's library gives importers no status for it."""
         if not allowed.issuperset(vrs):
-            unknown = [reference for reference in vrs if reference not in allowed]
-            self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown[0]))
-            return [0.0 if reference in unknown else self.values[reference] for reference in vrs]
+            unknown = next(reference for reference in vrs if reference not in allowed)
+            self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown, name=self._name_of(unknown)))
+            return [nan] * len(vrs)
         if self.phase == INITIALIZING and not self.output_places.isdisjoint(vrs):
             problem = self.start()
             if problem:
-                self.say(problem, WARNING)
+                self.say(problem, ERROR)
+                return [nan] * len(vrs)
         store = self.values
         return [store[reference] for reference in vrs]
 
     def _set_parameters(self, vrs, values, allowed):
         for reference, value in zip(vrs, values, strict=True):
             if reference not in allowed or reference in self.output_places:
-                self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, value=repr(value)))
+                name = self._name_of(reference)
+                self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, name=name, value=repr(value)))
             elif reference not in self._inputs and self.phase >= STEPPING:
-                name = self._by_reference[reference].name
-                self.refuse(refusals.IS_FIXED.format(name=name, value=value))
+                self.refuse(refusals.IS_FIXED.format(name=self._name_of(reference), value=value))
             elif self.phase == TERMINATED:
-                name = self._by_reference[reference].name
-                self.refuse(refusals.NOT_AFTER_THE_END.format(name=name, value=value))
+                self.refuse(refusals.NOT_AFTER_THE_END.format(name=self._name_of(reference), value=value))
             else:
                 self.values[reference] = value
+
+    def _name_of(self, reference):
+        known = self._by_reference.get(reference)
+        return known.name if known else refusals.UNKNOWN_VARIABLE
 
     # --- state
 

@@ -8,10 +8,10 @@
 
 /* --- derivatives of inputs */
 
-static Status check_derivative(const Instance *instance, unsigned reference, int32_t order, double value)
+static Status check_derivative(Instance *instance, unsigned reference, int32_t order, double value)
 {
     if (!(kind_of(reference, REAL) & INPUT))
-        return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference)));
+        return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference), name_of(reference)));
     Fact name = word("name", INPUT_NAME[reference]);
     if (instance->phase == TERMINATED) return say(instance, ERROR, NOT_AFTER_THE_END, FACTS(name, real("value", value)));
     if (order != 1) return say(instance, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
@@ -153,15 +153,16 @@ static bool differentiate(
 
 /* Check the variables and their numbers, and put the seed into a direction of the inputs. */
 static Status read_direction(
-    const Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
+    Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, size_t room, double *direction)
 {
     for (size_t i = 0; i < count; i++)
         if (!(kind_of(unknowns[i], REAL) & OUTPUT))
-            return say(instance, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(whole("reference", unknowns[i])));
+            return say(
+                instance, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(whole("reference", unknowns[i]), name_of(unknowns[i])));
     for (size_t i = 0; i < known_count; i++)
         if (!(kind_of(knowns[i], REAL) & INPUT))
-            return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i])));
+            return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i]), name_of(knowns[i])));
     if (check_count(instance, unknowns, count, room) != OK) return ERROR;
     if (check_count(instance, knowns, known_count, seeds) != OK) return ERROR;
     for (size_t i = 0, k = 0; i < known_count; i++)
@@ -179,7 +180,7 @@ static Arrays *differentiable(Instance *instance)
 {
     Arrays *arrays = instance->arrays;
     if (instance->phase == INITIALIZING) {
-        if (start(instance, DISCARD) > WARNING) return NULL;
+        if (start(instance, DISCARD) != OK) return NULL;
         arrays = instance->arrays;
         memcpy(arrays->inputs, instance->values, sizeof arrays->inputs);
         return arrays;

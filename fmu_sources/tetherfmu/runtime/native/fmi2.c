@@ -32,7 +32,7 @@ const char *fmi2GetVersion(void)
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[])
 {
     Instance *instance = entered(c, __func__);
-    return instance ? check_categories(instance, nCategories, categories) : fmi2Error;
+    return instance ? set_logging(instance, loggingOn, nCategories, categories) : fmi2Error;
 }
 
 /* --- life cycle */
@@ -44,7 +44,7 @@ fmi2Component fmi2Instantiate(
     /* nothing is read from `fmuResourceLocation` */
     void (*logger)(void) = functions ? (void (*)(void))functions->logger : NULL;
     void *environment = functions ? functions->componentEnvironment : NULL;
-    Instance *instance = make_instance(instanceName ? instanceName : "", log_fmi2, environment, logger);
+    Instance *instance = make_instance(instanceName ? instanceName : "", log_fmi2, environment, logger, loggingOn);
     if (!instance) return NULL;
     instance->call = __func__;
     if (!instanceName)
@@ -98,12 +98,14 @@ fmi2Status fmi2Reset(fmi2Component c)
     return fmi2OK;
 }
 
+/* A step that is refused is an error, after which another one can be done: with fmi2Discard an importer would go on from where
+a part of the step has led. */
 fmi2Status fmi2DoStep(
     fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
     fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     Instance *instance = entered(c, __func__);
-    return instance ? advance(instance, currentCommunicationPoint, communicationStepSize) : fmi2Error;
+    return instance ? advance(instance, currentCommunicationPoint, communicationStepSize, ERROR) : fmi2Error;
 }
 
 /* --- values */
@@ -174,7 +176,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     if (!vr) return refuse_null(instance, "vr");
     if (!value) return refuse_null(instance, "value");
     Fact text = word("value", value[0] ? value[0] : "NULL");
-    return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), text));
+    return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), name_of(vr[0]), text));
 }
 
 /* --- derivatives */
@@ -249,14 +251,14 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
     return deserialize(instance, serializedState, size, (Saved **)FMUstate);
 }
 
-/* --- status of the last step: never pending; a discarded step has got nowhere, and the next one can be done */
+/* --- status of the last step: never pending; a refused step has got nowhere, and the next one can be done */
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     Instance *instance = entered(c, __func__);
     if (!instance) return fmi2Error;
     if (!value) return refuse_null(instance, "value");
-    if (s != fmi2LastSuccessfulTime) return say(instance, DISCARD, NOT_OFFERED, NULL);
+    if (s != fmi2LastSuccessfulTime) return say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status")));
     *value = last_successful_time(instance);
     return fmi2OK;
 }
@@ -266,7 +268,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
     Instance *instance = entered(c, __func__);
     if (!instance) return fmi2Error;
     if (!value) return refuse_null(instance, "value");
-    if (s != fmi2Terminated) return say(instance, DISCARD, NOT_OFFERED, NULL);
+    if (s != fmi2Terminated) return say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status")));
     *value = fmi2False;
     return fmi2OK;
 }
@@ -275,7 +277,7 @@ static Status no_status(fmi2Component c, const char *call, const void *value)
 {
     Instance *instance = entered(c, call);
     if (!instance) return ERROR;
-    return value ? say(instance, DISCARD, NOT_OFFERED, NULL) : refuse_null(instance, "value");
+    return value ? say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status"))) : refuse_null(instance, "value");
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)

@@ -24,23 +24,24 @@ fmi3Status fmi3SetDebugLogging(
     fmi3Instance handle, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[])
 {
     Instance *instance = entered(handle, __func__);
-    return instance ? check_categories(instance, nCategories, categories) : fmi3Error;
+    return instance ? set_logging(instance, loggingOn, nCategories, categories) : fmi3Error;
 }
 
 /* --- life cycle */
 
-/* A new instance; NULL, and a message, if `refusal` says why there can be none, or if the token is wrong. */
+/* A new instance; NULL, and a message, if `refusal` says why there can be none, or if the token is wrong. what : that is not
+offered, for the refusal. */
 static fmi3Instance instantiated(
     const char *call, fmi3String name, fmi3String token, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    const char *refusal)
+    fmi3Boolean is_logging, const char *refusal, const char *what)
 {
-    Instance *instance = make_instance(name ? name : "", log_fmi3, environment, (void (*)(void))log);
+    Instance *instance = make_instance(name ? name : "", log_fmi3, environment, (void (*)(void))log, is_logging);
     if (!instance) return NULL;
     instance->call = call;
     if (!name)
         refuse_null(instance, "instanceName");
     else if (refusal)
-        say(instance, ERROR, refusal, NULL);
+        say(instance, ERROR, refusal, FACTS(word("what", what)));
     else if (check_token(instance, token) == OK)
         return instance;
     free_instance(instance);
@@ -54,15 +55,17 @@ fmi3Instance fmi3InstantiateCoSimulation(
     fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
     fmi3IntermediateUpdateCallback intermediateUpdate)
 {
-    const char *refusal = eventModeUsed || nRequiredIntermediateVariables ? NOT_OFFERED : NULL;
-    return instantiated(__func__, instanceName, instantiationToken, instanceEnvironment, logMessage, refusal);
+    const char *what = eventModeUsed ? "eventModeUsed" : nRequiredIntermediateVariables ? "requiredIntermediateVariables" : "";
+    return instantiated(
+        __func__, instanceName, instantiationToken, instanceEnvironment, logMessage, loggingOn, *what ? NOT_OFFERED : NULL, what);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(
     fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath, fmi3Boolean visible,
     fmi3Boolean loggingOn, fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage)
 {
-    return instantiated(__func__, instanceName, instantiationToken, instanceEnvironment, logMessage, NO_CO_SIMULATION);
+    return instantiated(
+        __func__, instanceName, instantiationToken, instanceEnvironment, logMessage, loggingOn, NO_CO_SIMULATION, "");
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(
@@ -71,7 +74,8 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3ClockUpdateCallback clockUpdate, fmi3LockPreemptionCallback lockPreemption,
     fmi3UnlockPreemptionCallback unlockPreemption)
 {
-    return instantiated(__func__, instanceName, instantiationToken, instanceEnvironment, logMessage, NO_CO_SIMULATION);
+    return instantiated(
+        __func__, instanceName, instantiationToken, instanceEnvironment, logMessage, loggingOn, NO_CO_SIMULATION, "");
 }
 
 void fmi3FreeInstance(fmi3Instance handle)
@@ -88,8 +92,7 @@ fmi3Status fmi3EnterInitializationMode(
     if (!instance) return fmi3Error;
     if (instance->phase != BEFORE) return enter_initialization(instance); /* refuses it in its own words */
     Status status = set_up_experiment(instance, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
-    if (status <= WARNING) enter_initialization(instance);
-    return status;
+    return status == OK ? enter_initialization(instance) : status;
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance handle)
@@ -125,7 +128,7 @@ fmi3Status fmi3DoStep(
     if (!earlyReturn) return refuse_null(instance, "earlyReturn");
     if (!lastSuccessfulTime) return refuse_null(instance, "lastSuccessfulTime");
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
-    Status status = advance(instance, currentCommunicationPoint, communicationStepSize);
+    Status status = advance(instance, currentCommunicationPoint, communicationStepSize, DISCARD);
     *lastSuccessfulTime = last_successful_time(instance);
     return status;
 }
@@ -161,7 +164,7 @@ static Status refuse_type(ARGUMENTS, const char *call, const char *sentence)
     if (!instance) return ERROR;
     if (!count) return OK;
     if (!references) return refuse_null(instance, "valueReferences");
-    return say(instance, ERROR, sentence, FACTS(whole("reference", references[0]), word("value", "such a value")));
+    return say(instance, ERROR, sentence, FACTS(whole("reference", references[0]), name_of(references[0]), word("value", "such a value")));
 }
 
 fmi3Status fmi3GetFloat64(ARGUMENTS, fmi3Float64 values[], size_t nValues)

@@ -34,10 +34,10 @@ Instance *entered(void *handle, const char *call)
 Status refuse_call(void *handle, const char *call)
 {
     Instance *instance = entered(handle, call);
-    return instance ? say(instance, ERROR, NOT_OFFERED, NULL) : ERROR;
+    return instance ? say(instance, ERROR, NOT_OFFERED, FACTS(word("what", call))) : ERROR;
 }
 
-Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void))
+Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void), bool is_logging)
 {
     size_t length = strlen(name) + 1;
     Instance *instance = make_room();
@@ -52,6 +52,7 @@ Instance *make_instance(const char *name, Log log, void *environment, void (*imp
     instance->log = log;
     instance->environment = environment;
     instance->importer_log = importer_log;
+    instance->is_logging = is_logging && importer_log;
     to_start_values(instance);
     return instance;
 }
@@ -80,14 +81,14 @@ void to_start_values(Instance *instance)
 }
 
 /* Whether a guid or an instantiation token is that of this FMU. */
-Status check_token(const Instance *instance, const char *token)
+Status check_token(Instance *instance, const char *token)
 {
     if (token && !strcmp(token, TOKEN)) return OK;
     return say(instance, ERROR, WRONG_TOKEN, FACTS(word("token", token ? token : "NULL"), word("expected", TOKEN)));
 }
 
 /* Warnings and refusals are always passed on, there are no other messages: the names of categories are checked, no more. */
-Status check_categories(const Instance *instance, size_t count, const char *const *categories)
+Status set_logging(Instance *instance, bool is_logging, size_t count, const char *const *categories)
 {
     if (count && !categories) return refuse_null(instance, "categories");
     for (size_t i = 0; i < count; i++) {
@@ -96,12 +97,13 @@ Status check_categories(const Instance *instance, size_t count, const char *cons
         for (int k = WARNING; k <= ERROR; k++) known = known || !strcmp(name, CATEGORY[k]);
         if (!known) return say(instance, ERROR, NO_SUCH_CATEGORY, FACTS(word("category", name)));
     }
+    instance->is_logging = is_logging && instance->importer_log;
     return OK;
 }
 
 /* --- phases */
 
-static Status refuse_phase(const Instance *instance, const char *sentence)
+static Status refuse_phase(Instance *instance, const char *sentence)
 {
     return say(instance, ERROR, sentence, FACTS(word("phase", PHASE[instance->phase])));
 }
@@ -138,18 +140,17 @@ Status terminate(Instance *instance)
 /* --- start and steps */
 
 /* Say that a diameter was probably given in millimetres. */
-static Status warn_of_diameter(const Instance *instance)
+static void warn_of_diameter(Instance *instance)
 {
-    for (int k = 0; k < LINES; k++) {
-        double diameter = instance->values[DIAMETER_AT[k]];
-        if (diameter > THICK)
-            return say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
-    }
-    return OK;
+    int k = 0;
+    while (k < LINES && !(instance->values[DIAMETER_AT[k]] > THICK)) k++;
+    if (k == LINES) return;
+    double diameter = instance->values[DIAMETER_AT[k]];
+    say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
 }
 
 /* Say what has been implausible since the start in a line, each once. */
-static Status warn_of_line(Instance *instance, int line)
+static void warn_of_line(Instance *instance, int line)
 {
     const double *state = state_of(instance->arrays, line);
     uint32_t noted = (uint32_t)state[AT_WARNINGS], new = noted & ~instance->warned[line];
@@ -163,17 +164,11 @@ static Status warn_of_line(Instance *instance, int line)
         say(instance, WARNING, SYSTEM ? "the line {line}: {text}" : "{text}",
             FACTS(word("line", LINE_NAME[line]), word("text", text)));
     }
-    return new ? WARNING : OK;
 }
 
-static Status warn(Instance *instance)
+static void warn(Instance *instance)
 {
-    Status status = OK;
-    for (int k = 0; k < LINES; k++) {
-        Status warned = warn_of_line(instance, k);
-        if (warned > status) status = warned;
-    }
-    return status;
+    for (int k = 0; k < LINES; k++) warn_of_line(instance, k);
 }
 
 /* Go on with other arrays and their values. */
@@ -208,13 +203,12 @@ Status start(Instance *instance, Status refusal)
 Status exit_initialization(Instance *instance)
 {
     if (instance->phase != INITIALIZING) return refuse_phase(instance, CANNOT_BE_LEFT);
-    Status status = start(instance, ERROR);
-    if (status != OK) return status;
+    if (start(instance, ERROR) != OK) return ERROR;
     instance->phase = STEPPING;
     give_derivatives(instance);
-    status = warn_of_diameter(instance);
-    Status warned = warn(instance);
-    return status > warned ? status : warned;
+    warn_of_diameter(instance);
+    warn(instance);
+    return OK;
 }
 
 double last_successful_time(const Instance *instance)
@@ -223,12 +217,12 @@ double last_successful_time(const Instance *instance)
 }
 
 /* Whether a step can be done now; a communication point where no step ended is reported once. */
-static Status check_time(Instance *instance, double time, double step)
+static Status check_time(Instance *instance, double time, double step, Status refusal)
 {
     double off = fabs(time - instance->time), stop = instance->stop_time;
     double allowed = JUMP_OF_STEP * fabs(step) + JUMP_OF_TIME * fabs(time);
     if (instance->phase != STEPPING) return refuse_phase(instance, NO_STEP_NOW);
-    if (!is_finite(time)) return say(instance, DISCARD, TIME_NOT_FINITE, FACTS(real("time", time)));
+    if (!is_finite(time)) return say(instance, refusal, TIME_NOT_FINITE, FACTS(real("time", time)));
     if (instance->stop_is_defined && time + step > stop + allowed)
         return say(instance, ERROR, PAST_THE_END, FACTS(real("step", step), real("time", time), real("stop", stop)));
     if (!(off > allowed) || instance->warned_of_time) return OK; /* `off` is NaN before the first step */
@@ -246,22 +240,22 @@ static void remember(Arrays *arrays, const double *values)
     arrays->is_repeatable = true;
 }
 
-/* One communication step [s] with the inputs at its start. */
-Status advance(Instance *instance, double time, double step)
+/* One communication step [s] with the inputs at its start; `refusal` is the status where it cannot be done. */
+Status advance(Instance *instance, double time, double step, Status refusal)
 {
-    Status status = check_time(instance, time, step);
-    if (status > WARNING) return status;
+    Status status = check_time(instance, time, step, refusal);
+    if (status != OK) return status;
     Arrays *arrays = instance->arrays;
     int32_t result = do_step(arrays, step, arrays->spare, instance->values);
     if (result) {
         char problem[LONGEST_TEXT];
         sentence_of(problem, arrays, instance->values, result, step, false);
-        return say(instance, DISCARD, STEP_REFUSED, FACTS(real("time", time), word("problem", problem)));
+        return say(instance, refusal, STEP_REFUSED, FACTS(real("time", time), word("problem", problem)));
     }
     remember(arrays, instance->values);
     instance->time = instance->values[TIME] = time + step;
-    Status warned = warn(instance);
-    return status > warned ? status : warned;
+    warn(instance);
+    return OK;
 }
 
 /* --- values */
@@ -272,8 +266,14 @@ unsigned kind_of(unsigned reference, unsigned kinds)
     return reference <= VALUES && KIND[reference] & kinds ? KIND[reference] : 0;
 }
 
+/* A value reference in words, for sentences that have its number, too. */
+Fact name_of(unsigned reference)
+{
+    return word("name", reference <= VALUES && *NAME[reference] ? NAME[reference] : UNKNOWN_VARIABLE);
+}
+
 /* Whether `room` values are as many as the variables have. */
-Status check_count(const Instance *instance, const unsigned *references, size_t count, size_t room)
+Status check_count(Instance *instance, const unsigned *references, size_t count, size_t room)
 {
     size_t needed = 0;
     for (size_t i = 0; i < count; i++) needed += WIDTH[references[i]];
@@ -287,19 +287,36 @@ static int32_t integer(double value)
     return fabs(value) <= AT_LARGEST_INTEGER ? (int32_t)value : 0;
 }
 
-/* Values of variables of some kinds, in their order. In initialization mode outputs are calculated when they are read. */
-Status get_values(
-    Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
+/* Whether values of variables of some kinds can be read now. In initialization mode outputs are calculated for that. */
+static Status check_readable(Instance *instance, unsigned kinds, const unsigned *references, size_t count, size_t room)
 {
     bool outputs = false;
-    Status status = OK;
     for (size_t i = 0; i < count; i++) {
         unsigned kind = kind_of(references[i], kinds);
-        if (!kind) return say(instance, ERROR, CANNOT_BE_READ, FACTS(whole("reference", references[i])));
+        if (!kind)
+            return say(instance, ERROR, CANNOT_BE_READ, FACTS(whole("reference", references[i]), name_of(references[i])));
         outputs = outputs || kind & OUTPUT;
     }
     if (check_count(instance, references, count, room) != OK) return ERROR;
-    if (outputs && instance->phase == INITIALIZING) status = start(instance, WARNING);
+    return outputs && instance->phase == INITIALIZING ? start(instance, ERROR) : OK;
+}
+
+/* Put what is no value there, for importers that do not look at the status: NaN or the smallest integer. */
+static Status spoil(Type type, void *values, size_t room)
+{
+    for (size_t k = 0; k < room; k++) {
+        if (type == FLOAT64) ((double *)values)[k] = NAN;
+        if (type == INT32) ((int32_t *)values)[k] = INT32_MIN;
+        if (type == INT64) ((int64_t *)values)[k] = INT32_MIN;
+    }
+    return ERROR;
+}
+
+/* Values of variables of some kinds, in their order. */
+Status get_values(
+    Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
+{
+    if (check_readable(instance, kinds, references, count, room) != OK) return spoil(type, values, room);
     for (size_t i = 0, k = 0; i < count; i++) {
         const double *value = instance->values + references[i];
         for (unsigned j = 0; j < WIDTH[references[i]]; j++, k++) {
@@ -308,7 +325,7 @@ Status get_values(
             if (type == INT64) ((int64_t *)values)[k] = integer(value[j]);
         }
     }
-    return status;
+    return OK;
 }
 
 static double number(Type type, const void *values, size_t k)
@@ -319,12 +336,12 @@ static double number(Type type, const void *values, size_t k)
 }
 
 /* Whether a variable can be set now. */
-static Status check_settable(const Instance *instance, Type type, unsigned kinds, unsigned reference, double value)
+static Status check_settable(Instance *instance, Type type, unsigned kinds, unsigned reference, double value)
 {
     unsigned kind = kind_of(reference, kinds);
     Fact fact = type == FLOAT64 ? real("value", value) : whole("value", value);
     if (!(kind & (INPUT | PARAMETER_KIND)))
-        return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", reference), fact));
+        return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", reference), name_of(reference), fact));
     if (kind & PARAMETER_KIND && instance->phase >= STEPPING)
         return say(instance, ERROR, IS_FIXED, FACTS(word("name", PARAMETER[reference - PARAMETERS_AT].name), fact));
     if (kind & INPUT && instance->phase == TERMINATED)

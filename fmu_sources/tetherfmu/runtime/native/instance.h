@@ -21,6 +21,7 @@ struct Instance {
     void (*importer_log)(void);
     const char *call; /* the FMI function that runs, for messages */
     Phase phase;
+    bool is_logging, has_written; /* whether the importer wants messages; whether the first refusal went to stderr */
     bool stop_is_defined, warned_of_time;
     uint32_t warned[LINES];       /* what was implausible and has been said of each line, as bits */
     double tolerance;             /* the importer's, 0 for none */
@@ -44,25 +45,26 @@ extern const char *const CATEGORY[]; /* names of log categories, by status */
 void unmark(const void **identity);
 Instance *entered(void *handle, const char *call);
 Status refuse_call(void *handle, const char *call);
-Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void));
+Instance *make_instance(const char *name, Log log, void *environment, void (*importer_log)(void), bool is_logging);
 void free_instance(Instance *instance);
 void to_start_values(Instance *instance);
 void take_arrays(Instance *instance, Arrays *arrays);
-Status check_token(const Instance *instance, const char *token);
-Status check_categories(const Instance *instance, size_t count, const char *const *categories);
+Status check_token(Instance *instance, const char *token);
+Status set_logging(Instance *instance, bool is_logging, size_t count, const char *const *categories);
 Status set_up_experiment(
     Instance *instance, bool has_tolerance, double tolerance, double start, bool has_stop, double stop);
 Status enter_initialization(Instance *instance);
 Status exit_initialization(Instance *instance);
 Status start(Instance *instance, Status refusal);
-Status advance(Instance *instance, double time, double step);
+Status advance(Instance *instance, double time, double step, Status refusal);
 Status terminate(Instance *instance);
 double last_successful_time(const Instance *instance);
 
 /* --- its values */
 
 unsigned kind_of(unsigned reference, unsigned kinds);
-Status check_count(const Instance *instance, const unsigned *references, size_t count, size_t room);
+Fact name_of(unsigned reference);
+Status check_count(Instance *instance, const unsigned *references, size_t count, size_t room);
 Status get_values(
     Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
 Status set_values(

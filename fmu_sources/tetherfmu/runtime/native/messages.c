@@ -142,18 +142,31 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
     *writer.next = '\0';
 }
 
-/* Pass a sentence to the importer, with the name of the call in front; returns the status. */
-Status say(const Instance *instance, Status status, const char *sentence, const Fact *facts)
+/* Write the first refusal to the standard error stream where the importer has not turned logging on, and may show nothing. */
+static void write_first(Instance *instance, const char *text)
+{
+    if (instance->is_logging || instance->has_written) return;
+    instance->has_written = true;
+    fputs(instance->name, stderr);
+    fputs(": ", stderr);
+    fputs(text, stderr);
+    fputs("\n", stderr);
+}
+
+/* Pass a sentence to the importer, with the name of the call in front; returns the status of the call, OK for a warning. */
+Status say(Instance *instance, Status status, const char *sentence, const Fact *facts)
 {
     char text[LONGEST_TEXT];
     size_t length = (size_t)print(text, sizeof text, "%s: ", instance->call); /* the name of an FMI function is short */
     fill_in(text + length, sizeof text - length, sentence, facts);
     if (instance->importer_log) instance->log(instance, status, text);
+    if (status == WARNING) return OK;
+    write_first(instance, text);
     return status;
 }
 
 /* Refuse a call that lacks an argument. */
-Status refuse_null(const Instance *instance, const char *argument)
+Status refuse_null(Instance *instance, const char *argument)
 {
     return say(instance, ERROR, IS_NULL, FACTS(word("argument", argument)));
 }

@@ -7,7 +7,7 @@
 
 typedef struct Instance Instance;
 typedef int Status; /* no enumeration: FMI 2 and FMI 3 have one of their own each, with these numbers */
-enum { OK, WARNING, DISCARD, ERROR };
+enum { OK, WARNING, DISCARD, ERROR }; /* WARNING is for messages only: no call returns it */
 enum { LONGEST_TEXT = 1024 };
 
 typedef struct {
@@ -20,8 +20,8 @@ Fact real(const char *key, double number);
 Fact whole(const char *key, double number);
 Fact word(const char *key, const char *text);
 void fill_in(char *text, size_t room, const char *sentence, const Fact *facts);
-Status say(const Instance *instance, Status status, const char *sentence, const Fact *facts);
-Status refuse_null(const Instance *instance, const char *argument);
+Status say(Instance *instance, Status status, const char *sentence, const Fact *facts);
+Status refuse_null(Instance *instance, const char *argument);
 #define FACTS(...) ((const Fact[]){__VA_ARGS__, {0}}) /* the last one, without a key, is the end of the list */
 
 #endif

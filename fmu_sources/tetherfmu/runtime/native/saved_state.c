@@ -55,14 +55,14 @@ static Saved *room_for(Saved *old, size_t size)
 }
 
 /* Whether a pointer is one of an FMU state of this FMU. */
-static Status check_saved(const Instance *instance, const Saved *saved)
+static Status check_saved(Instance *instance, const Saved *saved)
 {
     if (!saved) return refuse_null(instance, "FMUstate");
     return saved->identity == &A_SAVED_STATE ? OK : say(instance, ERROR, NO_FMU_STATE, NULL);
 }
 
 /* Free a state, and forget it in `*saved`. As the standard has it, nothing is done where there is none. */
-Status free_saved(const Instance *instance, Saved **saved)
+Status free_saved(Instance *instance, Saved **saved)
 {
     if (!saved || !*saved) return OK;
     if (check_saved(instance, *saved) != OK) return ERROR;
@@ -72,7 +72,7 @@ Status free_saved(const Instance *instance, Saved **saved)
 }
 
 /* Bytes that `serialize` needs. */
-Status saved_size(const Instance *instance, const Saved *saved, size_t *size)
+Status saved_size(Instance *instance, const Saved *saved, size_t *size)
 {
     if (check_saved(instance, saved) != OK) return ERROR;
     *size = saved->size;
@@ -99,7 +99,7 @@ Status save(Instance *instance, Saved **saved)
     return OK;
 }
 
-Status serialize(const Instance *instance, const Saved *saved, void *bytes, size_t size)
+Status serialize(Instance *instance, const Saved *saved, void *bytes, size_t size)
 {
     if (check_saved(instance, saved) != OK) return ERROR;
     if (size < saved->size)
@@ -110,7 +110,7 @@ Status serialize(const Instance *instance, const Saved *saved, void *bytes, size
     return OK;
 }
 
-static Status refuse_state(const Instance *instance, const char *problem)
+static Status refuse_state(Instance *instance, const char *problem)
 {
     return say(instance, ERROR, STATE_REFUSED, FACTS(word("problem", problem)));
 }
@@ -130,7 +130,7 @@ static const char *problem_of(const unsigned char *bytes, size_t size, Head *hea
     return no_step_done || is_finite(head->time) ? NULL : STATE_WRONG_TIME;
 }
 
-Status deserialize(const Instance *instance, const void *bytes, size_t size, Saved **saved)
+Status deserialize(Instance *instance, const void *bytes, size_t size, Saved **saved)
 {
     if (*saved && check_saved(instance, *saved) != OK) return ERROR;
     Head head = {.tolerance = 0.0};
@@ -150,7 +150,7 @@ Status deserialize(const Instance *instance, const void *bytes, size_t size, Sav
 }
 
 /* Whether the integers among the values are such; outputs do not count, they are computed anew. */
-static Status check_integers(const Instance *instance, const double *values)
+static Status check_integers(Instance *instance, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
     for (int i = 0; i < PARAMETERS; i++) {

@@ -11,10 +11,10 @@ typedef struct {
 } Saved;
 
 Status save(Instance *instance, Saved **saved);
-Status free_saved(const Instance *instance, Saved **saved);
+Status free_saved(Instance *instance, Saved **saved);
 Status restore(Instance *instance, const Saved *saved);
-Status saved_size(const Instance *instance, const Saved *saved, size_t *size);
-Status serialize(const Instance *instance, const Saved *saved, void *bytes, size_t size);
-Status deserialize(const Instance *instance, const void *bytes, size_t size, Saved **saved);
+Status saved_size(Instance *instance, const Saved *saved, size_t *size);
+Status serialize(Instance *instance, const Saved *saved, void *bytes, size_t size);
+Status deserialize(Instance *instance, const void *bytes, size_t size, Saved **saved);
 
 #endif
