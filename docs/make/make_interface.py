@@ -48,7 +48,7 @@ A tool that knows positions only sets `end_velocities` to 2 (derived). For smoot
 at 40 m/s, 20 ms: force error 0.004 % instead of 0.001 %), with noise more (1 mm: 1.6 % instead of 0.3 %); in the first step
 the ends rest.
 
-A step is refused (`fmi2Discard`) with a message if an input is not finite, the step is not positive, reeling in would
+A step is refused with a message if an input is not finite, the step is not positive, reeling in would
 leave segments shorter than 1 cm, a winch without mass would have to push, or the solver fails. The state then does not
 change, and the next good step works. A parameter out of range is refused when the initialization ends, with the allowed
 range.

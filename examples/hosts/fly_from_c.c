@@ -61,7 +61,7 @@ int main(int count, char **arguments) {
     const fmi2ValueReference y[] = {TETHER_KITE_POSITION_2, TETHER_KITE_VELOCITY_2};
     const fmi2ValueReference force[] = {TETHER_KITE_FORCE_1, TETHER_KITE_FORCE_2, TETHER_KITE_FORCE_3};
     fmi2CallbackFunctions callbacks = {print_message, calloc, free, NULL, NULL};
-    fmi2Component tether = Instantiate("tether", fmi2CoSimulation, TETHER_GUID, "", &callbacks, fmi2False, fmi2False);
+    fmi2Component tether = Instantiate("tether", fmi2CoSimulation, TETHER_GUID, "", &callbacks, fmi2False, fmi2True);
     if (!tether) stop("the FMU gives no instance", "");
     check(SetupExperiment(tether, fmi2False, 0.0, 0.0, fmi2False, 0.0));
     check(EnterInitializationMode(tether));

@@ -102,7 +102,7 @@ class Tether {
         : description(folder), library(folder + "/binaries/x86_64-linux/TetherDynamic.so"),
           instance(fmi3InstantiateCoSimulation(
               "tether", description.attribute(" instantiationToken=", "instantiationToken").c_str(), nullptr, fmi3False,
-              fmi3False, fmi3False, fmi3False, nullptr, 0, nullptr, print_message, nullptr)) {
+              fmi3True, fmi3False, fmi3False, nullptr, 0, nullptr, print_message, nullptr)) {
         if (!instance) throw std::runtime_error("the FMU gives no instance");
     }
     Tether(const Tether &) = delete;

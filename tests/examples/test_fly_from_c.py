@@ -22,13 +22,18 @@ STEP, SPEED, ROUNDING = 0.02, 5.0, 0.5e-3  # s, m/s, N: three digits are printed
 pytestmark = pytest.mark.skipif(not available(), reason="needs gcc on 64-bit Linux")
 
 
+def compiled(source, tmp_path, native_folder):
+    """Path of the program that the example becomes."""
+    places = (f"-I{native_folder}", f"-I{HEADERS}")
+    command = ["gcc", "-std=c99", *WARNINGS, source, *places, "-ldl", "-o", tmp_path / "fly_from_c"]
+    subprocess.run([*map(str, command)], check=True)
+    return tmp_path / "fly_from_c"
+
+
 @pytest.fixture
 def program(tmp_path, native_folder):
     """Path of the compiled example."""
-    places = (f"-I{native_folder}", f"-I{HEADERS}")
-    command = ["gcc", "-std=c99", *WARNINGS, SOURCE, *places, "-ldl", "-o", tmp_path / "fly_from_c"]
-    subprocess.run([*map(str, command)], check=True)
-    return tmp_path / "fly_from_c"
+    return compiled(SOURCE, tmp_path, native_folder)
 
 
 def test_forces_are_those_of_the_python_api(program, native_folder, tmp_path):
@@ -46,6 +51,19 @@ def test_forces_are_those_of_the_python_api(program, native_folder, tmp_path):
     on_the_page = re.findall(r"^ ?[\d.]+ s: .* N$", PAGE.read_text("utf-8"), re.MULTILINE)
     shown = [[float(number) for number in re.findall(r"-?\d+\.\d+", line)] for line in on_the_page]
     np.testing.assert_allclose(shown, rows, rtol=0.0, atol=2.0 * ROUNDING)
+
+
+def test_a_refused_step_ends_it_with_the_sentence(native_folder, tmp_path):
+    """A kite that leaves the allowed inputs, 1e9 in magnitude, after some steps."""
+    source = tmp_path / "too_fast.c"
+    source.write_text(SOURCE.read_text("utf-8").replace("speed = 5.0", "speed = 6e8"))
+    program = compiled(source, tmp_path, native_folder)
+    with zipfile.ZipFile(native_folder / "TetherDynamic.fmu") as archive:
+        archive.extractall(tmp_path / "TetherDynamic")
+    done = subprocess.run([program, tmp_path / "TetherDynamic"], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert re.search(r"fmi2DoStep: the step from .* s is refused: ", done.stderr)
+    assert done.stderr.endswith("fly_from_c: the FMU refused a call; its message says why\n")
 
 
 def test_a_folder_without_an_fmu_is_refused_in_one_line(program, tmp_path):

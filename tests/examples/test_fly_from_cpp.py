@@ -20,12 +20,17 @@ STEP, COUNT, ROUNDING = 0.02, 1000, 0.5e-3  # s, -, N: three digits are printed
 pytestmark = pytest.mark.skipif(not available(), reason="needs gcc on 64-bit Linux")
 
 
+def compiled(source, tmp_path):
+    """Path of the program that the example becomes."""
+    command = ["g++", "-std=c++17", *WARNINGS, source, f"-I{HEADERS}", "-ldl", "-o", tmp_path / "fly_from_cpp"]
+    subprocess.run([*map(str, command)], check=True)
+    return tmp_path / "fly_from_cpp"
+
+
 @pytest.fixture
 def program(tmp_path):
     """Path of the compiled example."""
-    command = ["g++", "-std=c++17", *WARNINGS, SOURCE, f"-I{HEADERS}", "-ldl", "-o", tmp_path / "fly_from_cpp"]
-    subprocess.run([*map(str, command)], check=True)
-    return tmp_path / "fly_from_cpp"
+    return compiled(SOURCE, tmp_path)
 
 
 def motion(time):
@@ -56,3 +61,16 @@ def test_forces_are_those_of_the_python_api(program, fmi3_folder, tmp_path):
 def test_a_folder_without_an_fmu_is_refused_in_one_line(program, tmp_path):
     done = subprocess.run([program, tmp_path], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (1, "fly_from_cpp: the folder has no modelDescription.xml\n")
+
+
+def test_a_refused_step_ends_it_with_the_sentence(fmi3_folder, tmp_path):
+    """A truck that leaves the allowed inputs, 1e9 in magnitude, after some steps."""
+    source = tmp_path / "too_fast.cpp"
+    source.write_text(SOURCE.read_text("utf-8").replace("0.75 * time * time", "1e9 * time"))
+    with zipfile.ZipFile(fmi3_folder / "TetherDynamic.fmu") as archive:
+        archive.extractall(tmp_path / "TetherDynamic")
+    program = compiled(source, tmp_path)
+    done = subprocess.run([program, tmp_path / "TetherDynamic"], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert re.search(r"fmi3DoStep: the step from .* s is refused: ", done.stderr)
+    assert done.stderr.endswith("fly_from_cpp: the FMU refused a call; its message says why\n")

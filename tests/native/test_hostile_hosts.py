@@ -213,11 +213,11 @@ def test_short_buffers(dynamic):
 
 
 @in_own_process
-def test_status_after_a_discarded_step(dynamic):
+def test_status_after_a_refused_step(dynamic):
     fmu = Library(dynamic)
     tether, time, end = fmu.started(), c_double(), c_int(1)
     assert fmu.step(tether) == OK
-    for size, status in ((-1.0, DISCARD), (0.02, OK)):
+    for size, status in ((-1.0, ERROR), (0.02, OK)):
         assert fmu.step(tether, 0.02, size) == status
         assert fmu.GetRealStatus(tether, LAST_SUCCESSFUL_TIME, byref(time)) == OK
         assert fmu.GetBooleanStatus(tether, TERMINATED, byref(end)) == OK

@@ -136,4 +136,4 @@ def test_windows_equals_linux(everywhere, native_folder, host):
     done = subprocess.run(command, cwd=host, check=True, capture_output=True, text=True)
     found = np.frombuffer((host / "out.bin").read_bytes()).reshape(STEPS + 1, -1)
     np.testing.assert_allclose(found, expected, rtol=SAME, atol=SAME * np.abs(expected).max())
-    assert done.stdout.splitlines()[-1] == f"tether 2 logStatusDiscard {said}"
+    assert done.stdout.splitlines()[-1] == f"tether 2 logStatusError {said}"

@@ -93,6 +93,21 @@ def test_start(model):
 
 
 @pytest.mark.parametrize("model", EVERY)
+def test_a_length_that_has_never_been_set_is_the_initial_one(model):
+    """Start values alone hold it; the steps are those of a twin that is told initial_length, bit for bit."""
+    silent, twin = (model(winch_control="length", segments=5, initial_length=510.0) for _ in range(2))
+    silent.initialize()
+    twin.initialize(winch_length=510.0)
+    for length in (None, None, 510.01, 510.03):
+        first = silent.step(0.05, **({} if length is None else {"winch_length": length}))
+        second = twin.step(0.05, winch_length=length or 510.0)
+        assert (first.tether_length, first.winch_speed) == (second.tether_length, second.winch_speed)
+        np.testing.assert_array_equal(first.kite_force, second.kite_force)
+    with pytest.raises(StepRefused, match=r"the winch_length 0\.0 m"):
+        silent.step(0.05, winch_length=0.0)
+
+
+@pytest.mark.parametrize("model", EVERY)
 def test_first_step_goes_on_with_the_reel_out_speed(model):
     tether = model(winch_control="length", segments=5)
     tether.initialize(winch_length=MEAN, reel_out_speed=2.0)

@@ -116,7 +116,7 @@ def _line(line, shape_points):
     """`system_variables.Line` of a line of a file."""
     starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)}
     starts |= {name: getattr(line.winch, name) for name, _ in quantities(Winch)}
-    starts |= {"reel_out_speed": line.reel_out_speed, "winch_length": line.tether.initial_length}
+    starts["reel_out_speed"] = line.reel_out_speed
     points = line.tether.segments + 1 if shape_points is None else shape_points
     return Line(line.name, line.start, line.end, starts, points)
 

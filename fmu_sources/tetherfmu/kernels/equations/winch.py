@@ -78,11 +78,24 @@ def follows_force(parameters):
 
 
 @kernel
-def first_length(parameters, inputs):
-    """Unstretched length [m] at the start."""
-    if follows_length(parameters) and inputs[at.WINCH_LENGTH] != 0.0:
-        return inputs[at.WINCH_LENGTH]
-    return parameters[at.INITIAL_LENGTH]
+def last_given_length(parameters, state):
+    """The same as `given_length` of the last step, or of the start [m]."""
+    last = state[at.LAST_WINCH_LENGTH]
+    return last if last != 0.0 else parameters[at.INITIAL_LENGTH]
+
+
+@kernel
+def given_length(parameters, inputs, state):
+    """Length [m] that the winch should have paid out: `winch_length`; `initial_length` as long as it has been 0."""
+    if inputs[at.WINCH_LENGTH] == 0.0 and state[at.LAST_WINCH_LENGTH] == 0.0:
+        return parameters[at.INITIAL_LENGTH]
+    return inputs[at.WINCH_LENGTH]
+
+
+@kernel
+def first_length(parameters, inputs, state):
+    """Unstretched length [m] at the start, with a state that is 0."""
+    return given_length(parameters, inputs, state) if follows_length(parameters) else parameters[at.INITIAL_LENGTH]
 
 
 @kernel
@@ -106,18 +119,18 @@ def reel_acceleration(parameters, inputs, step, state):
 
 
 @kernel
-def winch_speed(inputs, state):
+def winch_speed(parameters, inputs, state):
     """Rate of `winch_length` over the last step [m/s]; before the second the speed with which the winch starts."""
     if state[at.LAST_STEP] > 0.0:
-        return (inputs[at.WINCH_LENGTH] - state[at.LAST_WINCH_LENGTH]) / state[at.LAST_STEP]
+        return (given_length(parameters, inputs, state) - last_given_length(parameters, state)) / state[at.LAST_STEP]
     return state[at.REELING]
 
 
 @kernel
-def winch_acceleration(inputs, step, state):
+def winch_acceleration(parameters, inputs, step, state):
     """Rate [m/s2] of `winch_speed`, estimated for a step [s]: speeds belong to the middles of steps."""
     between = between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
-    change = winch_speed(inputs, state) - state[at.LAST_WINCH_SPEED]
+    change = winch_speed(parameters, inputs, state) - state[at.LAST_WINCH_SPEED]
     return estimated_rate(change, state[at.RECENT_WINCH_ACCELERATION], between, state[at.LONGEST_SO_FAR], step)
 
 
@@ -146,12 +159,13 @@ def on_axis(number):
 
 
 @kernel
-def following(inputs, correction, step, state):
+def following(parameters, inputs, correction, step, state):
     """Coefficients of the length in a step [s] that follows `winch_length` and comes to it in the time `correction` [s]."""
-    acceleration = winch_acceleration(inputs, step, state)
-    speed = winch_speed(inputs, state) + 0.5 * state[at.LAST_STEP] * acceleration
-    told = on_axis(inputs[at.WINCH_LENGTH]), on_axis(given_derivative(state, at.WINCH_LENGTH, speed)), on_axis(acceleration)
-    c0, c1, c2, c3 = curve(on_axis(state[at.LENGTH]), on_axis(state[at.REELING]), *told, correction)
+    acceleration = winch_acceleration(parameters, inputs, step, state)
+    speed = winch_speed(parameters, inputs, state) + 0.5 * state[at.LAST_STEP] * acceleration
+    length, rate = given_length(parameters, inputs, state), given_derivative(state, at.WINCH_LENGTH, speed)
+    given = on_axis(length), on_axis(rate), on_axis(acceleration)
+    c0, c1, c2, c3 = curve(on_axis(state[at.LENGTH]), on_axis(state[at.REELING]), *given, correction)
     return c0[0], c1[0], c2[0], c3[0]
 
 
@@ -162,7 +176,7 @@ def reeling_of_step(parameters, inputs, correction, step, state):
     With a winch that is told a force, of a length that stays.
     """
     if follows_length(parameters):
-        return following(inputs, correction, step, state)
+        return following(parameters, inputs, correction, step, state)
     if follows_force(parameters):
         return state[at.LENGTH], 0.0, 0.0, NEUTRAL
     return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * reel_acceleration(parameters, inputs, step, state), NEUTRAL

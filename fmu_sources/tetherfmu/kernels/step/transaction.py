@@ -61,7 +61,8 @@ def start(n, parameters, inputs, state):
     for k in range(len(state)):
         state[k] = 0.0
     place_at_start(n, parameters, inputs, state)
-    state[at.LENGTH] = winch.first_length(parameters, inputs)
+    state[at.LENGTH] = winch.first_length(parameters, inputs, state)
+    state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, wind_of(inputs))
     wind_points.start(n, parameters, inputs, state)
