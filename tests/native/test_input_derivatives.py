@@ -143,10 +143,10 @@ WRONG = (
     ("reel_out_speed", 0, 1.0, "the order of the derivative of reel_out_speed is 0; it must be 1"),
     ("kite_velocity[2]", 1, math.nan, "the derivative of kite_velocity[2] is nan; it must be a finite number"),
     ("kite_velocity[2]", 1, -2e9, "the derivative of kite_velocity[2] is -2000000000.0; it must be a finite number"),
-    ("sag", 1, 1.0, "cannot be used here: it is not a continuous input"),
+    ("sag", 1, 1.0, "(sag) cannot be used here: it is not a continuous input"),
     ("diameter", 1, 1.0, "cannot be used here: it is not a continuous input"),
     ("segments", 1, 1.0, "cannot be used here: it is not a continuous input"),
-    (12345, 1, 1.0, "value reference 12345 cannot be used here: it is not a continuous input"),
+    (12345, 1, 1.0, "value reference 12345 (no variable of this FMU) cannot be used here: it is not a continuous input"),
 )
 
 

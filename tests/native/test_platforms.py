@@ -24,7 +24,7 @@ LARGEST = 2_000_000  # bytes of an FMU
 STEPS, STEP = 100, 0.02
 SAME = 1e-12  # as in export/test_windows.py: the mathematical libraries differ in the last bit
 C_LIBRARY = {"calloc", "free", "memcpy", "memset", "memcmp", "bcmp", "strchr", "strcmp", "strcspn", "strlen", "strncmp"}
-C_LIBRARY |= {"strtod", "strtol", "vsnprintf", "floor", *MATHEMATICS}
+C_LIBRARY |= {"strtod", "strtol", "vsnprintf", "fputs", "stderr", "floor", *MATHEMATICS}
 UNIVERSAL, PROCESSORS = 0xCAFEBABE, {0x01000007, 0x0100000C}  # Apple's mach-o/fat.h and mach/machine.h
 NAME = "TetherDynamicFree"
 

@@ -200,9 +200,9 @@ def variable_texts(table, at, widths, count):
     kinds, starts, names = [0] * count, [0.0] * count, [""] * count
     for reference, variable in zip(at, table, strict=True):
         starts[reference] = float(variable.start or 0.0)
-        is_array = (widths or {}).get(reference, 1) > 1
-        names[reference] = variable.name.partition("[")[0] if is_array else variable.name
         if widths is None or reference in widths:
+            is_array = (widths or {}).get(reference, 1) > 1
+            names[reference] = variable.name.partition("[")[0] if is_array else variable.name
             kinds[reference] = KINDS[variable.kind] | KINDS[variable.causality]
     wide = [(widths or {}).get(reference, 1) for reference in range(count)]
     return [

@@ -146,11 +146,10 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
 static void write_first(Instance *instance, const char *text)
 {
     if (instance->is_logging || instance->has_written) return;
+    char line[LONGEST_TEXT];
+    print(line, sizeof line, "%s: %s\n", instance->name, text);
+    fputs(line, stderr);
     instance->has_written = true;
-    fputs(instance->name, stderr);
-    fputs(": ", stderr);
-    fputs(text, stderr);
-    fputs("\n", stderr);
 }
 
 /* Pass a sentence to the importer, with the name of the call in front; returns the status of the call, OK for a warning. */
