@@ -32,7 +32,9 @@ def documents(name, variant, description, options, native=None):
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
     if options.purpose:
-        texts["documentation/index.html"] = options.purpose.page
+        title, about = f"{name}, {options.purpose.name}", options.purpose.page
+        shown = {"title": escape(title), "page": about, "files": listed(texts), **style_and_tables(table)}
+        texts["documentation/index.html"] = filled("purpose.html", **shown)
     else:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))

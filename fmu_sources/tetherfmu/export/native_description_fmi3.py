@@ -29,7 +29,7 @@ TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"),
 TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
 
 
-def text(name, about, table, places, step, token, sources=()):
+def text(name, about, table, places, times, token, sources=()):
     """Text of modelDescription.xml; the arguments are those of `native_description.text`.
 
     sources : not needed, FMI 3 has a file of its own for them.
@@ -39,7 +39,7 @@ def text(name, about, table, places, step, token, sources=()):
     root.append(units((*table, TIME)))
     root.append(_types(table))
     root.append(categories())
-    root.append(experiment(step))
+    root.append(experiment(*times))
     listed = arrays_at(table, places)
     variables = SubElement(root, "ModelVariables")
     for array in (*listed, Array(TIME.name, places.count, (), (TIME,))):

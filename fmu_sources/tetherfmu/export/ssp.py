@@ -29,7 +29,7 @@ TOOL = f"TetherFMU {__version__}"
 FMU = "application/x-fmu-sharedlibrary"
 STEP, STOP = 0.02, 200.0  # of the default experiment [s]
 OSP_STRUCTURE = f"{OSP_FOLDER}/{osp.STRUCTURE}"
-PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}. {about}</p>\n"
+PAGE = "<h1>{name}</h1>\n<p>{name} of TetherFMU {version}. {about}</p>"
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def _built(fmu, start, system, folder, options, files):
         starts = [(name, value) for name, value in start.items() if name in known]
         return example_fmus.build(fmu, folder, starts, files.get(fmu, ()))
     about = f"With the start values of the system {system}."
-    purpose = Purpose(system, (), about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
+    purpose = Purpose(system, (), about, STEP, STOP, PAGE.format(name=fmu, version=__version__, about=about))
     return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))
 
 

@@ -32,7 +32,6 @@ _INITIAL = {"output": "calculated", "parameter": "exact"}
 # attributes of a ScalarVariable of FMI 2; all others belong to its type
 _OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variability", "initial")
 _LARGEST_EXACT = 1e15  # a whole number of fewer than 16 digits is a double
-STOP_TIME = 10.0  # of the default experiment [s]
 
 
 def complete(root, table, references):
