@@ -32,11 +32,11 @@ def fmu(folder):
 def test_only_what_the_scene_needs(fmu):
     """The circle has wind and a fixed ground end, and asks for the force on the kite; a winch may be controlled any way."""
     description = read_model_description(fmu)
-    names = {"input": set(), "output": set(), "parameter": set()}
+    names = {"input": set(), "output": set(), "local": set(), "parameter": set()}
     for variable in description.modelVariables:
         names[variable.causality].add(variable.name.partition("[")[0])
-    assert names["input"] == {"kite_position", "kite_velocity", "wind_velocity"}
-    assert names["output"] == {"kite_force"}
+    assert names["input"] == {"kite_position", "kite_velocity", "wind_velocity", *WINCH}
+    assert (names["output"], names["local"]) == ({"kite_force"}, set())
     assert validate_fmu(str(fmu)) == []
     with zipfile.ZipFile(fmu) as archive:
         assert "documentation/licenses/license.txt" in archive.namelist()

@@ -8,7 +8,9 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
+from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.kernel_library import this_platform
 
 VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "output": ["ground_force", "kite_force"]}
@@ -19,10 +21,11 @@ SCALARS = {
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("winch_speed", "grounded_length", "solver_steps", "solver_rejections", "solver_iterations"),
-        "solver_iteration_limit",
+        *("winch_speed", "grounded_length"),
     ],
+    "local": ["solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit"],
 }
+SHAPE = [f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3)]
 PARAMETERS = {  # name: (start, unit), as the page says
     "segments": ("20", None),
     "initial_length": ("505", "m"),
@@ -86,14 +89,15 @@ def test_offers_the_plug(fmu_folder, name):
         names = SCALARS[causality] + [f"{each}[{i}]" for each in vectors for i in (1, 2, 3)]
         assert {variables[each].causality for each in names} == {causality}
         expected.update(names)
-    expected.update(f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3))
+    assert {variables[each].causality for each in (*SCALARS["local"], *SHAPE)} == {"local"}
+    expected.update(SCALARS["local"], SHAPE)
     assert set(variables) == expected
     for each, (start, unit) in parameters.items():
         assert (variables[each].start, variables[each].unit) == (start, unit)
         assert variables[each].causality == "parameter"
         assert variables[each].variability == "fixed"
     assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ([None] * 3 if is_free else ["300", "0", "400"])
-    assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
+    assert {variables[each].type for each in ("slack_segments", *SCALARS["local"])} == {"Integer"}
     enumerations = (
         "damping_law",
         "wind_profile",

@@ -10,7 +10,7 @@ from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, table_of
 
 from . import evidence, osp, related_files, winch_evidence
 
@@ -130,11 +130,13 @@ def page(name, variant, description, table, paths, native):
 
 def style_and_tables(table, hint="<p>Set them before the initialization ends.</p>\n"):
     """What the pages of all FMUs share: the style, and their tables of variables. hint : HTML above the parameters."""
+    local = rows(table, LOCAL, unit, meaning)
     tables = filled(
         "tables.html",
         hint=hint,
         inputs=rows(table, INPUT, unit, start, meaning),
         outputs=rows(table, OUTPUT, unit, meaning),
+        local=filled("local.html", rows=local) if local else "",
         parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
     )
     return {"style": (ASSETS / "page.css").read_text(encoding="utf-8").strip(), "tables": tables.rstrip()}

@@ -4,9 +4,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime.inputs import inputs_of
 from tetherfmu.runtime.model_description import attributes, enumerations, items, units
-from tetherfmu.runtime.outputs import OUTPUT_TABLE
+from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
-from tetherfmu.runtime.variables import Variable
+from tetherfmu.runtime.variables import INPUT, Variable
 
 from .documents import meaning
 from .native_arrays import Array, arrays_at
@@ -86,7 +86,7 @@ def _structure(listed):
     """ModelStructure: outputs, and what they depend on when initialization ends: an array on what its elements do."""
     element = Element("ModelStructure")
     references = {variable.name: array.reference for array in listed for variable in array.variables}
-    outputs = [array for array in listed if array.variables[0].causality == "output"]
+    outputs = [array for array in listed if array.variables[0].causality == OUTPUT]
     for array in outputs:
         SubElement(element, "Output", valueReference=str(array.reference), dependencies="")
     for array in outputs:

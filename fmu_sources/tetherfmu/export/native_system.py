@@ -8,7 +8,7 @@ from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.system_maps import quantities_of_line
-from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
+from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, PARAMETER
 
 from .native_arrays import Places
 from .native_tables import (
@@ -75,10 +75,10 @@ def _forces(structure):
 
 def _sizes(structure, table):
     """Sizes of the arrays, places in the plan, statuses that the shell looks at."""
-    counts = {kind: sum(each.causality == kind for each in table) for kind in (INPUT, OUTPUT, PARAMETER)}
+    given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
     lines = len(structure.lines)
-    sizes = {"INPUTS": counts[INPUT], "OUTPUTS_AT": counts[INPUT], "PARAMETERS_AT": counts[INPUT] + counts[OUTPUT]}
-    sizes |= {"PARAMETERS": counts[PARAMETER], "VALUES": len(table), "TIME": len(table)}
+    sizes = {"INPUTS": given, "OUTPUTS_AT": given, "PARAMETERS_AT": len(table) - fixed}
+    sizes |= {"PARAMETERS": fixed, "VALUES": len(table), "TIME": len(table)}
     plan = {
         f"PLAN_{name.removeprefix('PLAN_')}": value
         for name, value in vars(system_layout).items()

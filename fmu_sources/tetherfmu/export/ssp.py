@@ -36,13 +36,12 @@ PAGE = "<h1>{name}</h1>\n<p>{name} of TetherFMU {version}. {about}</p>"
 class Wiring:
     """What a system has beside connections of equal names.
 
-    renamed : dict of an input, "instance.name", to the name of the output that it gets, "" for none.  with_shape : whether
-    the points of the tether are connected.  files : dict of FMUs to pairs (file name, bytes) in their resources.
-    steps : dict of the instances that may take longer steps than the others, where the importer lets them, to theirs [s].
+    renamed : dict of an input, "instance.name", to the name of the output that it gets, "" for none.  files : dict of FMUs
+    to pairs (file name, bytes) in their resources.  steps : dict of the instances that may take longer steps than the
+    others, where the importer lets them, to theirs [s].
     """
 
     renamed: dict = field(default_factory=dict)
-    with_shape: bool = False
     files: dict = field(default_factory=dict)
     steps: dict = field(default_factory=dict)
 
@@ -67,7 +66,7 @@ def in_turbulence(folder, options):
     """Write the systems with turbulent wind to a folder; gives their paths. options : as in `write_all`."""
     given = example("wind.turbulence_systems")
     options = replace(options, wind_points=given.POINTS, shape_points=given.POINTS)
-    wiring = Wiring(given.RENAMED, with_shape=True, files={"TurbulentWind": [(Path(given.BOX).name, given.box())]})
+    wiring = Wiring(given.RENAMED, files={"TurbulentWind": [(Path(given.BOX).name, given.box())]})
     for name, fmus, start in (
         ("turbulent_circle", given.CIRCLE, given.CIRCLE_START),
         ("turbulent_parked_kite", given.PARKED, given.PARKED_START),
@@ -101,9 +100,7 @@ def write(name, fmus, start, fidelities, folder, options, wiring=Wiring()):
 def _connections(variables, wiring):
     """Dict of instances to dicts of their inputs to pairs (instance, output)."""
     given = example("power_system.kite_power_system")
-    givers = {
-        output: instance for instance, known in variables.items() for output in given.given_by(known, wiring.with_shape)
-    }
+    givers = {output: instance for instance, known in variables.items() for output in given.given_by(known)}
     found = {}
     for instance, known in variables.items():
         wanted = {v.name: _output_for(f"{instance}.{v.name}", wiring) for v in known if v.causality == "input"}
@@ -129,7 +126,7 @@ def _structure(name, fidelity, fmus, variables, values, wiring):
     for instance, known in variables.items():
         inputs = inputs_of[instance]
         component = SubElement(elements, "ssd:Component", name=instance, type=FMU, source=_source(fmus[instance]))
-        _connectors(component, inputs, given.given_by(known, wiring.with_shape))
+        _connectors(component, inputs, given.given_by(known))
         if instance in values:
             bindings = SubElement(component, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=_set(instance, fidelity))

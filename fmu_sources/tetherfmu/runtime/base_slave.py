@@ -16,6 +16,7 @@ from . import __version__, refusals
 from .model_description import complete
 from .parameters import DEFAULT_TOLERANCE
 from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
+from .variables import CALCULATED, INPUT
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
 WARNING, DISCARD, ERROR = Fmi2Status.warning, Fmi2Status.discard, Fmi2Status.error
@@ -56,8 +57,8 @@ class BaseSlave(Fmi2Slave):
                 values[reference] = variable.start
         self._reals = self._all(lambda variable: variable.kind == "Real")
         self._integers = frozenset(references) - self._reals
-        self._inputs = self._all(lambda variable: variable.causality == "input")
-        self.output_places = self._all(lambda variable: variable.causality == "output")
+        self._inputs = self._all(lambda variable: variable.causality == INPUT)
+        self.output_places = self._all(lambda variable: variable.causality in CALCULATED)
 
     def _all(self, chosen):
         return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))

@@ -6,6 +6,9 @@ PythonFMU's is completed with them; what they say of a variable, `attributes`, i
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
+from .outputs import OUTPUT
+from .variables import CALCULATED, INPUT, PARAMETER
+
 UNITS = {  # quantity, exponents of the base units, nominal value of an input or output
     "m": ("Length", {"m": 1}, 100.0),
     "m/s": ("Velocity", {"m": 1, "s": -1}, 10.0),
@@ -28,7 +31,7 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
     "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
-_INITIAL = {"output": "calculated", "parameter": "exact"}
+_INITIAL = {**dict.fromkeys(CALCULATED, "calculated"), PARAMETER: "exact"}
 # attributes of a ScalarVariable of FMI 2; all others belong to its type
 _OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variability", "initial")
 _LARGEST_EXACT = 1e15  # a whole number of fewer than 16 digits is a double
@@ -105,9 +108,9 @@ def attributes(name, reference, meaning, elements):
     differ in their start values only.
     """
     first = elements[0]
-    declared, fixed = first.quantity, first.causality == "parameter"
+    declared, fixed = first.quantity, first.causality == PARAMETER
     found = {"name": name, "valueReference": str(reference), "description": meaning, "causality": first.causality}
-    # outputs change in steps, those that count are discrete
+    # what is calculated changes in steps, what counts is discrete
     found["variability"] = "fixed" if fixed else "continuous" if first.kind == "Real" else "discrete"
     if first.causality in _INITIAL:
         found["initial"] = _INITIAL[first.causality]
@@ -118,7 +121,7 @@ def attributes(name, reference, meaning, elements):
         found |= {"quantity": quantity, "unit": declared.unit}
         if declared.display:
             found["displayUnit"] = declared.display[0]
-        if first.causality in ("input", "output"):
+        if first.causality in (INPUT, *CALCULATED):
             found["nominal"] = repr(nominal)
     limits = {"min": declared.minimum, "max": declared.maximum}
     found |= {key: number_text(limit) for key, limit in limits.items() if abs(limit) < inf}
@@ -141,7 +144,7 @@ def structure(table):
     unknowns = SubElement(element, "InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
     for variable in table:
-        if variable.causality == "output":
+        if variable.causality == OUTPUT:
             index = str(positions[variable.name])
             SubElement(outputs, "Unknown", index=index, dependencies="")
             unknown = SubElement(unknowns, "Unknown", index=index)

@@ -2,7 +2,7 @@
 
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.results import StepRefused
-from tetherfmu.runtime.variables import OUTPUT, variables
+from tetherfmu.runtime.variables import CALCULATED, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import inputs_of
@@ -28,13 +28,13 @@ def vector_of(name):
 
 
 def left_out(scene, inputs, shape_points):
-    """Names of the inputs that are 0 all through a scene, and of the outputs that it does not ask for: two tuples.
+    """Names of the inputs that are 0 all through a scene, and of what is calculated and it does not ask for: two tuples.
 
     inputs : as `through_fmpy.inputs_of` gives them.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
-    outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
+    outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality in CALCULATED]
     still = tuple(name for name in inputs if vector_of(name) not in KEPT and not moved[name])
     return still, tuple(name for name in outputs if vector_of(name) not in asked)
 
