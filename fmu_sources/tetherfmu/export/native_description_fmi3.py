@@ -2,7 +2,7 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.inputs import inputs_of
+from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
 from tetherfmu.runtime.model_description import attributes, enumerations, items, units
 from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
@@ -26,7 +26,13 @@ CAPABILITIES = {
 }
 TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
 TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
-TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
+WIND = "wind"
+TERMINALS = {
+    "kite": "the kite end of the tether",
+    "ground": "the ground end of the tether",
+    "winch": "the winch at the ground end",
+    WIND: "the wind along the tether",
+}
 
 
 def text(name, about, table, places, times, token, sources=()):
@@ -49,21 +55,29 @@ def text(name, about, table, places, times, token, sources=()):
 
 
 def terminals(table):
-    """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force."""
-    known = {variable.name.partition("[")[0] for variable in table}
+    """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force; winch and wind."""
+    known = {variable.name.partition("[")[0] for variable in table if variable.causality in (INPUT, OUTPUT)}
+    if WIND_AT.name in known:
+        known -= set(WITHOUT_EFFECT)
     # motion, then force, then what only a free kite end is given
-    declared = (*inputs_of(kite_is_free=False), *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
-    members = {each.terminal: each.name for each in declared if each.terminal and each.name in known}
+    declared = (*inputs_of(kite_is_free=False), WIND_AT, *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
+    named = {tuple(each.terminal.split(".")): each.name for each in declared if each.terminal and each.name in known}
+    return buses(
+        (terminal, about, [(member, name) for (where, member), name in named.items() if where == terminal])
+        for terminal, about in TERMINALS.items()
+    )
+
+
+def buses(listed):
+    """Text of terminalsAndIcons.xml for terminals: triples of name, description, pairs (name of a member, variable)."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    listed = SubElement(root, "Terminals")
-    for end, meaning_of_end in TERMINALS.items():
-        terminal = Element("Terminal", name=end, matchingRule="bus", description=meaning_of_end)
-        for member, name in members.items():
-            if member.startswith(f"{end}."):
-                names = {"variableName": name, "memberName": member.partition(".")[2]}
+    terminals = SubElement(root, "Terminals")
+    for name, about, members in listed:
+        if members:
+            terminal = SubElement(terminals, "Terminal", name=name, matchingRule="bus", description=about)
+            for member, variable in members:
+                names = {"variableName": variable, "memberName": member}
                 SubElement(terminal, "TerminalMemberVariable", names, variableKind="signal")
-        if len(terminal):
-            listed.append(terminal)
     return xml_text(root)
 
 

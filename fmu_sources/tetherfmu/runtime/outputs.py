@@ -70,7 +70,7 @@ class Outputs(NamedTuple):
     ground_tension: float = output("N", "tension of the first segment", FORCE)
     kite_tension: float = output("N", "tension of the last segment", FORCE)
     max_tension: float = output("N", "largest tension of all segments", FORCE)
-    tether_length: float = output("m", "present unstretched length", LENGTH, NOT_NEGATIVE)
+    tether_length: float = output("m", "present unstretched length", LENGTH, NOT_NEGATIVE, terminal="winch.tether_length")
     ground_elevation: float = output(
         "rad", "elevation at which the tether leaves the ground end", FORM, (-pi / 2.0, pi / 2.0), DEGREES
     )
@@ -97,7 +97,9 @@ class Outputs(NamedTuple):
         (*LENGTH, "axial_damping"),
         NOT_NEGATIVE,
     )
-    winch_speed: float = output("m/s", "present reel-out speed, whatever controls the winch", REELING)
+    winch_speed: float = output(
+        "m/s", "present reel-out speed, whatever controls the winch", REELING, terminal="winch.speed"
+    )
     grounded_length: float = output(
         "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE
     )
