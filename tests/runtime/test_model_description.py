@@ -131,8 +131,13 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
         assert (variable.quantity is not None) == (variable.unit is not None)
         if variable.unit is not None and variable.causality != "parameter":
             assert float(variable.nominal) > 0.0
-    displayed = {each: variable.displayUnit for each, variable in variables.items() if variable.displayUnit}
-    assert displayed == {"diameter": "mm", "ground_elevation": "deg", "ground_azimuth": "deg"}
+    displayed = {each: (variable.displayUnit, variable.unit) for each, variable in variables.items() if variable.displayUnit}
+    angles = {"ground_elevation": ("deg", "rad"), "ground_azimuth": ("deg", "rad")}
+    forces = {each: ("kN", "N") for each, variable in variables.items() if variable.unit == "N"}
+    assert {"axial_stiffness", "kite_force[1]", "max_tension", "winch_force", "winch_friction"} <= set(forces)
+    assert displayed == {"diameter": ("mm", "m"), "kite_stiffness": ("kN/m", "N/m"), **angles, **forces}
+    factors = {shown.name: shown.factor for unit in description.unitDefinitions for shown in unit.displayUnits}
+    assert factors == {"mm": 1e3, "deg": math.degrees(1.0), "kN": 1e-3, "kN/m": 1e-3}
     not_negative = (
         "tether_length",
         "kite_end_mass",

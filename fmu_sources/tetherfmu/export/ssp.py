@@ -16,7 +16,7 @@ from fmpy import read_model_description
 
 from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number_text
+from tetherfmu.runtime.model_description import base_units, number_text
 
 from . import archive, example_fmus, osp
 from .build_options import BuildOptions, Purpose
@@ -126,13 +126,15 @@ def _structure(name, fidelity, fmus, variables, values, wiring):
     for instance, known in variables.items():
         inputs = inputs_of[instance]
         component = SubElement(elements, "ssd:Component", name=instance, type=FMU, source=_source(fmus[instance]))
-        _connectors(component, inputs, given.given_by(known))
+        units = {variable.name: variable.unit for variable in known}
+        _connectors(component, inputs, given.given_by(known), units)
         if instance in values:
             bindings = SubElement(component, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=_set(instance, fidelity))
         for each, (giver, output) in inputs.items():
             ends = {"startElement": giver, "endElement": instance}
             SubElement(connections, "ssd:Connection", ends, startConnector=output, endConnector=each)
+    _units(root)
     SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number_text(STOP))
     return root
 
@@ -159,11 +161,20 @@ def _built(fmu, start, system, folder, options, files):
     return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))
 
 
-def _connectors(component, inputs, outputs):
+def _connectors(component, inputs, outputs, units):
+    """Add the connectors of an FMU (`component` is modified); units : of its variables by name, None for none."""
     connectors = SubElement(component, "ssd:Connectors")
     for kind, names in (("input", inputs), ("output", outputs)):
         for name in names:
-            SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real")
+            unit = {"unit": units[name]} if units[name] else {}
+            SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real", unit)
+
+
+def _units(root):
+    """Add the units that the connectors of a system structure name (`root` is modified)."""
+    listed = SubElement(root, "ssd:Units")
+    for name in sorted({real.get("unit") for real in root.iter("ssc:Real")} - {None}):
+        SubElement(SubElement(listed, "ssc:Unit", name=name), "ssc:BaseUnit", base_units(name))
 
 
 def _parameters(name, values):

@@ -31,6 +31,8 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
     "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
+# display units of all quantities of a unit, as `Quantity.display`, where a quantity has none of its own
+DISPLAY = {"N": ("kN", 1e-3), "N/m": ("kN/m", 1e-3)}
 _INITIAL = {**dict.fromkeys(CALCULATED, "calculated"), PARAMETER: "exact"}
 # attributes of a ScalarVariable of FMI 2; all others belong to its type
 _OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variability", "initial")
@@ -70,11 +72,21 @@ def units(table):
     element = Element("UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
-        SubElement(unit, "BaseUnit", {base: str(power) for base, power in UNITS[name][1].items()})
-        shown = {variable.quantity.display for variable in table if variable.quantity.unit == name} - {()}
+        SubElement(unit, "BaseUnit", base_units(name))
+        shown = {display_of(variable.quantity) for variable in table if variable.quantity.unit == name} - {()}
         for display_name, factor in sorted(shown):
             SubElement(unit, "DisplayUnit", name=display_name, factor=repr(factor))
     return element
+
+
+def base_units(unit):
+    """Attributes of a BaseUnit: exponents of the base units of a unit, as texts by their names."""
+    return {base: str(power) for base, power in UNITS[unit][1].items()}
+
+
+def display_of(quantity):
+    """Unit and factor for people, as `Quantity.display`; () for none."""
+    return quantity.display or DISPLAY.get(quantity.unit, ())
 
 
 def types(table):
@@ -119,8 +131,8 @@ def attributes(name, reference, meaning, elements):
     if first.kind == "Real" and declared.unit:
         quantity, _, nominal = UNITS[declared.unit]
         found |= {"quantity": quantity, "unit": declared.unit}
-        if declared.display:
-            found["displayUnit"] = declared.display[0]
+        if display_of(declared):
+            found["displayUnit"] = display_of(declared)[0]
         if first.causality in (INPUT, *CALCULATED):
             found["nominal"] = repr(nominal)
     limits = {"min": declared.minimum, "max": declared.maximum}
