@@ -187,7 +187,7 @@ def signals(causality):
 def parameters():
     """Table of the parameters."""
     rows = [
-        (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.range(), v.quantity.meaning)
+        (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.in_words(), v.quantity.meaning)
         for v in variables("dynamic", 0)
         if v.causality == PARAMETER
     ]
@@ -201,7 +201,7 @@ def free_kite():
     rows = []
     for name, each in folded(listed):
         first = start(each) if each[0].start is not None else ""
-        allowed = each[0].quantity.range() if each[0].causality == PARAMETER else ""
+        allowed = each[0].quantity.in_words() if each[0].causality == PARAMETER else ""
         rows.append((f"`{name}`", each[0].causality, each[0].quantity.unit, first, allowed, meaning(each)))
     return table(("name", "causality", "unit", "start", "allowed", "meaning"), rows)
 

@@ -37,18 +37,22 @@ class Coupling:
     input_continuation: int = quantity(
         LINEAR,
         "",
-        "inputs within a step: extrapolated linearly from their last two values; held; interpolated from the last to the "
-        "present value, for importers that give inputs of the end of the step",
-        choices=("linear", "held", "interpolated"),
+        "how the inputs go on within a step",
+        choices={
+            "linear": "extrapolated linearly from their last two values",
+            "held": "held as they are",
+            "interpolated": "interpolated from the last to the present value, for importers that give inputs of the end of "
+            "the step",
+        },
     )
 
     def __post_init__(self):
         check(self)
 
 
-def scalar(causality, name, unit, meaning, *limits, start=None, depends_on=(), kind="Real", choices=()):
+def scalar(causality, name, unit, meaning, *limits, start=None, depends_on=(), kind="Real"):
     """A list of one variable; limits : minimum and maximum."""
-    return [Variable(name, causality, kind, Quantity(unit, meaning, *limits, choices=choices), 0, start, depends_on)]
+    return [Variable(name, causality, kind, Quantity(unit, meaning, *limits), 0, start, depends_on)]
 
 
 def vector(causality, name, unit, meaning, start=(None, None, None), depends_on=()):

@@ -154,6 +154,31 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
 
 
 @every_fmu
+def test_every_choice_is_described(fmu_folder, name):
+    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    items = {each: variable.declaredType.items for each, variable in variables.items() if variable.type == "Enumeration"}
+    for each, choices in items.items():
+        assert all(item.description for item in choices), each
+        assert not any(";" in item.description for item in choices), "tables list them with semicolons"
+        assert len({item.description for item in choices}) == len(choices)
+    assert [(item.name, item.value) for item in items["winch_control"]] == [("speed", "1"), ("force", "2"), ("length", "3")]
+    for item, given in zip(items["winch_control"], SCALARS["input"], strict=True):
+        assert given in item.description, "it names the input"
+    assert variables["winch_control"].description == "quantity that controls the winch: speed, force or length"
+
+
+def test_the_shape_of_an_fmu_with_wind_points_is_an_output(tmp_path):
+    """It is connected, to find the wind there; counters are local all the same."""
+    description = read_model_description(str(archive.build("TetherStraight", tmp_path, BuildOptions(wind_points=3))))
+    of = {variable.name: variable.causality for variable in description.modelVariables}
+    assert {of[each] for each in SHAPE} == {"output"}
+    assert {of[each] for each in SCALARS["local"]} == {"local"}
+    found = {unknown.variable.name for unknown in description.initialUnknowns}
+    assert found == {each for each in of if of[each] == "output"}
+
+
+@every_fmu
 def test_common_variables_have_one_order_and_one_value_reference(fmu_folder, name):
     """So that a tool which keeps numbers instead of names can change the file, too.
 

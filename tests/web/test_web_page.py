@@ -41,7 +41,7 @@ def test_parameters_are_those_of_the_fmu():
         assert (each["start"], each["unit"], each["kind"]) == (there.start, there.quantity.unit, there.kind)
         assert (each["meaning"], each["range"]) == (there.quantity.meaning, there.quantity.range())
         if there.quantity.choices:
-            assert tuple(each["choices"]) == there.quantity.choices
+            assert dict(zip(each["choices"], each["meanings"], strict=True)) == there.quantity.choices
         else:
             assert (each["minimum"], each["maximum"]) == (there.quantity.minimum, there.quantity.maximum)
 

@@ -164,8 +164,8 @@ def start(each):
 
 
 def allowed(each):
-    """Range of a variable."""
-    return each[0].quantity.range()
+    """Range of a variable, of an enumeration with the meanings of its choices."""
+    return each[0].quantity.in_words()
 
 
 def meaning(each):

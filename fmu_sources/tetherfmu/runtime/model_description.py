@@ -110,7 +110,11 @@ def enumerations(table):
 
 def items(variable):
     """The values of an enumeration: list of Item."""
-    return [Element("Item", name=name, value=str(value)) for name, value in variable.quantity.numbers.items()]
+    declared = variable.quantity
+    return [
+        Element("Item", name=name, value=str(value), description=declared.choices[name])
+        for name, value in declared.numbers.items()
+    ]
 
 
 def attributes(name, reference, meaning, elements):

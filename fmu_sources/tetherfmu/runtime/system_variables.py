@@ -154,9 +154,11 @@ def _inputs(structure):
 
 
 _LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
-_START = (
-    "start of {}: given (initial_position); where its lines, its weight and its load are in equilibrium, all lines at rest"
-)
+_START = "start of {}"
+_STARTS = {
+    "given": "at initial_position with initial_velocity",
+    "equilibrium": "at rest where its lines, its weight and its load are in equilibrium",
+}
 
 
 def _parameters(structure):
@@ -168,7 +170,7 @@ def _parameters(structure):
         if point.is_free:
             meaning = "point mass, in addition to the halves of the segments that meet there"
             yield Variable(f"{point.name}.mass", PARAMETER, "Real", replace(mass, meaning=meaning), 0, point.mass)
-            declared = replace(kind_of_start, meaning=_START.format(point.name))
+            declared = replace(kind_of_start, meaning=_START.format(point.name), choices=_STARTS)
             yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start)
             for what, unit in units.items():
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
