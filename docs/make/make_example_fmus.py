@@ -208,7 +208,8 @@ libcosim (`CosimExecution.from_ssp_file` of libcosimpy, on the extracted file) f
 example does, to ten digits; so does Ecos (`EcosSimulation(ssp_path=...)` of ecospy). fmu-manipulation-toolbox makes one
 FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); its signals are local variables. It starts the kite
 without its first steering, which moves the path by centimetres. `simulate_ssp` of FMPy sets all connected inputs to 0 in
-the first step, with which a kite at the ground station is refused: use one of the others.
+the first step. A kite refuses to be at the ground station; `circular_flight.ssp` and `turbulent_circle.ssp`, where only the
+tether gets these inputs, run on from a tension of 1e6 and 4e5 N (libcosim: 104 N in the circle). Use one of the others.
 
 Each file also has its system for the Open Simulation Platform, in `extra/com.open-simulation-platform`
 (`CosimExecution.from_osp_config_file` of libcosimpy, on that folder of the extracted file). There each FMU may have steps

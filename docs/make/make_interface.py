@@ -7,7 +7,7 @@ from tetherfmu.export.documents import folded, meaning, start
 from tetherfmu.runtime.inputs import WIND_AT
 from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import TABLE, class_name
 
 PAGE = Path(__file__).resolve().parents[1] / "use" / "interface.md"
@@ -117,10 +117,18 @@ are there and ignored. In an FMU for FMI 3 it is one array of K x 3 numbers. The
 
 {outputs}
 
-K is a build option, `--shape-points`, {points} by default; 0 leaves the shape out. End forces contain the weight of the half
-segment that is lumped at the end, not its inertia ([End forces](../models/theory.md#end-forces)).
+End forces contain the weight of the half segment that is lumped at the end, not its inertia ([End
+forces](../models/theory.md#end-forces)).
 
-In some tethers an output has another meaning:
+Local variables are read and plotted, not connected: a block for the FMU has no ports for them. FMPy's `simulate_fmu`
+records them where its argument `output` names them.
+
+{local}
+
+K is a build option, `--shape-points`, {points} by default; 0 leaves the shape out. In an FMU that is built with
+`--wind-points` the shape is an output, because the model of the wind is connected to it.
+
+In some tethers these have another meaning:
 
 {notes}
 
@@ -162,7 +170,7 @@ def table(head, rows):
 
 
 def signals(causality):
-    """Table of the inputs or of the outputs."""
+    """Table of the variables of a causality other than that of parameters."""
     listed = [v for v in variables("dynamic", DEFAULT_OPTIONS["shape_points"]) if v.causality == causality]
     if causality == INPUT:
         listed += [v for v in variables("dynamic", 0, wind_points=2) if v.name.startswith(f"{WIND_AT.name}[")]
@@ -179,7 +187,7 @@ def signals(causality):
 def parameters():
     """Table of the parameters."""
     rows = [
-        (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.range(), v.quantity.meaning)
+        (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.in_words(), v.quantity.meaning)
         for v in variables("dynamic", 0)
         if v.causality == PARAMETER
     ]
@@ -193,7 +201,7 @@ def free_kite():
     rows = []
     for name, each in folded(listed):
         first = start(each) if each[0].start is not None else ""
-        allowed = each[0].quantity.range() if each[0].causality == PARAMETER else ""
+        allowed = each[0].quantity.in_words() if each[0].causality == PARAMETER else ""
         rows.append((f"`{name}`", each[0].causality, each[0].quantity.unit, first, allowed, meaning(each)))
     return table(("name", "causality", "unit", "start", "allowed", "meaning"), rows)
 
@@ -214,6 +222,7 @@ def page():
         fmus=", ".join(f"`{name}.fmu`" for name in SLAVES),
         inputs=signals(INPUT),
         outputs=signals(OUTPUT),
+        local=signals(LOCAL),
         free=free_kite(),
         parameters=parameters(),
         notes=by_tether("meanings", "meaning"),

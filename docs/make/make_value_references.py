@@ -8,7 +8,7 @@ from tetherfmu.export.host_header import TYPES, c_name
 from tetherfmu.export.native_arrays import arrays
 from tetherfmu.export.native_tables import count_of_values
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 
 PAGE = Path(__file__).resolve().parents[1] / "reference" / "value_references.md"
 POINTS = DEFAULT_OPTIONS["shape_points"]
@@ -31,6 +31,10 @@ follow it. What the variables mean: [Interface](../use/interface.md).
 ## Outputs
 
 {outputs}
+
+## Local variables
+
+{local}
 
 ## Parameters
 
@@ -71,15 +75,13 @@ def page():
     """Text of docs/reference/value_references.md."""
     driven, free = listed("dynamic"), listed("dynamic_free")
     known = {(each.name, each.reference) for each in driven}
-    of = {
-        causality: [each for each in driven if each.variables[0].causality == causality]
-        for causality in (INPUT, OUTPUT, PARAMETER)
-    }
-    of = {each: [array for array in driven if array.variables[0].causality == each] for each in (INPUT, OUTPUT, PARAMETER)}
+    kinds = INPUT, OUTPUT, LOCAL, PARAMETER
+    of = {each: [array for array in driven if array.variables[0].causality == each] for each in kinds}
     return TEXT.format(
         points=POINTS,
         inputs=rows(of[INPUT]),
         outputs=rows(of[OUTPUT]),
+        local=rows(of[LOCAL]),
         parameters=rows(of[PARAMETER]),
         free=rows([each for each in free if (each.name, each.reference) not in known]),
         time=count_of_values(variables("dynamic", POINTS), POINTS),

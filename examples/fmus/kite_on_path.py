@@ -23,7 +23,12 @@ CIRCLE, FIGURE_OF_EIGHT = 1, 2
 class Path:
     """Where a kite is led."""
 
-    path: int = quantity(CIRCLE, "", "shape of the path", choices=("circle", "figure_of_eight"))
+    path: int = quantity(
+        CIRCLE,
+        "",
+        "shape of the path",
+        choices={"circle": "circle around the centre", "figure_of_eight": "figure of eight that lies at the centre"},
+    )
     distance: float = quantity(500.0, "m", "distance R from the ground station", 1e-3, 1e5)
     elevation: float = quantity(radians(20.0), "rad", "elevation of the centre", -0.5 * pi, 0.5 * pi, display=DEGREES)
     azimuth: float = quantity(-0.5 * pi, "rad", "azimuth of the centre, from the x axis", -pi, pi, display=DEGREES)

@@ -37,18 +37,22 @@ class Coupling:
     input_continuation: int = quantity(
         LINEAR,
         "",
-        "inputs within a step: extrapolated linearly from their last two values; held; interpolated from the last to the "
-        "present value, for importers that give inputs of the end of the step",
-        choices=("linear", "held", "interpolated"),
+        "how the inputs go on within a step",
+        choices={
+            "linear": "extrapolated linearly from their last two values",
+            "held": "held as they are",
+            "interpolated": "interpolated from the last to the present value, for importers that give inputs of the end of "
+            "the step",
+        },
     )
 
     def __post_init__(self):
         check(self)
 
 
-def scalar(causality, name, unit, meaning, *limits, start=None, depends_on=(), kind="Real", choices=()):
+def scalar(causality, name, unit, meaning, *limits, start=None, depends_on=(), kind="Real"):
     """A list of one variable; limits : minimum and maximum."""
-    return [Variable(name, causality, kind, Quantity(unit, meaning, *limits, choices=choices), 0, start, depends_on)]
+    return [Variable(name, causality, kind, Quantity(unit, meaning, *limits), 0, start, depends_on)]
 
 
 def vector(causality, name, unit, meaning, start=(None, None, None), depends_on=()):
@@ -82,7 +86,8 @@ class ModelSlave(BaseSlave):
         self._classes = (*self.records, Coupling)
         known = [each for each in parameters_of(self._classes) if each.name not in self.left_out]
         known += [variable for each in self.vectors for variable in each]
-        starts = dict(options_in(self.resources).get("starts", ()))
+        options = options_in(self.resources)
+        starts = dict(options.get("starts", ()))
         table = [replace(each, start=starts.get(each.name, each.start)) for each in (*given, *found, *known)]
         self._limited = [(k, each) for k, each in enumerate(given) if each.quantity.range() != "a finite number"]
         # places in `values`: inputs, outputs, parameters; then, of the last step, inputs and length; what the model keeps
@@ -90,7 +95,7 @@ class ModelSlave(BaseSlave):
         self._given, self._computed = slice(0, len(given)), slice(len(given), len(given) + len(found))
         self._parameters_at, self._last_inputs = slice(self._computed.stop, declared), slice(declared, last_step)
         self._last_step, self._memory = last_step, slice(last_step + 1, last_step + 1 + self.memory)
-        self.declare(table, array("d", bytes(8 * self._memory.stop)), range(declared), 0.02)
+        self.declare(table, array("d", bytes(8 * self._memory.stop)), range(declared), options)
         self._warned = set()
         self._sentences = []
 

@@ -8,9 +8,10 @@ which. A relative path begins in the working folder of the importer; one that be
 which can be built with a box inside. Empty: no turbulence, the mean wind alone. A box of TurbSim contains its mean wind: its
 hub speed and hub height replace `mean_speed` and `wind_reference_height`.
 
-The points are those of the input `shape` (connect it with that output of the tether), or lie on the straight line from the
-ground station, the origin, to the kite. `wind_velocity` is their mean (trapezoidal rule along the tether): connect it with
-that input of a tether whose `wind_profile` is uniform, and `kite_wind` with `wind_velocity` of the kite.
+The points are those of the input `shape` (connect it with that output of a tether that is built with `--wind-points`), or
+lie on the straight line from the ground station, the origin, to the kite. `wind_velocity` is their mean (trapezoidal rule
+along the tether): connect it with that input of a tether whose `wind_profile` is uniform, and `kite_wind` with
+`wind_velocity` of the kite.
 
 It needs numpy in the Python of the importer. The file is mapped into memory, not read: it must not change during a run.
 """
@@ -52,8 +53,8 @@ class Blowing:
     wind_points: int = quantity(
         ON_LINE,
         "",
-        "where the points are: on the line from the origin to the kite; those of shape",
-        choices=("line", "shape"),
+        "where the points are",
+        choices={"line": "on the line from the origin to the kite", "shape": "those of the input shape"},
     )
 
     def __post_init__(self):

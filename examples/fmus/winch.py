@@ -28,7 +28,12 @@ CRAWL = 0.05  # s0: below this speed Coulomb's friction fades [m/s]
 class Drum:
     """A winch."""
 
-    control: int = quantity(SPEED, "", "what the motor follows", choices=("speed", "force"))
+    control: int = quantity(
+        SPEED,
+        "",
+        "what the motor follows",
+        choices={"speed": "the set speed", "force": "the set force"},
+    )
     drum_radius: float = quantity(0.1615, "m", "radius r of the drum", 1e-3, 100.0)
     inertia: float = quantity(7.84, "kg.m2", "moment of inertia I of drum, gear and motor, at the drum", 1e-6, 1e9)
     viscous_friction: float = quantity(30.6, "N.s/m", "friction c per speed of the tether", 0.0, 1e9)

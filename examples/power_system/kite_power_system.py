@@ -56,10 +56,9 @@ CIRCLE_START = {
 }
 
 
-def given_by(variables, with_shape=False):
+def given_by(variables):
     """Names of the outputs of an FMU that another one can get; variables : as FMPy describes them."""
-    found = [v.name for v in variables if v.causality == "output" and v.type == "Real"]
-    return [name for name in found if with_shape or not name.startswith("shape[")]
+    return [v.name for v in variables if v.causality == "output" and v.type == "Real"]
 
 
 def wanted_by(variables, given):
@@ -69,4 +68,4 @@ def wanted_by(variables, given):
 
 def starts_for(variables, start):
     """Values of those start values that an FMU has, as pairs (variable, value)."""
-    return [(v, start[v.name]) for v in variables if v.name in start and v.causality != "output"]
+    return [(v, start[v.name]) for v in variables if v.name in start and v.causality in ("input", "parameter")]

@@ -13,6 +13,8 @@ from tetherfmu.study.advice.advise import advise
 from tetherfmu.study.measuring.runs import run
 from tetherfmu.study.scenes.files import load
 
+WINCH = ("reel_out_speed", "winch_force", "winch_length")
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
@@ -28,13 +30,13 @@ def fmu(folder):
 
 
 def test_only_what_the_scene_needs(fmu):
-    """The circle has wind, a fixed ground end and no reel, and asks for the force on the kite."""
+    """The circle has wind and a fixed ground end, and asks for the force on the kite; a winch may be controlled any way."""
     description = read_model_description(fmu)
-    names = {"input": set(), "output": set(), "parameter": set()}
+    names = {"input": set(), "output": set(), "local": set(), "parameter": set()}
     for variable in description.modelVariables:
         names[variable.causality].add(variable.name.partition("[")[0])
-    assert names["input"] == {"kite_position", "kite_velocity", "wind_velocity"}
-    assert names["output"] == {"kite_force"}
+    assert names["input"] == {"kite_position", "kite_velocity", "wind_velocity", *WINCH}
+    assert (names["output"], names["local"]) == ({"kite_force"}, set())
     assert validate_fmu(str(fmu)) == []
     with zipfile.ZipFile(fmu) as archive:
         assert "documentation/licenses/license.txt" in archive.namelist()
@@ -45,14 +47,36 @@ def test_start_values_are_those_of_the_scene(fmu):
     assert float(start["initial_length"]) == 505.0
     assert float(start["wind_velocity[1]"]) == 8.0
     assert start["initial_shape"] == "2"
+    assert all(len(value.lstrip("-").replace(".", "")) <= 12 for value in start.values() if value)
+
+
+def test_the_default_experiment_is_the_scene(folder, fmu):
+    scene, experiment = load(folder / "short.toml"), read_model_description(fmu).defaultExperiment
+    assert float(experiment.stopTime) == scene.duration != 10.0
+
+
+@in_own_process
+@pytest.mark.parametrize(
+    "control", [{"winch_control": 2, "winch_force": 900.0}, {"winch_control": 3, "winch_length": 505.0}]
+)
+def test_any_control_of_the_winch_works(fmu, control):
+    from runtime.host import Host
+
+    host = Host(fmu).start(**control)
+    host.step(0.02)
+    assert host.messages == []
 
 
 def test_description_says_what_was_left_out(fmu):
     description = read_model_description(fmu).description
-    for words in ("scene short", "expected error", "Left out", "reel_out_speed", "ground_force"):
+    for words in ("scene short", "expected error", "Left out", "ground_velocity", "ground_force"):
         assert words in description
     with zipfile.ZipFile(fmu) as archive:
-        assert "measured against dynamic" in archive.read("documentation/index.html").decode("utf-8")
+        page = archive.read("documentation/index.html").decode("utf-8")
+    assert "measured against dynamic" in page
+    for name in ("wind_velocity[1..3]", "winch_force", "kite_force[1..3]", "axial_stiffness"):
+        assert f"<td><code>{name}</code></td>" in page
+    assert "$" not in page
 
 
 @in_own_process
@@ -61,8 +85,9 @@ def test_it_flies_as_the_python_api_does(folder, fmu):
 
     scene = load(folder / "short.toml")
     config = advise(scene).point.config
-    host = Host(fmu).start()
-    for row in scene.inputs(config.step):
+    rows = scene.inputs(config.step)
+    host = Host(fmu).start(kite_position=rows[0][0:3], kite_velocity=rows[0][3:6])  # its own have 12 digits
+    for row in rows:
         host.step(config.step, kite_position=row[0:3], kite_velocity=row[3:6])
     assert host.get("kite_force") == run(scene, config).flown.kite_force[-1].tolist()
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
+from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.ssd import read_ssd, read_ssv, validate_tree
 from lxml import etree
 
@@ -19,6 +19,7 @@ from tetherfmu.export import ssp
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
+SPACES = {prefix: f"{ssp.NAMESPACE}{what}" for prefix, what in ssp.PREFIXES.items()}
 STEPS = 150  # 3 s: the first turn
 FOLLOWED = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "kite_tension")
 SHOWN = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension")  # the container shows what is linked
@@ -50,6 +51,26 @@ def test_is_valid(ssp_folder, name):
         assert len(structures) == len(FIDELITIES)
         for fidelity, segments in FIDELITIES.items():
             assert parameters_of(path, fidelity)["segments"] == segments
+
+
+@pytest.mark.parametrize("name", ["kite_power_system", "winch_inside", "circular_flight", "turbulent_circle"])
+def test_connectors_have_the_units_of_the_variables(ssp_folder, name, tmp_path):
+    """And the system structure says what they are of the base units, as the FMUs do."""
+    with zipfile.ZipFile(ssp_folder / f"{name}.ssp") as archive:
+        root = etree.fromstring(archive.read("SystemStructure.ssd"))
+        archive.extractall(tmp_path, [entry for entry in archive.namelist() if entry.endswith(".fmu")])
+    known = {each.get("name"): dict(each[0].attrib) for each in root.find("ssd:Units", SPACES)}
+    used = set()
+    for part in root.iterfind(".//ssd:Component", SPACES):
+        described = read_model_description(str(tmp_path / part.get("source")))
+        of_variables = {variable.name: variable.unit for variable in described.modelVariables}
+        base_units = {unit.name: unit.baseUnit for unit in described.unitDefinitions}
+        for each in part.iterfind(".//ssd:Connector", SPACES):
+            unit = each[0].get("unit")
+            assert unit == of_variables[each.get("name")]
+            used |= {unit} - {None}
+            assert unit is None or all(getattr(base_units[unit], base) == int(power) for base, power in known[unit].items())
+    assert used == set(known) > {"m", "N"}
 
 
 def parameters_of(path, fidelity):

@@ -56,14 +56,15 @@ ECCO = {
 # what the schema of OSP-IS 1.0.1 says of the elements that are used here: children in this order
 CHILDREN = {
     "OspModelDescription": ["VariableGroups"],
-    "VariableGroups": ["Generic", "Generic", "LinearVelocity", "LinearVelocity", "Force", "LinearDisplacement"],
+    "VariableGroups": ["Generic", "Generic", "LinearVelocity", *(kind for kind, _, _ in osp.WINCH)],
     "Generic": ["Force", "LinearVelocity", "LinearDisplacement"],
 }
 
 
-def takes_force(group, name):
-    """Whether a group belongs to a free end, whose force goes in and whose motion comes out, or is that of the winch."""
-    return group.get("name") == "winch_pull" or (name == "TetherDynamicFree" and group.get("name").startswith("kite"))
+def gives_motion(group, name):
+    """Whether force goes into a group and motion comes out: that of a free end, force of the winch, and what it does."""
+    of_winch = group.get("name") in ("winch_pull", "winch_speed", "tether_length")
+    return of_winch or (name == "TetherDynamicFree" and group.get("name").startswith("kite"))
 
 
 @pytest.mark.parametrize("name", list(SLAVES))
@@ -87,7 +88,7 @@ def test_groups_obey_the_schema_and_name_variables_of_the_fmu(fmu_folder, name):
             assert set(children) == {"Variable"}
             assert len(children) in (1, 3)
             causality = {variables[child.get("ref")].causality for child in element}
-            motion, force = ({"output"}, {"input"}) if takes_force(element, name) else ({"input"}, {"output"})
+            motion, force = ({"output"}, {"input"}) if gives_motion(element, name) else ({"input"}, {"output"})
             assert causality == (force if tag == "Force" else motion)
         groups += [element.get("name")] if "name" in element.attrib else []
     assert tags >= {*CHILDREN, "Force", "LinearVelocity", "LinearDisplacement", "Variable"}

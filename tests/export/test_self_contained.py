@@ -11,7 +11,7 @@ import pytest
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries.ahead_of_time import TARGETS
-from tetherfmu.runtime.kernel_library import file_name, load, this_platform
+from tetherfmu.runtime.kernel_library import PYTHONFMU, file_name, load, this_platform
 from tetherfmu.runtime.resources import KERNELS_FOLDER
 from tetherfmu.runtime.variants import VARIANTS
 
@@ -52,6 +52,18 @@ def test_a_platform_without_kernels_is_told_with_the_remedy(tmp_path):
     with pytest.raises(OSError, match=r"tetherfmu build --platforms") as refusal:
         load(tmp_path, "dynamic")
     assert "only for riscv64-linux;" in str(refusal.value)
+
+
+def test_libraries_of_pythonfmu_are_those_of_the_kernels(tmp_path):
+    """What cannot run for want of kernels is left out; without any nothing is built."""
+    for number, platforms in enumerate((("x86_64-windows",), ("x86_64-linux", "aarch64-linux"), tuple(PYTHONFMU))):
+        with zipfile.ZipFile(build("TetherStraight", tmp_path / str(number), BuildOptions(platforms=platforms))) as archive:
+            libraries = [entry for entry in archive.namelist() if entry.startswith("binaries/")]
+        assert [str(Path(entry).parent) + "/" for entry in libraries] == [
+            folder for platform, folder in PYTHONFMU.items() if platform in platforms
+        ]
+    with pytest.raises(RuntimeError, match=r"not for aarch64-darwin; build a native FMU: tetherfmu build --native"):
+        build("TetherStraight", tmp_path, BuildOptions(platforms=("aarch64-darwin",)))
 
 
 def test_all_platforms_link(tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_shared_process
@@ -18,6 +19,8 @@ from tetherfmu.export import systems
 from tetherfmu.runtime import system_variables
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK
+from tetherfmu.runtime.outputs import COUNTERS
+from tetherfmu.runtime.system_variables import GIVEN
 from tetherfmu.systems import files
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
@@ -207,11 +210,12 @@ def test_the_first_outputs_depend_on_what_is_declared(folder):
         host.fmu.reset()
         host.enter_initialization(None)
         host.set(**{**given, **values})
-        return dict(zip(map(names.get, host.real_outputs), host.all_outputs(), strict=True))
+        found = dict(zip(map(names.get, host.real_outputs), host.all_outputs(), strict=True))
+        return {name: found[name] for name in found if name in declared}
 
     usual, seen = outputs_with(), set()
     for known in host.description.modelVariables:
-        if known.causality == "output":
+        if known.causality not in ("input", "parameter"):
             continue
         value = given.get(known.name, float(known.start))
         other = (value % 2 + 1 if known.declaredType else value + 2) if known.type != "Real" else 0.98 * value + 0.01
@@ -251,9 +255,26 @@ def test_points_are_terminals(folders):
     with zipfile.ZipFile(folders["native_fmi3"] / "YBridle.fmu") as opened_file:
         root = ElementTree.fromstring(opened_file.read("terminalsAndIcons/terminalsAndIcons.xml"))
     found = {each.get("name"): [one.get("variableName") for one in each] for each in root.iter("Terminal")}
-    assert list(found) == ["ground", "knot", "left", "right"]
+    winches = ["main", "bridle_left", "bridle_right"]
+    assert list(found) == ["ground", "knot", "left", "right", *winches, "wind"]
     assert found["knot"] == ["knot.position", "knot.velocity", "knot.load"]
     assert found["left"] == ["left.position", "left.velocity", "left.force"]
+    assert found["main"] == [f"main.{name}" for name in (*GIVEN, "tether_length", "winch_speed")]
+    assert found["wind"] == ["wind_velocity"]
+
+
+def test_winches_are_groups_of_the_open_simulation_platform(folders):
+    root = ElementTree.parse(folders["native"] / "YBridle_OspModelDescription.xml").getroot()
+    groups = {each.get("name"): [one.get("ref") for one in each] for each in root.iter() if each.get("name")}
+    found = [references for name, references in groups.items() if name.startswith("main_")]
+    assert found == [[f"main.{name}"] for name in (*GIVEN, "winch_speed", "tether_length")]
+
+
+def test_shapes_and_counters_are_local(folders):
+    for folder in folders.values():
+        variables = read_model_description(str(folder / "YBridle.fmu")).modelVariables
+        local = {each.name.partition("[")[0] for each in variables if each.causality == "local"}
+        assert local == {*(f"{line}.shape" for line in ("main", "bridle_left", "bridle_right")), *COUNTERS}
 
 
 def test_the_check_finds_no_problem(folders, capsys):
@@ -271,7 +292,8 @@ def test_equal_files_give_equal_bytes(folder, tmp_path):
 WRONG = {
     "no file": (None, "nowhere.toml: cannot be read"),
     "key": ("mass =", "weight =", "unknown key points.knot.weight"),
-    "clash": ("[points.knot]", "[points.gravity]", "a variable of the whole system is called gravity"),
+    "clash": ("[points.knot]", "[points.gravity]", "the whole system has something called gravity"),
+    "terminal": ("[points.knot]", "[points.wind]", "the whole system has something called wind"),
     "name": ('"YBridle"', '"TetherDynamic"', "must not be that of the FMU of a single tether"),
     "material": ('"dyneema_sk75"', '"rubber"', "lines.main.material is 'rubber'"),
 }

@@ -19,7 +19,9 @@ from lxml import etree
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
 from scenes import circle, kite_at_start, kite_inputs
+from tetherfmu.export import native
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import HEADERS
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
@@ -85,9 +87,19 @@ def test_terminals_name_variables(fmi3_folder, name):
     known = {each.get("name") for each in read(path, "modelDescription.xml").find("ModelVariables")}
     terminals = read(path, "terminalsAndIcons/terminalsAndIcons.xml").findall("Terminals/Terminal")
     members = {each.get("name"): [member.get("memberName") for member in each] for each in terminals}
+    assert list(members) == ["kite", "ground", "winch", "wind"]
     assert members["ground"] == ["position", "velocity", "force"]
     assert members["kite"] == ["position", "velocity", "force", *(["load"] if name.endswith("Free") else [])]
+    assert members["winch"] == ["reel_out_speed", "force", "length", "tether_length", "speed"]
+    assert members["wind"] == ["velocity"]
     assert all(member.get("variableName") in known for each in terminals for member in each)
+
+
+def test_the_wind_at_points_is_the_terminal_of_the_wind(tmp_path):
+    """With the points where it is wanted; what it replaces is ignored then."""
+    path = native.build("TetherStraight", tmp_path, BuildOptions(wind_points=3), fmi=3)
+    (wind,) = read(path, "terminalsAndIcons/terminalsAndIcons.xml").findall("Terminals/Terminal[@name='wind']")
+    assert [member.get("variableName") for member in wind] == ["wind_at", "shape"]
 
 
 @every_fmu

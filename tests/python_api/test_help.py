@@ -37,7 +37,7 @@ def test_records_tell_units_meanings_and_ranges(record):
     for name, quantity in found:
         section = record.__doc__.partition(f"\n{name} : ")[2]
         assert quantity.meaning in section
-        assert quantity.range() in section
+        assert quantity.in_words() in section
         assert not quantity.unit or f"[{quantity.unit}]" in section
 
 

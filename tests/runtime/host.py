@@ -95,7 +95,7 @@ class Host:
     instance alone; else those of the fixtures share the folder in which `extract_all` has put them.
     Attributes: `messages` (list of str) as they were logged, `fmu` (fmpy's slave), `description`, `version` (2 or 3),
     `name`, `folder`, `native` (whether it runs without Python), `reference` (value references by name), `real_outputs`
-    (those of all outputs that are real numbers), `flags` that the last step returned (in FMI 3).
+    (those of all outputs and local variables that are real numbers), `flags` that the last step returned (in FMI 3).
     """
 
     def __new__(cls, path, name="tether", own_folder=False):
@@ -112,7 +112,7 @@ class Host:
         variables = self.description.modelVariables
         self.reference = {variable.name: variable.valueReference for variable in variables}
         self.kind = {variable.name: self.kind_of(variable) for variable in variables}
-        outputs = [variable for variable in variables if variable.causality == "output"]
+        outputs = [variable for variable in variables if variable.causality in ("output", "local")]
         self.output_names = list(dict.fromkeys(variable.name.partition("[")[0] for variable in outputs))
         self.elements = {}  # in FMI 2, of arrays: names of the scalars
         for each in self.reference:

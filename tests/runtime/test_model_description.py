@@ -8,7 +8,9 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
+from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.kernel_library import this_platform
 
 VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "output": ["ground_force", "kite_force"]}
@@ -19,10 +21,11 @@ SCALARS = {
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("winch_speed", "grounded_length", "solver_steps", "solver_rejections", "solver_iterations"),
-        "solver_iteration_limit",
+        *("winch_speed", "grounded_length"),
     ],
+    "local": ["solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit"],
 }
+SHAPE = [f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3)]
 PARAMETERS = {  # name: (start, unit), as the page says
     "segments": ("20", None),
     "initial_length": ("505", "m"),
@@ -86,14 +89,15 @@ def test_offers_the_plug(fmu_folder, name):
         names = SCALARS[causality] + [f"{each}[{i}]" for each in vectors for i in (1, 2, 3)]
         assert {variables[each].causality for each in names} == {causality}
         expected.update(names)
-    expected.update(f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3))
+    assert {variables[each].causality for each in (*SCALARS["local"], *SHAPE)} == {"local"}
+    expected.update(SCALARS["local"], SHAPE)
     assert set(variables) == expected
     for each, (start, unit) in parameters.items():
         assert (variables[each].start, variables[each].unit) == (start, unit)
         assert variables[each].causality == "parameter"
         assert variables[each].variability == "fixed"
     assert [variables[f"kite_position[{i}]"].start for i in (1, 2, 3)] == ([None] * 3 if is_free else ["300", "0", "400"])
-    assert {variables[each].type for each in ("slack_segments", *SCALARS["output"][-3:])} == {"Integer"}
+    assert {variables[each].type for each in ("slack_segments", *SCALARS["local"])} == {"Integer"}
     enumerations = (
         "damping_law",
         "wind_profile",
@@ -127,8 +131,13 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
         assert (variable.quantity is not None) == (variable.unit is not None)
         if variable.unit is not None and variable.causality != "parameter":
             assert float(variable.nominal) > 0.0
-    displayed = {each: variable.displayUnit for each, variable in variables.items() if variable.displayUnit}
-    assert displayed == {"diameter": "mm", "ground_elevation": "deg", "ground_azimuth": "deg"}
+    displayed = {each: (variable.displayUnit, variable.unit) for each, variable in variables.items() if variable.displayUnit}
+    angles = {"ground_elevation": ("deg", "rad"), "ground_azimuth": ("deg", "rad")}
+    forces = {each: ("kN", "N") for each, variable in variables.items() if variable.unit == "N"}
+    assert {"axial_stiffness", "kite_force[1]", "max_tension", "winch_force", "winch_friction"} <= set(forces)
+    assert displayed == {"diameter": ("mm", "m"), "kite_stiffness": ("kN/m", "N/m"), **angles, **forces}
+    factors = {shown.name: shown.factor for unit in description.unitDefinitions for shown in unit.displayUnits}
+    assert factors == {"mm": 1e3, "deg": math.degrees(1.0), "kN": 1e-3, "kN/m": 1e-3}
     not_negative = (
         "tether_length",
         "kite_end_mass",
@@ -142,6 +151,31 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
     assert {variables[each].min for each in not_negative} == {"0"}
     assert float(variables["ground_azimuth"].max) == -float(variables["ground_azimuth"].min) == math.pi
     assert float(variables["ground_elevation"].max) == -float(variables["ground_elevation"].min) == math.pi / 2.0
+
+
+@every_fmu
+def test_every_choice_is_described(fmu_folder, name):
+    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    variables = {variable.name: variable for variable in description.modelVariables}
+    items = {each: variable.declaredType.items for each, variable in variables.items() if variable.type == "Enumeration"}
+    for each, choices in items.items():
+        assert all(item.description for item in choices), each
+        assert not any(";" in item.description for item in choices), "tables list them with semicolons"
+        assert len({item.description for item in choices}) == len(choices)
+    assert [(item.name, item.value) for item in items["winch_control"]] == [("speed", "1"), ("force", "2"), ("length", "3")]
+    for item, given in zip(items["winch_control"], SCALARS["input"], strict=True):
+        assert given in item.description, "it names the input"
+    assert variables["winch_control"].description == "quantity that controls the winch: speed, force or length"
+
+
+def test_the_shape_of_an_fmu_with_wind_points_is_an_output(tmp_path):
+    """It is connected, to find the wind there; counters are local all the same."""
+    description = read_model_description(str(archive.build("TetherStraight", tmp_path, BuildOptions(wind_points=3))))
+    of = {variable.name: variable.causality for variable in description.modelVariables}
+    assert {of[each] for each in SHAPE} == {"output"}
+    assert {of[each] for each in SCALARS["local"]} == {"local"}
+    found = {unknown.variable.name for unknown in description.initialUnknowns}
+    assert found == {each for each in of if of[each] == "output"}
 
 
 @every_fmu

@@ -17,7 +17,7 @@ from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.commands.web import server_of
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import TABLE, class_name
 from tetherfmu.study.scenes import files
 from tetherfmu.web import page
@@ -41,7 +41,7 @@ def test_parameters_are_those_of_the_fmu():
         assert (each["start"], each["unit"], each["kind"]) == (there.start, there.quantity.unit, there.kind)
         assert (each["meaning"], each["range"]) == (there.quantity.meaning, there.quantity.range())
         if there.quantity.choices:
-            assert tuple(each["choices"]) == there.quantity.choices
+            assert dict(zip(each["choices"], each["meanings"], strict=True)) == there.quantity.choices
         else:
             assert (each["minimum"], each["maximum"]) == (there.quantity.minimum, there.quantity.maximum)
 
@@ -53,7 +53,9 @@ def test_parameters_are_in_the_order_of_the_kernel():
 
 def test_inputs_and_outputs_have_the_places_of_the_fmu():
     assert sorted(each["name"] for each in KNOWN["inputs"]) == sorted(names_of(INPUT))
-    assert sorted(each["name"] for each in KNOWN["outputs"]) == sorted(names_of(OUTPUT))
+    assert sorted(each["name"] for each in KNOWN["outputs"]) == sorted(
+        [name for causality in CALCULATED for name in names_of(causality)]
+    )
     for each in KNOWN["inputs"]:
         first = OF_THE_FMU.get(each["name"]) or OF_THE_FMU[f"{each['name']}[1]"]
         assert (each["unit"], each["start"][0]) == (first.quantity.unit, first.start)

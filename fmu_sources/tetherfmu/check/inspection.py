@@ -9,7 +9,7 @@ import zipfile
 from importlib.metadata import version
 from pathlib import Path, PurePosixPath
 
-from tetherfmu.runtime.kernel_library import platform_of, this_platform
+from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, platform_of, this_platform
 
 from .findings import NOTE, OK, PROBLEM, Finding
 from .soundness import DESCRIPTION
@@ -94,8 +94,9 @@ def platforms(names, version):
     if not any(name.startswith(f"binaries/{place}/") and name.endswith(ending) for name in names):
         remedy = "run it on one of those platforms" if libraries else ""
         if MADE_BY_PYTHONFMU in names:
-            remedy = "use 64-bit Linux or Windows on x86: PythonFMU has no library for other platforms"
-            remedy += "; or build a native FMU: tetherfmu build --native"
+            remedy = NO_LIBRARY_OF_PYTHONFMU.format(platforms=this_platform())
+            if this_platform() in PYTHONFMU:
+                remedy = f"build it with: tetherfmu build --platforms {this_platform()}"
         text = f"the FMU has no library for {place}, only for {', '.join(libraries) or 'none'}"
         return [Finding(PROBLEM, text, remedy)]
     kernels = sorted(platform_of(name) for name in names if name.startswith(KERNELS))

@@ -12,7 +12,7 @@ from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.materials import MATERIALS, tether_of
-from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
 from tetherfmu.runtime.quantities import Quantity, quantities
@@ -228,7 +228,7 @@ def main(arguments=None, prog="tetherfmu build"):
         build(wanted, name, options)
     if wanted.examples:
         for name in example_fmus.SLAVES:
-            show(example_fmus.build(name, wanted.out), example_fmus.PLATFORMS)
+            show(example_fmus.build(name, wanted.out), PYTHONFMU)
         for path in ssp.write_all(wanted.out, BuildOptions(platforms=platforms)):
             print(f"{path}  {path.stat().st_size / 1000:.0f} kB  a system of FMUs")
     return 0

@@ -17,7 +17,7 @@ from pythonfmu.builder import FmuBuilder
 
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.runtime.kernel_library import file_name
+from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, file_name
 from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
@@ -59,6 +59,7 @@ def build(name, folder, options=None):
 def packed_with_kernels(name, script, library, platforms, options):
     """Files of an FMU with PythonFMU's model description, dict of path to bytes; RuntimeError if compiling fails.
 
+    PythonFMU's libraries are in it for the platforms of the kernels only; RuntimeError if it has none for them.
     name : class of the slave.  script : its file.  library : of its kernels.  options : dict that it reads when it runs.
     """
     compiled = ready.folders([library], platforms)[library]
@@ -70,7 +71,12 @@ def packed_with_kernels(name, script, library, platforms, options):
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
         (resources / OPTIONS_FILE).write_text(json.dumps(options, sort_keys=True))
-        return pack(resources, shipped, Path(temporary))
+        files = pack(resources, shipped, Path(temporary))
+    idle = tuple(folder for platform, folder in PYTHONFMU.items() if platform not in platforms)
+    made = {path: content for path, content in files.items() if not path.startswith(idle)}
+    if not any(path.startswith("binaries/") for path in made):
+        raise RuntimeError(NO_LIBRARY_OF_PYTHONFMU.format(platforms=", ".join(platforms)))
+    return made
 
 
 def guid_of(description, files):

@@ -20,14 +20,17 @@ class Purpose:
         Sentence that is added to the description of the FMU.
     step : float
         Communication step of the default experiment [s].
+    stop : float
+        Stop time of the default experiment [s].
     page : str
-        Documentation, HTML.
+        What its documentation page says before the tables of variables, HTML.
     """
 
     name: str
     left_out: tuple
     about: str
     step: float
+    stop: float
     page: str
 
 
@@ -66,5 +69,6 @@ class BuildOptions:
         if self.starts:
             options["starts"] = [list(each) for each in self.starts]
         if self.purpose:
-            options |= {"left_out": list(self.purpose.left_out), "about": self.purpose.about, "step": self.purpose.step}
+            own = self.purpose
+            options |= {"left_out": list(own.left_out), "about": own.about, "step": own.step, "stop": own.stop}
         return options

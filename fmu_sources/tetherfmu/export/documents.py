@@ -10,7 +10,7 @@ from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, table_of
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, table_of
 
 from . import evidence, osp, related_files, winch_evidence
 
@@ -32,7 +32,9 @@ def documents(name, variant, description, options, native=None):
     if native != 3:
         texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
     if options.purpose:
-        texts["documentation/index.html"] = options.purpose.page
+        title, about = f"{name}, {options.purpose.name}", options.purpose.page
+        shown = {"title": escape(title), "page": about, "files": listed(texts), **style_and_tables(table)}
+        texts["documentation/index.html"] = filled("purpose.html", **shown)
     else:
         for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
             texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
@@ -128,11 +130,13 @@ def page(name, variant, description, table, paths, native):
 
 def style_and_tables(table, hint="<p>Set them before the initialization ends.</p>\n"):
     """What the pages of all FMUs share: the style, and their tables of variables. hint : HTML above the parameters."""
+    local = rows(table, LOCAL, unit, meaning)
     tables = filled(
         "tables.html",
         hint=hint,
         inputs=rows(table, INPUT, unit, start, meaning),
         outputs=rows(table, OUTPUT, unit, meaning),
+        local=filled("local.html", rows=local) if local else "",
         parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
     )
     return {"style": (ASSETS / "page.css").read_text(encoding="utf-8").strip(), "tables": tables.rstrip()}
@@ -160,8 +164,8 @@ def start(each):
 
 
 def allowed(each):
-    """Range of a variable."""
-    return each[0].quantity.range()
+    """Range of a variable, of an enumeration with the meanings of its choices."""
+    return each[0].quantity.in_words()
 
 
 def meaning(each):

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
+from tetherfmu.runtime.kernel_library import PYTHONFMU
 from tetherfmu.runtime.resources import OPTIONS_FILE
 
 from .archive import DESCRIPTION, pack, seal, write_archive, write_package
@@ -25,7 +26,6 @@ SLAVES = {  # name: script
     "TurbulentWind": "turbulent_wind.py",
 }
 PACKAGES = {"TurbulentWind": "The package numpy has to be installed in it."}
-PLATFORMS = ("x86_64-linux", "x86_64-windows")  # of PythonFMU's library; these FMUs have no kernels
 
 
 def slave(name):
@@ -60,7 +60,7 @@ def build(name, folder, starts=(), files_inside=()):
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     texts = {
         "documentation/index.html": _page(name, script, description),
-        **of_every_fmu(PLATFORMS, packages=PACKAGES.get(name, NO_PACKAGES)),
+        **of_every_fmu(PYTHONFMU, packages=PACKAGES.get(name, NO_PACKAGES)),
     }
     files["model.png"] = (ASSETS / "model.png").read_bytes()
     files.update({path: text.encode("utf-8") for path, text in texts.items()})

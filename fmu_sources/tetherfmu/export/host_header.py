@@ -6,14 +6,14 @@ Hosts in C and C++ include it instead of reading the model description.
 import re
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, references
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, references
 
 from .documents import meaning
 from .native_arrays import arrays
 from .native_tables import c_text, count_of_values
 
 PREFIX = "TETHER_"
-HEADS = {INPUT: "inputs", OUTPUT: "outputs", PARAMETER: "parameters"}
+HEADS = {INPUT: "inputs", OUTPUT: "outputs", LOCAL: "local variables", PARAMETER: "parameters"}
 TYPES = {  # of FMI, for the kinds of variables
     2: {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer"},
     3: {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"},

@@ -85,7 +85,8 @@ def writers(name, variant, about, given, fmi, sources=()):
     """
     table, shape_points = table_of(variant, given), given["shape_points"]
     places = places_of(table, shape_points)
-    describe = partial(writer_of(fmi).text, name, about, table, places, given["step"], sources=sources)
+    times = given["step"], given["stop"]
+    describe = partial(writer_of(fmi).text, name, about, table, places, times, sources=sources)
     return describe, partial(header, variant, table, shape_points, widths_of(table, places, fmi))
 
 

@@ -3,7 +3,7 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import STOP_TIME, number_text, structure, types, units, variables
+from tetherfmu.runtime.model_description import number_text, structure, types, units, variables
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 
 from .archive import GENERATED
@@ -28,11 +28,11 @@ CATEGORIES = {
 }
 
 
-def text(name, about, table, places, step, token, sources=()):
+def text(name, about, table, places, times, token, sources=()):
     """Text of modelDescription.xml.
 
     name : of the FMU.  about : description of the model.  table : of `variables.Variable`, with their `places`, which are
-    `native_arrays.Places`.  step : communication step of the default experiment [s].  token : the guid.
+    `native_arrays.Places`.  times : communication step and stop time of the default experiment [s].  token : the guid.
     sources : C files that an importer compiles.
     """
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
@@ -44,7 +44,7 @@ def text(name, about, table, places, step, token, sources=()):
     root.append(units(table))
     root.append(types(table))
     root.append(categories())
-    root.append(experiment(step))
+    root.append(experiment(*times))
     root.append(variables(table, places.references))
     root.append(structure(table))
     return xml_text(root)
@@ -64,10 +64,10 @@ def facts(name, about):
     }
 
 
-def experiment(step):
-    """DefaultExperiment; step : of communication [s]."""
+def experiment(step, stop):
+    """DefaultExperiment; step : of communication [s].  stop : time [s]."""
     tolerance = f"{DEFAULT_TOLERANCE:.0e}".replace("e-0", "e-")
-    times = {"startTime": "0", "stopTime": number_text(STOP_TIME)}
+    times = {"startTime": "0", "stopTime": number_text(stop)}
     return Element("DefaultExperiment", **times, tolerance=tolerance, stepSize=repr(step))
 
 

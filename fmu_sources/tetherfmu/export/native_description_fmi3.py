@@ -2,11 +2,11 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.inputs import inputs_of
+from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
 from tetherfmu.runtime.model_description import attributes, enumerations, items, units
-from tetherfmu.runtime.outputs import OUTPUT_TABLE
+from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
-from tetherfmu.runtime.variables import Variable
+from tetherfmu.runtime.variables import INPUT, Variable
 
 from .documents import meaning
 from .native_arrays import Array, arrays_at
@@ -26,10 +26,16 @@ CAPABILITIES = {
 }
 TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
 TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
-TERMINALS = {"kite": "the kite end of the tether", "ground": "the ground end of the tether"}
+WIND = "wind"
+TERMINALS = {
+    "kite": "the kite end of the tether",
+    "ground": "the ground end of the tether",
+    "winch": "the winch at the ground end",
+    WIND: "the wind along the tether",
+}
 
 
-def text(name, about, table, places, step, token, sources=()):
+def text(name, about, table, places, times, token, sources=()):
     """Text of modelDescription.xml; the arguments are those of `native_description.text`.
 
     sources : not needed, FMI 3 has a file of its own for them.
@@ -39,7 +45,7 @@ def text(name, about, table, places, step, token, sources=()):
     root.append(units((*table, TIME)))
     root.append(_types(table))
     root.append(categories())
-    root.append(experiment(step))
+    root.append(experiment(*times))
     listed = arrays_at(table, places)
     variables = SubElement(root, "ModelVariables")
     for array in (*listed, Array(TIME.name, places.count, (), (TIME,))):
@@ -49,21 +55,29 @@ def text(name, about, table, places, step, token, sources=()):
 
 
 def terminals(table):
-    """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force."""
-    known = {variable.name.partition("[")[0] for variable in table}
+    """Text of terminalsAndIcons.xml: the ends of the tether, each a bus of position, velocity and force; winch and wind."""
+    known = {variable.name.partition("[")[0] for variable in table if variable.causality in (INPUT, OUTPUT)}
+    if WIND_AT.name in known:
+        known -= set(WITHOUT_EFFECT)
     # motion, then force, then what only a free kite end is given
-    declared = (*inputs_of(kite_is_free=False), *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
-    members = {each.terminal: each.name for each in declared if each.terminal and each.name in known}
+    declared = (*inputs_of(kite_is_free=False), WIND_AT, *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
+    named = {tuple(each.terminal.split(".")): each.name for each in declared if each.terminal and each.name in known}
+    return buses(
+        (terminal, about, [(member, name) for (where, member), name in named.items() if where == terminal])
+        for terminal, about in TERMINALS.items()
+    )
+
+
+def buses(listed):
+    """Text of terminalsAndIcons.xml for terminals: triples of name, description, pairs (name of a member, variable)."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    listed = SubElement(root, "Terminals")
-    for end, meaning_of_end in TERMINALS.items():
-        terminal = Element("Terminal", name=end, matchingRule="bus", description=meaning_of_end)
-        for member, name in members.items():
-            if member.startswith(f"{end}."):
-                names = {"variableName": name, "memberName": member.partition(".")[2]}
+    terminals = SubElement(root, "Terminals")
+    for name, about, members in listed:
+        if members:
+            terminal = SubElement(terminals, "Terminal", name=name, matchingRule="bus", description=about)
+            for member, variable in members:
+                names = {"variableName": variable, "memberName": member}
                 SubElement(terminal, "TerminalMemberVariable", names, variableKind="signal")
-        if len(terminal):
-            listed.append(terminal)
     return xml_text(root)
 
 
@@ -86,7 +100,7 @@ def _structure(listed):
     """ModelStructure: outputs, and what they depend on when initialization ends: an array on what its elements do."""
     element = Element("ModelStructure")
     references = {variable.name: array.reference for array in listed for variable in array.variables}
-    outputs = [array for array in listed if array.variables[0].causality == "output"]
+    outputs = [array for array in listed if array.variables[0].causality == OUTPUT]
     for array in outputs:
         SubElement(element, "Output", valueReference=str(array.reference), dependencies="")
     for array in outputs:

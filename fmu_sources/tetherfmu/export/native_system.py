@@ -1,16 +1,16 @@
 """The native FMU of a system: its tables as a C header, its terminals, where its variables stand."""
 
 from array import array
-from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime import layout, status, system_layout, system_maps, system_variables
+from tetherfmu.runtime import inputs, layout, outputs, status, system_layout, system_maps, system_variables
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.system_maps import quantities_of_line
-from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, OUTPUT, PARAMETER
+from tetherfmu.runtime.variables import INPUT, INPUT_NAMES, PARAMETER
 
 from .native_arrays import Places
+from .native_description_fmi3 import TERMINALS, WIND, buses
 from .native_tables import (
     c_enumeration,
     c_numbers,
@@ -24,7 +24,6 @@ from .native_tables import (
     sentence_texts,
     variable_texts,
 )
-from .xml_text import xml_text
 
 
 def places_of(structure, table):
@@ -75,10 +74,10 @@ def _forces(structure):
 
 def _sizes(structure, table):
     """Sizes of the arrays, places in the plan, statuses that the shell looks at."""
-    counts = {kind: sum(each.causality == kind for each in table) for kind in (INPUT, OUTPUT, PARAMETER)}
+    given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
     lines = len(structure.lines)
-    sizes = {"INPUTS": counts[INPUT], "OUTPUTS_AT": counts[INPUT], "PARAMETERS_AT": counts[INPUT] + counts[OUTPUT]}
-    sizes |= {"PARAMETERS": counts[PARAMETER], "VALUES": len(table), "TIME": len(table)}
+    sizes = {"INPUTS": given, "OUTPUTS_AT": given, "PARAMETERS_AT": len(table) - fixed}
+    sizes |= {"PARAMETERS": fixed, "VALUES": len(table), "TIME": len(table)}
     plan = {
         f"PLAN_{name.removeprefix('PLAN_')}": value
         for name, value in vars(system_layout).items()
@@ -174,14 +173,26 @@ def _quantities(structure, references):
 
 
 def terminals(structure):
-    """Text of terminalsAndIcons.xml: the points, each a bus of position, velocity and force, or of a free one its load."""
-    root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    listed = SubElement(root, "Terminals")
-    for point in structure.points:
-        kind = "free" if point.is_free else "driven"
-        facts = {"name": point.name, "matchingRule": "bus", "description": f"{point.name}, a {kind} point"}
-        terminal = SubElement(listed, "Terminal", facts)
-        for member in ("position", "velocity", "load" if point.is_free else "force"):
-            names = {"variableName": f"{point.name}.{member}", "memberName": member}
-            SubElement(terminal, "TerminalMemberVariable", names, variableKind="signal")
-    return xml_text(root)
+    """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind."""
+    return buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), _bus_of_wind()))
+
+
+def _bus_of_point(point):
+    """Name, description and members of the terminal of a point."""
+    members = ("position", "velocity", "load" if point.is_free else "force")
+    kind = "free" if point.is_free else "driven"
+    return point.name, f"{point.name}, a {kind} point", [(each, f"{point.name}.{each}") for each in members]
+
+
+def _bus_of_winch(line):
+    """The same of the winch of a line, whose name it has."""
+    declared = [(each, inputs.BY_NAME[each].terminal) for each in system_variables.GIVEN]
+    declared += [(own, outputs.BY_NAME[each].terminal) for each, own in system_variables.OF_A_LINE.items()]
+    members = [(terminal.partition(".")[2], f"{line.name}.{own}") for own, terminal in declared if terminal]
+    return line.name, f"the winch of {line.name} at {line.start}", members
+
+
+def _bus_of_wind():
+    """The same of the wind, which all lines share."""
+    listed = [inputs.BY_NAME[each] for each in system_variables.GIVEN_TO_ALL]
+    return WIND, TERMINALS[WIND], [(each.terminal.partition(".")[2], each.name) for each in listed]

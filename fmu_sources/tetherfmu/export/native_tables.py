@@ -10,7 +10,7 @@ from tetherfmu.runtime import inputs, layout, parameters, plausibility, refusals
 from tetherfmu.runtime.variables import PARAMETER, input_names, parameters_at, references, wind_points_in
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
-KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "parameter": 32}
+KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
 NUMBERS_IN_A_LINE = 12
 _SIZES = ("parameters_size", "state_size")  # linear in the number of segments

@@ -11,6 +11,13 @@ from .xml_text import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
 NAMESPACE_OF_STRUCTURE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+WINCH = (  # kind and name of a group, and its variable
+    ("LinearVelocity", "reel_out", "reel_out_speed"),
+    ("Force", "winch_pull", "winch_force"),
+    ("LinearDisplacement", "winch", "winch_length"),
+    ("LinearVelocity", "winch_speed", "winch_speed"),
+    ("LinearDisplacement", "tether_length", "tether_length"),
+)
 STRUCTURE = "OspSystemStructure.xml"  # as libcosim looks for it
 
 
@@ -23,7 +30,7 @@ def model_description(table):
     """Text of the file.
 
     Two Generic groups, `kite` and `ground`, each with a Force, a LinearVelocity and a LinearDisplacement in this order; and
-    the LinearVelocity groups `wind` and `reel_out`, the Force group `winch_pull` and the LinearDisplacement group `winch`.
+    the LinearVelocity group `wind` and those of the winch, `WINCH`.
     The force of a free kite end is its load. libcosim connects a group with one of the same make: groups in groups in the
     same order, with the same number of variables. What an FMU for one scene goes without is left out.
 
@@ -35,18 +42,12 @@ def model_description(table):
         _port(groups, end, units, f"{end}_", force)
     if "wind_at[1,1]" not in units:  # which replaces it, and has no group
         _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
-    for kind, group, name in (
-        ("LinearVelocity", "reel_out", "reel_out_speed"),
-        ("Force", "winch_pull", "winch_force"),
-        ("LinearDisplacement", "winch", "winch_length"),
-    ):
-        if name in units:
-            SubElement(SubElement(groups, kind, name=group), "Variable", ref=name, unit=units[name])
+    _winch(groups, units)
     return xml_text(root)
 
 
 def model_description_of_system(structure, table):
-    """Text of the file of a system: a Generic group for each point, as for the end of a tether, and a group for the wind.
+    """Text of the file of a system: a Generic group for each point, as for the end of a tether, wind, winches of lines.
 
     The force of a free point is its load.  structure : `system_variables.Structure`.  table : of `variables.Variable`.
     """
@@ -56,10 +57,7 @@ def model_description_of_system(structure, table):
         _port(groups, point.name, units, f"{point.name}.", "load" if point.is_free else "force")
     _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for line in structure.lines:
-        name = f"{line.name}.reel_out_speed"
-        SubElement(
-            SubElement(groups, "LinearVelocity", name=f"{line.name}_reel_out"), "Variable", ref=name, unit=units[name]
-        )
+        _winch(groups, units, f"{line.name}_", f"{line.name}.")
     return xml_text(root)
 
 
@@ -100,6 +98,17 @@ def _port(groups, name, units, prefix, force):
         _vector(port, kind, f"{name}_{what}", units, f"{prefix}{what}")
     if len(port):
         groups.append(port)
+
+
+def _winch(groups, units, group_prefix="", prefix=""):
+    """Add the groups of a winch, of the variables that the FMU has (`groups` is modified).
+
+    group_prefix, prefix : before the names of groups and variables.
+    """
+    for kind, group, name in WINCH:
+        if f"{prefix}{name}" in units:
+            element = SubElement(groups, kind, name=f"{group_prefix}{group}")
+            SubElement(element, "Variable", ref=f"{prefix}{name}", unit=units[f"{prefix}{name}"])
 
 
 def _vector(parent, kind, group, units, vector):

@@ -16,7 +16,7 @@ from fmpy import read_model_description
 
 from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number_text
+from tetherfmu.runtime.model_description import base_units, number_text
 
 from . import archive, example_fmus, osp
 from .build_options import BuildOptions, Purpose
@@ -29,20 +29,19 @@ TOOL = f"TetherFMU {__version__}"
 FMU = "application/x-fmu-sharedlibrary"
 STEP, STOP = 0.02, 200.0  # of the default experiment [s]
 OSP_STRUCTURE = f"{OSP_FOLDER}/{osp.STRUCTURE}"
-PAGE = "<!DOCTYPE html>\n<title>{name}</title>\n<p>{name} of TetherFMU {version}. {about}</p>\n"
+PAGE = "<h1>{name}</h1>\n<p>{name} of TetherFMU {version}. {about}</p>"
 
 
 @dataclass(frozen=True)
 class Wiring:
     """What a system has beside connections of equal names.
 
-    renamed : dict of an input, "instance.name", to the name of the output that it gets, "" for none.  with_shape : whether
-    the points of the tether are connected.  files : dict of FMUs to pairs (file name, bytes) in their resources.
-    steps : dict of the instances that may take longer steps than the others, where the importer lets them, to theirs [s].
+    renamed : dict of an input, "instance.name", to the name of the output that it gets, "" for none.  files : dict of FMUs
+    to pairs (file name, bytes) in their resources.  steps : dict of the instances that may take longer steps than the
+    others, where the importer lets them, to theirs [s].
     """
 
     renamed: dict = field(default_factory=dict)
-    with_shape: bool = False
     files: dict = field(default_factory=dict)
     steps: dict = field(default_factory=dict)
 
@@ -67,7 +66,7 @@ def in_turbulence(folder, options):
     """Write the systems with turbulent wind to a folder; gives their paths. options : as in `write_all`."""
     given = example("wind.turbulence_systems")
     options = replace(options, wind_points=given.POINTS, shape_points=given.POINTS)
-    wiring = Wiring(given.RENAMED, with_shape=True, files={"TurbulentWind": [(Path(given.BOX).name, given.box())]})
+    wiring = Wiring(given.RENAMED, files={"TurbulentWind": [(Path(given.BOX).name, given.box())]})
     for name, fmus, start in (
         ("turbulent_circle", given.CIRCLE, given.CIRCLE_START),
         ("turbulent_parked_kite", given.PARKED, given.PARKED_START),
@@ -101,9 +100,7 @@ def write(name, fmus, start, fidelities, folder, options, wiring=Wiring()):
 def _connections(variables, wiring):
     """Dict of instances to dicts of their inputs to pairs (instance, output)."""
     given = example("power_system.kite_power_system")
-    givers = {
-        output: instance for instance, known in variables.items() for output in given.given_by(known, wiring.with_shape)
-    }
+    givers = {output: instance for instance, known in variables.items() for output in given.given_by(known)}
     found = {}
     for instance, known in variables.items():
         wanted = {v.name: _output_for(f"{instance}.{v.name}", wiring) for v in known if v.causality == "input"}
@@ -129,13 +126,15 @@ def _structure(name, fidelity, fmus, variables, values, wiring):
     for instance, known in variables.items():
         inputs = inputs_of[instance]
         component = SubElement(elements, "ssd:Component", name=instance, type=FMU, source=_source(fmus[instance]))
-        _connectors(component, inputs, given.given_by(known, wiring.with_shape))
+        units = {variable.name: variable.unit for variable in known}
+        _connectors(component, inputs, given.given_by(known), units)
         if instance in values:
             bindings = SubElement(component, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=_set(instance, fidelity))
         for each, (giver, output) in inputs.items():
             ends = {"startElement": giver, "endElement": instance}
             SubElement(connections, "ssd:Connection", ends, startConnector=output, endConnector=each)
+    _units(root)
     SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number_text(STOP))
     return root
 
@@ -158,15 +157,24 @@ def _built(fmu, start, system, folder, options, files):
         starts = [(name, value) for name, value in start.items() if name in known]
         return example_fmus.build(fmu, folder, starts, files.get(fmu, ()))
     about = f"With the start values of the system {system}."
-    purpose = Purpose(system, (), about, STEP, PAGE.format(name=fmu, version=__version__, about=about))
+    purpose = Purpose(system, (), about, STEP, STOP, PAGE.format(name=fmu, version=__version__, about=about))
     return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))
 
 
-def _connectors(component, inputs, outputs):
+def _connectors(component, inputs, outputs, units):
+    """Add the connectors of an FMU (`component` is modified); units : of its variables by name, None for none."""
     connectors = SubElement(component, "ssd:Connectors")
     for kind, names in (("input", inputs), ("output", outputs)):
         for name in names:
-            SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real")
+            unit = {"unit": units[name]} if units[name] else {}
+            SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real", unit)
+
+
+def _units(root):
+    """Add the units that the connectors of a system structure name (`root` is modified)."""
+    listed = SubElement(root, "ssd:Units")
+    for name in sorted({real.get("unit") for real in root.iter("ssc:Real")} - {None}):
+        SubElement(SubElement(listed, "ssc:Unit", name=name), "ssc:BaseUnit", base_units(name))
 
 
 def _parameters(name, values):

@@ -25,7 +25,7 @@ from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every
 from .native import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
-STEP = DEFAULT_OPTIONS["step"]  # of the default experiment [s]
+TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
 def build(path, folder, platforms, shape_points=None, native=None, with_sources=False):
@@ -46,7 +46,7 @@ def build(path, folder, platforms, shape_points=None, native=None, with_sources=
     evidence = system_evidence.files(structure.name, found, native == 3)
     if native:
         return write(_native(structure, about, platforms, evidence, native, with_sources), folder, structure.name, None)
-    options = {"system": structure.as_dict(), "about": about, "step": STEP}
+    options = {"system": structure.as_dict(), "about": about}
     made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
     made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
     seal(made)
@@ -62,7 +62,7 @@ def _native(structure, about, platforms, evidence, fmi, with_sources):
     if fmi == 3:
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
     listed = (native_sources.FILE,) if with_sources else ()
-    describe = partial(writer_of(fmi).text, structure.name, about, table, places, STEP, sources=listed)
+    describe = partial(writer_of(fmi).text, structure.name, about, table, places, TIMES, sources=listed)
     tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
     token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
     if with_sources:

@@ -33,7 +33,7 @@ MINIMA = np.array([1.0 if choices else each.quantity.minimum for each, choices i
 MAXIMA = np.array([choices or each.quantity.maximum for each, choices in zip(PARAMETERS, _CHOICES, strict=True)], float)
 IS_REAL = np.array([each.kind == "Real" for each in PARAMETERS])
 NOT_IN_USE = np.array(
-    [0 if all(each.quantity.choices) else each.quantity.choices.index("") + 1 for each in PARAMETERS], float
+    [0 if all(each.quantity.choices) else list(each.quantity.choices).index("") + 1 for each in PARAMETERS], float
 )
 IS_ENUMERATION = np.array([each.kind == "Enumeration" for each in PARAMETERS])
 NOWHERE = -1

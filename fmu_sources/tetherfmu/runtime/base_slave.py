@@ -13,9 +13,10 @@ from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
 from . import __version__, refusals
-from .model_description import STOP_TIME, complete
+from .model_description import complete
 from .parameters import DEFAULT_TOLERANCE
 from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
+from .variables import CALCULATED, INPUT
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
 NO_INTEGER = -(2**31)  # what is read of an Integer variable that has no value, as NaN of a Real one
@@ -43,13 +44,13 @@ class BaseSlave(Fmi2Slave):
         self._warned_of_time = False
         self._refusal = None
 
-    def declare(self, table, values, references, step):
-        """Take a table of `variables.Variable`, the array of values, their places in it, and the usual step [s].
+    def declare(self, table, values, references, options):
+        """Take a table of `variables.Variable`, the array of values, their places in it, and build options.
 
         The value reference of a variable is the place of its value; its start value is put there.
         """
-        usual = {"start_time": 0.0, "stop_time": STOP_TIME, "step_size": step, "tolerance": DEFAULT_TOLERANCE}
-        self.default_experiment = DefaultExperiment(**usual)
+        usual = {"start_time": 0.0, "stop_time": options["stop"], "step_size": options["step"]}
+        self.default_experiment = DefaultExperiment(**usual, tolerance=DEFAULT_TOLERANCE)
         self.table, self.values, self.references = table, values, references
         self._by_reference = dict(zip(references, table, strict=True))
         for reference, variable in self._by_reference.items():
@@ -57,8 +58,8 @@ class BaseSlave(Fmi2Slave):
                 values[reference] = variable.start
         self._reals = self._all(lambda variable: variable.kind == "Real")
         self._integers = frozenset(references) - self._reals
-        self._inputs = self._all(lambda variable: variable.causality == "input")
-        self.output_places = self._all(lambda variable: variable.causality == "output")
+        self._inputs = self._all(lambda variable: variable.causality == INPUT)
+        self.output_places = self._all(lambda variable: variable.causality in CALCULATED)
 
     def _all(self, chosen):
         return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))

@@ -30,7 +30,7 @@ class Input:
     meaning: str
     start: tuple  # as many numbers as it has
     scale: str  # one of `SCALES`
-    terminal: str = ""  # of FMI 3: end and name there, "kite.position"; "" for none
+    terminal: str = ""  # of FMI 3 and name there, "kite.position"; "" for none
     of: str = EVERY_TETHER  # or DRIVEN_KITE, FREE_KITE
 
     @property
@@ -66,8 +66,9 @@ INPUT_TABLE = (
         "rate of change of the unstretched length (winch_control = speed; otherwise at the start only); positive pays out",
         (0.0,),
         SEGMENT_PER_STEP,
+        "winch.reel_out_speed",
     ),
-    Input("wind_velocity", "m/s", "wind at wind_reference_height", ZERO, FAST_WIND),
+    Input("wind_velocity", "m/s", "wind at wind_reference_height", ZERO, FAST_WIND, "wind.velocity"),
     Input(
         "kite_load",
         "N",
@@ -83,6 +84,7 @@ INPUT_TABLE = (
         "force with which the winch pulls at the tether (winch_control = force; from the first step on); positive reels in",
         (0.0,),
         STIFFNESS,
+        "winch.force",
     ),
     Input(
         "winch_length",
@@ -90,6 +92,7 @@ INPUT_TABLE = (
         "unstretched length that the winch should have paid out (winch_control = length); 0 until it is set: initial_length",
         (0.0,),
         SEGMENT_LENGTH,
+        "winch.length",
     ),
 )
 # with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
@@ -99,6 +102,7 @@ WIND_AT = Input(
     "points on the tether at equal unstretched length, ground first: wind there; in between it is linear",
     ZERO,
     FAST_WIND,
+    "wind.at",
 )
 # inputs and parameters that then have no effect
 WITHOUT_EFFECT = ("wind_velocity", "wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness")

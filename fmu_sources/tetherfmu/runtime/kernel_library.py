@@ -17,6 +17,12 @@ from pathlib import Path
 from .variants import BY_NAME
 
 Kernels = namedtuple("Kernels", "segments pack work_size initialize advance outputs fly energy", defaults=(None,))
+# platforms of PythonFMU's libraries, and where an FMU has those
+PYTHONFMU = {"x86_64-linux": "binaries/linux64/", "x86_64-windows": "binaries/win64/"}
+NO_LIBRARY_OF_PYTHONFMU = (
+    f"PythonFMU has libraries for {' and '.join(PYTHONFMU)} only, not for {{platforms}}; "
+    "build a native FMU: tetherfmu build --native"
+)
 _ARRAY = c_void_p
 PROTOTYPES = Kernels(
     segments=CFUNCTYPE(c_int64, c_int64, _ARRAY),

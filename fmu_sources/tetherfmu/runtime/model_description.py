@@ -6,6 +6,9 @@ PythonFMU's is completed with them; what they say of a variable, `attributes`, i
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
+from .outputs import OUTPUT
+from .variables import CALCULATED, INPUT, PARAMETER
+
 UNITS = {  # quantity, exponents of the base units, nominal value of an input or output
     "m": ("Length", {"m": 1}, 100.0),
     "m/s": ("Velocity", {"m": 1, "s": -1}, 10.0),
@@ -28,11 +31,12 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
     "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
-_INITIAL = {"output": "calculated", "parameter": "exact"}
+# display units of all quantities of a unit, as `Quantity.display`, where a quantity has none of its own
+DISPLAY = {"N": ("kN", 1e-3), "N/m": ("kN/m", 1e-3)}
+_INITIAL = {**dict.fromkeys(CALCULATED, "calculated"), PARAMETER: "exact"}
 # attributes of a ScalarVariable of FMI 2; all others belong to its type
 _OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variability", "initial")
 _LARGEST_EXACT = 1e15  # a whole number of fewer than 16 digits is a double
-STOP_TIME = 10.0  # of the default experiment [s]
 
 
 def complete(root, table, references):
@@ -68,11 +72,21 @@ def units(table):
     element = Element("UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
-        SubElement(unit, "BaseUnit", {base: str(power) for base, power in UNITS[name][1].items()})
-        shown = {variable.quantity.display for variable in table if variable.quantity.unit == name} - {()}
+        SubElement(unit, "BaseUnit", base_units(name))
+        shown = {display_of(variable.quantity) for variable in table if variable.quantity.unit == name} - {()}
         for display_name, factor in sorted(shown):
             SubElement(unit, "DisplayUnit", name=display_name, factor=repr(factor))
     return element
+
+
+def base_units(unit):
+    """Attributes of a BaseUnit: exponents of the base units of a unit, as texts by their names."""
+    return {base: str(power) for base, power in UNITS[unit][1].items()}
+
+
+def display_of(quantity):
+    """Unit and factor for people, as `Quantity.display`; () for none."""
+    return quantity.display or DISPLAY.get(quantity.unit, ())
 
 
 def types(table):
@@ -96,7 +110,11 @@ def enumerations(table):
 
 def items(variable):
     """The values of an enumeration: list of Item."""
-    return [Element("Item", name=name, value=str(value)) for name, value in variable.quantity.numbers.items()]
+    declared = variable.quantity
+    return [
+        Element("Item", name=name, value=str(value), description=declared.choices[name])
+        for name, value in declared.numbers.items()
+    ]
 
 
 def attributes(name, reference, meaning, elements):
@@ -106,9 +124,9 @@ def attributes(name, reference, meaning, elements):
     differ in their start values only.
     """
     first = elements[0]
-    declared, fixed = first.quantity, first.causality == "parameter"
+    declared, fixed = first.quantity, first.causality == PARAMETER
     found = {"name": name, "valueReference": str(reference), "description": meaning, "causality": first.causality}
-    # outputs change in steps, those that count are discrete
+    # what is calculated changes in steps, what counts is discrete
     found["variability"] = "fixed" if fixed else "continuous" if first.kind == "Real" else "discrete"
     if first.causality in _INITIAL:
         found["initial"] = _INITIAL[first.causality]
@@ -117,9 +135,9 @@ def attributes(name, reference, meaning, elements):
     if first.kind == "Real" and declared.unit:
         quantity, _, nominal = UNITS[declared.unit]
         found |= {"quantity": quantity, "unit": declared.unit}
-        if declared.display:
-            found["displayUnit"] = declared.display[0]
-        if first.causality in ("input", "output"):
+        if display_of(declared):
+            found["displayUnit"] = display_of(declared)[0]
+        if first.causality in (INPUT, *CALCULATED):
             found["nominal"] = repr(nominal)
     limits = {"min": declared.minimum, "max": declared.maximum}
     found |= {key: number_text(limit) for key, limit in limits.items() if abs(limit) < inf}
@@ -142,7 +160,7 @@ def structure(table):
     unknowns = SubElement(element, "InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
     for variable in table:
-        if variable.causality == "output":
+        if variable.causality == OUTPUT:
             index = str(positions[variable.name])
             SubElement(outputs, "Unknown", index=index, dependencies="")
             unknown = SubElement(unknowns, "Unknown", index=index)

@@ -16,6 +16,7 @@ from .quantities import DEGREES, Quantity, places_of
 Array = Any  # of numpy in the Python API, which an FMU does without
 SCALAR, VECTOR, POINTS = (), (3,), ("points", 3)  # shapes of outputs
 ANY, NOT_NEGATIVE, COUNTED = (-inf, inf), (0.0, inf), (0, LARGEST_INTEGER)  # minimum and maximum
+OUTPUT, LOCAL = "output", "local"  # causality of FMI
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ class Output:
     depends_on: tuple  # when initialization ends, see `dependencies`
     shape: tuple  # SCALAR, VECTOR or POINTS
     terminal: str  # of FMI 3, as of `inputs.Input`
+    is_local: bool  # in FMI: to be read, not to be connected
+
+    def causality(self, wind_points=0):
+        """LOCAL or OUTPUT. The wind at points (`inputs.WIND_AT`) is found where they are, so the shape is connected then."""
+        return LOCAL if self.is_local and not (wind_points and self.shape == POINTS) else OUTPUT
 
     @property
     def size(self):
@@ -35,9 +41,14 @@ class Output:
         return self.shape[-1] if self.shape else 1
 
 
-def output(unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="") -> Any:
+def output(unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="", is_local=False) -> Any:
     """Field of the record of outputs; its name and kind are those of the field."""
-    return Output("", "Real", Quantity(unit, meaning, *limits, display=display), depends_on, shape, terminal)
+    return Output("", "Real", Quantity(unit, meaning, *limits, display=display), depends_on, shape, terminal, is_local)
+
+
+def counter(meaning) -> Any:
+    """Field of the record for a number that says how the solver works, and nothing of the tether."""
+    return output("", meaning, (), COUNTED, is_local=True)
 
 
 class Outputs(NamedTuple):
@@ -59,7 +70,7 @@ class Outputs(NamedTuple):
     ground_tension: float = output("N", "tension of the first segment", FORCE)
     kite_tension: float = output("N", "tension of the last segment", FORCE)
     max_tension: float = output("N", "largest tension of all segments", FORCE)
-    tether_length: float = output("m", "present unstretched length", LENGTH, NOT_NEGATIVE)
+    tether_length: float = output("m", "present unstretched length", LENGTH, NOT_NEGATIVE, terminal="winch.tether_length")
     ground_elevation: float = output(
         "rad", "elevation at which the tether leaves the ground end", FORM, (-pi / 2.0, pi / 2.0), DEGREES
     )
@@ -86,28 +97,29 @@ class Outputs(NamedTuple):
         (*LENGTH, "axial_damping"),
         NOT_NEGATIVE,
     )
-    winch_speed: float = output("m/s", "present reel-out speed, whatever controls the winch", REELING)
+    winch_speed: float = output(
+        "m/s", "present reel-out speed, whatever controls the winch", REELING, terminal="winch.speed"
+    )
     grounded_length: float = output(
         "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE
     )
     wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE)
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
-    solver_steps: int = output("", "internal steps of the solver since the start", (), COUNTED)
-    solver_rejections: int = output("", "rejected internal steps of the solver since the start", (), COUNTED)
-    solver_iterations: int = output("", "Newton iterations since the start, for shapes and fixed steps", FORCE, COUNTED)
-    shape: Array = output("m", "points on the tether at equal unstretched length", FORM, shape=POINTS)
+    solver_steps: int = counter("internal steps of the solver since the start")
+    solver_rejections: int = counter("rejected internal steps of the solver since the start")
+    solver_iterations: int = counter("Newton iterations since the start, for shapes and fixed steps")
+    shape: Array = output(
+        "m", "points on the tether at equal unstretched length", FORM, shape=POINTS, terminal="wind.shape", is_local=True
+    )
     kite_position: Array = output(
         "m", "position of the kite attachment point", ("kite_position[*]",), shape=VECTOR, terminal="kite.position"
     )
     kite_velocity: Array = output(
         "m/s", "velocity of the kite attachment point", ("kite_velocity[*]",), shape=VECTOR, terminal="kite.velocity"
     )
-    solver_iteration_limit: int = output(
-        "",
+    solver_iteration_limit: int = counter(
         "the most iterations that the last communication step could take with its fixed steps (before the first: one fixed "
-        "step); 0 with adaptive steps, which have no such bound",
-        ("fixed_step", "fixed_step_method", "winch_control"),
-        COUNTED,
+        "step); 0 with adaptive steps, which have no such bound"
     )
 
 
@@ -133,6 +145,7 @@ def _documented(record, table):
 OUTPUT_TABLE = tuple(_declared(Outputs))
 _documented(Outputs, OUTPUT_TABLE)
 BY_NAME = {each.name: each for each in OUTPUT_TABLE}
+COUNTERS = tuple(each.name for each in OUTPUT_TABLE if each.is_local and each.shape == SCALAR)
 # of the array, where the shape is last because its size is a build option, and of the FMI variables
 ARRAY_ORDER = sorted(OUTPUT_TABLE, key=lambda each: each.shape == POINTS)
 PLACES = places_of(ARRAY_ORDER)

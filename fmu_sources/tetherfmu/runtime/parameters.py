@@ -42,8 +42,11 @@ class Tether:
     damping_law: int = quantity(
         1,
         "",
-        "rate used by the damping law: that of strain (physical) or of stretch (as in Tethers.jl, for comparison)",
-        choices=("strain_rate", "stretch_rate"),
+        "rate that the damping force is proportional to",
+        choices={
+            "strain_rate": "rate of the strain (physical)",
+            "stretch_rate": "rate of the stretched length (as in Tethers.jl, for comparison)",
+        },
     )
     drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
 
@@ -101,8 +104,13 @@ class Environment:
     wind_profile: int = quantity(
         1,
         "",
-        "increase of the wind with the height z: uniform; (z/h)^alpha; ln(z/z0)/ln(h/z0); log + (log - power)",
-        choices=("uniform", "power_law", "logarithmic", "explog"),
+        "increase of the wind with the height z",
+        choices={
+            "uniform": "the same wind at all heights",
+            "power_law": "(z/h)^alpha",
+            "logarithmic": "ln(z/z0)/ln(h/z0)",
+            "explog": "logarithmic + (logarithmic - power_law)",
+        },
     )
     wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
     wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", 0.0, 2.0)
@@ -133,26 +141,36 @@ class Solver:
     fixed_step_method: int = quantity(
         1,
         "",
-        "with fixed_step: order 2; backward Euler, order 1, which damps like an additional axial_damping of E A fixed_step",
-        choices=("second_order", "backward_euler"),
+        "method of the steps with fixed_step",
+        choices={
+            "second_order": "order 2",
+            "backward_euler": "order 1, damps like an additional axial_damping of E A fixed_step",
+        },
     )
     initial_shape: int = quantity(
         1,
         "",
-        "shape at the start: static equilibrium; quasi-steady (rotating with the kite, no transient); straight line",
-        choices=("static_equilibrium", "quasi_steady", "straight"),
+        "shape at the start",
+        choices={
+            "static_equilibrium": "at rest, whatever the ends do",
+            "quasi_steady": "rotating with the kite, no transient (with ends at rest that of static_equilibrium)",
+            "straight": "straight line between the ends",
+        },
     )
     end_velocities: int = quantity(
         1,
         "",
-        "velocities of the ends: given as inputs; derived from the positions (the velocity inputs are then ignored)",
-        choices=("given", "derived"),
+        "where the velocities of the ends come from",
+        choices={
+            "given": "given as inputs",
+            "derived": "derived from the positions over the last step (the velocity inputs are ignored)",
+        },
     )
     input_continuation: int = quantity(
         1,
         "",
-        "reel_out_speed, winch_force and kite_load within a step: extrapolated linearly from their last two values; held",
-        choices=("linear", "held"),
+        "how reel_out_speed, winch_force and kite_load go on within a step",
+        choices={"linear": "extrapolated linearly from their last two values", "held": "held as they are"},
     )
 
     def __post_init__(self):
@@ -162,7 +180,7 @@ class Solver:
 @documented
 @dataclass(frozen=True)
 class Winch:
-    """The winch at the ground end: what it is told, and its drum. ValueError if a number is out of range.
+    """The winch at the ground end: what controls it, and its drum. ValueError if a number is out of range.
 
     >>> Winch(winch_control="length").winch_control
     3
@@ -171,8 +189,12 @@ class Winch:
     winch_control: int = quantity(
         1,
         "",
-        "what the winch is told: a speed (reel_out_speed), a force (winch_force), or a length (winch_length)",
-        choices=("speed", "force", "length"),
+        "quantity that controls the winch: speed, force or length",
+        choices={
+            "speed": "it pays out at reel_out_speed",
+            "force": "it pulls with winch_force, and its drum turns as the tension decides",
+            "length": "it pays out or reels in to winch_length",
+        },
     )
     winch_mass: float = quantity(
         0.0,
@@ -210,8 +232,11 @@ class Ground:
     ground_contact: int = quantity(
         1,
         "",
-        "ground under the tether: none; flat (the tether and a free kite cannot sink below ground_height)",
-        choices=("none", "flat"),
+        "ground under the tether",
+        choices={
+            "none": "no ground, the tether hangs wherever its weight takes it",
+            "flat": "a plane at ground_height, which carries the tether and a free kite",
+        },
     )
     ground_height: float = quantity(0.0, "m", "z of the ground", -1e5, 1e5)
     ground_friction: float = quantity(0.5, "", "friction coefficient of the tether on the ground", 0.0, 10.0)
@@ -236,9 +261,12 @@ class FreeKite:
     kite_start: int = quantity(
         1,
         "",
-        "start of the kite: given (initial_kite_position, initial_kite_velocity); at rest where the tether, its weight and "
-        "kite_load are in equilibrium (sought from initial_kite_position on)",
-        choices=("given", "equilibrium"),
+        "start of the kite",
+        choices={
+            "given": "at initial_kite_position with initial_kite_velocity",
+            "equilibrium": "at rest where the tether, its weight and kite_load are in equilibrium (initial_kite_position "
+            "is where the search begins)",
+        },
     )
 
     def __post_init__(self):

@@ -16,7 +16,8 @@ class Quantity:
     meaning: str  # one line for people
     minimum: float = -inf  # allowed, as the maximum
     maximum: float = inf
-    choices: tuple = ()  # names of an enumeration, in the order of its numbers 1, 2, ...; "" for a number that is not in use
+    # of an enumeration: meanings of its choices by name, in the order of its numbers 1, 2, ...; "" names one not in use
+    choices: dict = field(default_factory=dict, hash=False)
     display: tuple = ()  # (unit, factor) for people: shown value = factor times value
 
     @property
@@ -34,6 +35,11 @@ class Quantity:
         if self.minimum == -inf:
             return upper if self.maximum < inf else "a finite number"
         return lower if self.maximum == inf else f"{lower} and {upper}"
+
+    def in_words(self):
+        """The allowed range in words, of an enumeration with the meanings of its choices."""
+        found = [f"{number} ({name}): {self.choices[name]}" for name, number in self.numbers.items()]
+        return "; ".join(found) or self.range()
 
     def allows(self, value):
         """Whether a value lies in the allowed range; never for NaN, infinities and what is no number."""
@@ -70,7 +76,7 @@ def documented(record):
     for name, declared in quantities(record):
         unit = f" [{declared.unit}]" if declared.unit else ""
         lines += [f"{name} : {type(defaults[name]).__name__}, default {defaults[name]!r}"]
-        lines += [f"    {declared.meaning}{unit}; {declared.range()}"]
+        lines += [f"    {declared.meaning}{unit}; {declared.in_words()}"]
     record.__doc__ = "\n".join(lines)
     return record
 

@@ -14,7 +14,8 @@ DEFAULT_OPTIONS = {
     "shape_points": Tether.segments + 1,
     "wind_points": 0,
     "about": "",
-    "step": 0.02,
+    "step": 0.02,  # of the default experiment [s], as its stop time
+    "stop": 10.0,
 }
 
 

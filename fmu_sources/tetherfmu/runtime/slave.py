@@ -40,7 +40,7 @@ class TetherSlave(BaseSlave):
         self._places = {name: self._instance.parameters_at + k for k, name in enumerate(names)}
         self._diameters = [self._places["diameter"]]
         references = variables.references(table, options["shape_points"])
-        self.declare(table, self._instance.values, references, options["step"])
+        self.declare(table, self._instance.values, references, options)
 
     def _kernels(self):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""

@@ -10,7 +10,7 @@ from .packing import pack_line
 from .quantities import NOT_WHOLE, checked
 from .saved_state import check_state
 from .system_refusals import sentence
-from .variables import INPUT, OUTPUT, PARAMETER
+from .variables import INPUT, PARAMETER
 
 
 class SystemInstance:
@@ -35,7 +35,7 @@ class SystemInstance:
         self.kernels, self.structure, self.table = kernels, structure, table
         self.values = zeros(len(table))
         self.outputs_at = sum(each.causality == INPUT for each in table)
-        self.parameters_at = self.outputs_at + sum(each.causality == OUTPUT for each in table)
+        self.parameters_at = sum(each.causality != PARAMETER for each in table)
         self.places = {each.name: each.place for each in table}
         self._checked = [each for each in table if each.causality == PARAMETER]
         self._inputs_from = system_maps.inputs_of(structure, self.places)

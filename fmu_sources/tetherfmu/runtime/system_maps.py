@@ -10,8 +10,9 @@ from . import inputs, outputs
 from . import layout as at
 from . import system_layout as plan
 from .inputs import components
+from .outputs import COUNTERS
 from .parameters import Ground, Tether, Winch
-from .system_variables import COUNTERS, GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED
+from .system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED
 
 
 def inputs_of(structure, places):

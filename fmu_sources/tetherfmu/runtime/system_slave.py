@@ -18,7 +18,7 @@ class SystemSlave(TetherSlave):
         table = table_of(structure)
         self._instance = SystemInstance(self._kernels(), structure, table)
         self._diameters = [self._instance.places[f"{line.name}.diameter"] for line in structure.lines]
-        self.declare(table, self._instance.values, [each.place for each in table], options["step"])
+        self.declare(table, self._instance.values, [each.place for each in table], options)
 
     def _first_shape(self):
         """Find the first shapes of all lines. Returns what is wrong, or None."""

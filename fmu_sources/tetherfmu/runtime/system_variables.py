@@ -30,7 +30,6 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
 }
-COUNTERS = ("solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit")
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = ("wind_velocity",)  # vectors that all lines share
 GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
@@ -128,7 +127,7 @@ def _vector(name, causality, declared, start=(None, None, None), known=(None, No
 
 
 def _inputs(structure):
-    """Inputs: motion of driven points, loads on free ones, what the winches of lines are told, wind."""
+    """Inputs: motion of driven points, loads on free ones, those of the winches of lines, wind."""
     motion = [each for each in inputs.INPUT_TABLE if each.of == DRIVEN_KITE]
     load = next(each for each in inputs.INPUT_TABLE if each.of == FREE_KITE)
     for point in structure.points:
@@ -155,9 +154,11 @@ def _inputs(structure):
 
 
 _LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
-_START = (
-    "start of {}: given (initial_position); where its lines, its weight and its load are in equilibrium, all lines at rest"
-)
+_START = "start of {}"
+_STARTS = {
+    "given": "at initial_position with initial_velocity",
+    "equilibrium": "at rest where its lines, its weight and its load are in equilibrium",
+}
 
 
 def _parameters(structure):
@@ -169,7 +170,7 @@ def _parameters(structure):
         if point.is_free:
             meaning = "point mass, in addition to the halves of the segments that meet there"
             yield Variable(f"{point.name}.mass", PARAMETER, "Real", replace(mass, meaning=meaning), 0, point.mass)
-            declared = replace(kind_of_start, meaning=_START.format(point.name))
+            declared = replace(kind_of_start, meaning=_START.format(point.name), choices=_STARTS)
             yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start)
             for what, unit in units.items():
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
@@ -231,10 +232,9 @@ def _outputs(structure, known):
         yield from _vector(f"{point.name}.force", OUTPUT, declared, known=found)
     for line in structure.lines:
         yield from _outputs_of_line(structure, line, known)
-    for name in COUNTERS:
+    for name in outputs.COUNTERS:
         each = outputs.BY_NAME[name]
-        found = _together(_known(structure, line, each, name, known) for line in structure.lines)
-        yield Variable(name, OUTPUT, each.kind, each.quantity, 0, depends_on=found)
+        yield Variable(name, each.causality(), each.kind, each.quantity, 0)
 
 
 def _outputs_of_line(structure, line, known):
@@ -250,13 +250,12 @@ def _outputs_of_line(structure, line, known):
     for k in range(1, line.shape_points + 1):
         meaning = f"point {k} of {line.shape_points} on the line at equal unstretched length, {line.start} first"
         for i, axis in enumerate("xyz", start=1):
-            found = _known(structure, line, shape, f"shape[{k},{i}]", known)
             quantity = replace(shape.quantity, meaning=f"{meaning}, {axis}")
-            yield Variable(f"{line.name}.shape[{k},{i}]", OUTPUT, "Real", quantity, 0, depends_on=found)
+            yield Variable(f"{line.name}.shape[{k},{i}]", shape.causality(), "Real", quantity, 0)
 
 
 def table_of(structure):
-    """The table of all variables of a system, a tuple of `variables.Variable`: inputs, outputs, parameters.
+    """The table of all variables of a system, a tuple of `variables.Variable`: inputs, outputs and local ones, parameters.
 
     The place of a variable is its value reference.
     """

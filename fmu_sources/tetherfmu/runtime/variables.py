@@ -13,12 +13,13 @@ from . import inputs, outputs
 from . import layout as at
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
-from .outputs import ARRAY_ORDER, POINTS, SCALAR, VECTOR
+from .outputs import ARRAY_ORDER, LOCAL, OUTPUT, POINTS, SCALAR, VECTOR
 from .parameters import RECORDS, FreeKite
 from .quantities import Quantity, quantities
 from .variants import BY_NAME
 
-INPUT, OUTPUT, PARAMETER = "input", "output", "parameter"
+INPUT, PARAMETER = "input", "parameter"
+CALCULATED = (OUTPUT, LOCAL)  # by the tether
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Variable:
     """One FMI variable."""
 
     name: str
-    causality: str  # INPUT, OUTPUT or PARAMETER
+    causality: str  # INPUT, OUTPUT, LOCAL or PARAMETER
     kind: str  # "Real", "Integer" or "Enumeration"
     quantity: Quantity
     place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
@@ -82,12 +83,13 @@ def _output_variables(variant, shape_points, left_out, wind_points):
         meaning = variant.meanings.get(output.name, output.quantity.meaning)
         for i, (name, text) in enumerate(_elements(output.name, meaning, output.shape, shape_points)):
             quantity = replace(output.quantity, meaning=text)
-            known = depends_on(variant, output, name, shape_points, left_out, wind_points)
-            yield Variable(name, OUTPUT, output.kind, quantity, place + i, depends_on=known)
+            causality = output.causality(wind_points)
+            known = depends_on(variant, output, name, shape_points, left_out, wind_points) if causality == OUTPUT else None
+            yield Variable(name, causality, output.kind, quantity, place + i, depends_on=known)
 
 
 def names_of(table, causality):
-    """Names of the inputs, outputs or parameters in a table of `variables`, in their order."""
+    """Names of the variables of a causality in a table of `variables`, in their order."""
     return [variable.name for variable in table if variable.causality == causality]
 
 
@@ -135,7 +137,7 @@ PARAMETERS_WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are no
 
 @lru_cache
 def variables(variant, shape_points, starts=(), left_out=(), wind_points=0):
-    """The table of all variables, a tuple: inputs, outputs, parameters.
+    """The table of all variables, a tuple: inputs, outputs and local ones, parameters.
 
     variant : one of `variants.EVERY_VARIANT`.  shape_points : number of points of the output `shape`.
     starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an

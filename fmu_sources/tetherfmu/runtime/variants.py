@@ -88,8 +88,6 @@ STRAIGHT = Variant(
         "grounded_length": (),
         "wave_time": STRETCH,
         "sag": (),
-        "solver_iterations": (),
-        "solver_iteration_limit": (),
         "shape": tuple(f"{end}[*]" for end in POSITIONS),
     },
 )
@@ -103,7 +101,7 @@ CATENARY = Variant(
     has_kink=False,
     ignored=_IGNORED_BY_A_CATENARY,
     meanings=_ONE_LINE,
-    depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": (), "solver_iteration_limit": ()},
+    depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": ()},
 )
 QUASI_STEADY = Variant(
     "quasi_steady",
@@ -114,7 +112,7 @@ QUASI_STEADY = Variant(
     evidence_deviation=1e-6,
     ignored=_IGNORED_WITHOUT_WAVES,
     meanings=_NO_WAVES,
-    depends_on={"kite_damping": (), "solver_iteration_limit": ()},
+    depends_on={"kite_damping": ()},
 )
 DYNAMIC = Variant(
     "dynamic",

@@ -16,8 +16,8 @@ from tetherfmu.runtime.quantities import quantities, quantity
 from .records import Line, Point, check_system, checked_name
 
 TABLES = ("points", "lines", "environment", "ground", "solver")
-# names of variables that the whole system has, which no point and no line can have
-TAKEN = {"time", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
+# names of variables and of the terminal that the whole system has, which no point and no line can have
+TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
     name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
 }
 
@@ -95,12 +95,12 @@ def read(table, name):
 
 
 def named(tables, section):
-    """Pairs (name, table) of the points or the lines; ValueError for a name that a variable of the system has."""
+    """Pairs (name, table) of the points or the lines; ValueError for a name that is taken."""
     if not isinstance(tables, dict):
         raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
     for name in tables:
         if name in TAKEN:
-            raise ValueError(f"{section}.{name}: a variable of the whole system is called {name}; choose another name")
+            raise ValueError(f"{section}.{name}: the whole system has something called {name}; choose another name")
     return tables.items()
 
 

@@ -95,7 +95,7 @@ def described(name, start, declared, kind="Real"):
         "display": list(declared.display) or DEGREES.get(declared.unit),
     }
     if declared.choices:
-        return {**found, "choices": list(declared.choices)}
+        return {**found, "choices": list(declared.choices), "meanings": list(declared.choices.values())}
     return {**found, "usual": usual(name, start, declared)}
 
 

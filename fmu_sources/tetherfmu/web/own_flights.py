@@ -27,8 +27,12 @@ class FreeFlight:
     autopilot: int = quantity(
         2,
         "",
-        "who steers: a person, figures of eight at constant reel-out speed, or pumping cycles",
-        choices=("by_hand", "figures_of_eight", "pumping_cycles"),
+        "who steers",
+        choices={
+            "by_hand": "a person",
+            "figures_of_eight": "a controller, figures of eight at constant reel-out speed",
+            "pumping_cycles": "a controller, pumping cycles",
+        },
     )
     initial_elevation: float = quantity(radians(30.0), "rad", "of the kite at the start", 0.0, 1.5, display=DEGREES)
 

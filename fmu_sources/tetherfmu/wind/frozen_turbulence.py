@@ -46,8 +46,8 @@ class Reading:
     outside: int = quantity(
         PERIODIC,
         "",
-        "beyond the box: it is repeated in all directions; the step is refused",
-        choices=("periodic", "refused"),
+        "what is beyond the box",
+        choices={"periodic": "the box, repeated in all directions", "refused": "nothing, a step there is refused"},
     )
     points_along: int = quantity(0, "", "of a Mann box: number of points along the wind, 0 for other files", 0, MOST_POINTS)
     points_across: int = quantity(0, "", "of a Mann box: number of points across the wind", 0, MOST_POINTS)

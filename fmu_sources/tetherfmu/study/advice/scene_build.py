@@ -2,14 +2,14 @@
 
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.results import StepRefused
-from tetherfmu.runtime.variables import OUTPUT, variables
+from tetherfmu.runtime.variables import CALCULATED, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import inputs_of
 from tetherfmu.study.scenes.files import SceneError, load
 
 from .advise import advise_in_words
-from .scene_report import html
+from .scene_report import body
 
 VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name
     "kite_direction": {"kite_force"},
@@ -17,7 +17,9 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
     "ground_direction": {"ground_force"},
     "power": {"kite_force", "ground_tension"},
 }
-KEPT = ("kite_position", "kite_velocity", "kite_load")
+# inputs that are never left out: the motion of the kite, and what any `winch_control` needs
+KEPT = ("kite_position", "kite_velocity", "kite_load", "reel_out_speed", "winch_force", "winch_length")
+DIGITS = 12  # of start values: more are rounding
 
 
 def vector_of(name):
@@ -26,15 +28,20 @@ def vector_of(name):
 
 
 def left_out(scene, inputs, shape_points):
-    """Names of the inputs that are 0 all through a scene, and of the outputs that it does not ask for: two tuples.
+    """Names of the inputs that are 0 all through a scene, and of what is calculated and it does not ask for: two tuples.
 
     inputs : as `through_fmpy.inputs_of` gives them.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
-    outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality == OUTPUT]
+    outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality in CALCULATED]
     still = tuple(name for name in inputs if vector_of(name) not in KEPT and not moved[name])
     return still, tuple(name for name in outputs if vector_of(name) not in asked)
+
+
+def rounded(value):
+    """A start value without the digits that are rounding."""
+    return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
 def vectors_in_words(names):
@@ -60,11 +67,13 @@ def advised(path, shape_points, platforms):
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
         f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in "
-        f"the scene ({vectors_in_words(no_inputs)}); outputs that it does not ask for ({vectors_in_words(no_outputs)})."
+        f"the scene ({vectors_in_words(no_inputs)}); outputs and local variables that it does not ask for "
+        f"({vectors_in_words(no_outputs)})."
     )
-    page = html(scene.name, f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
+    page = body(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     fixed = {"fixed_step": config.fixed_step} if scene.wanted.fixed else {}
-    starts = tuple((inputs.iloc[0].to_dict() | parameters_of(scene, config) | fixed).items())
-    purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, page)
+    found = inputs.iloc[0].to_dict() | parameters_of(scene, config) | fixed
+    starts = tuple((name, rounded(value)) for name, value in found.items())
+    purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, rounded(scene.duration), page)
     options = BuildOptions(config.segments or 1, points, platforms, starts, purpose, scene.wind_points)
     return text, advice.met, fmu_of(scene, config), options

@@ -31,9 +31,14 @@ def write_csv(points, reference, path):
     table.to_csv(path, index=False, float_format="%.3g", lineterminator="\r\n")
 
 
+def body(text):
+    """HTML from Markdown."""
+    return markdown(text, extensions=["tables", "fenced_code"])
+
+
 def html(title, text):
     """A page of HTML from Markdown."""
-    return page("advice/scene.html.j2", title=title, body=markdown(text, extensions=["tables", "fenced_code"]))
+    return page("advice/scene.html.j2", title=title, body=body(text))
 
 
 def write(scene, reference, points, best, through_fmpy, folder):

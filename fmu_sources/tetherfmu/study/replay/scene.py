@@ -94,7 +94,7 @@ def section(name, record, without=()):
     for key, declared in quantities(record):
         if key not in without:
             value = getattr(record, key)
-            text = quoted(declared.choices[value - 1]) if declared.choices else repr(float(value))
+            text = quoted(list(declared.choices)[value - 1]) if declared.choices else repr(float(value))
             lines.append(f"{key.removeprefix(GROUND) if name == 'ground' else key} = {text}{unit_of(declared)}")
     return [*lines, ""]
 

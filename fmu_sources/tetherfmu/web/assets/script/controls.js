@@ -91,10 +91,12 @@ function titleOf(declared, ignored) {
 
 /** A list of the choices of an enumeration. */
 function list(declared, value, ignored, changed) {
-  const options = declared.choices.map((name, k) => ({ name, number: k + 1 })).filter(({ name }) => name);
+  const options = declared.choices
+    .map((name, k) => ({ name, number: k + 1, title: declared.meanings[k] }))
+    .filter(({ name }) => name);
   const select = element("select", { ariaLabel: words(declared.name) });
-  for (const { name, number } of options)
-    select.append(element("option", { value: number, selected: number === value }, words(name)));
+  for (const { name, number, title } of options)
+    select.append(element("option", { value: number, selected: number === value, title }, words(name)));
   select.addEventListener("change", () => changed(Number(select.value)));
   const label = element("label", { title: titleOf(declared, ignored) }, words(declared.name), select);
   return element("div", { className: "quantity choice" }, label);
