@@ -48,14 +48,15 @@ class FileSlave(ModelSlave):
         """The name of the file."""
         wrong = [reference for reference in vrs if reference != self._file_reference]
         if wrong:
-            self.refuse(refusals.CANNOT_BE_READ.format(reference=wrong[0]))
+            self.refuse(refusals.CANNOT_BE_READ.format(reference=wrong[0], name=self.name_of(wrong[0])))
         return ["" if reference in wrong else self.file for reference in vrs]
 
     def set_string(self, vrs, values):
         """Store the name of the file; it is opened when initialization ends."""
         for reference, value in zip(vrs, values, strict=True):
             if reference != self._file_reference:
-                self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, value=repr(value)))
+                name = self.name_of(reference)
+                self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, name=name, value=repr(value)))
             elif self.phase >= STEPPING:
                 self.refuse(refusals.IS_FIXED.format(name="file", value=repr(value)))
             elif len(value.encode()) > LONGEST_NAME:

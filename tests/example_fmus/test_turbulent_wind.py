@@ -120,8 +120,8 @@ def test_a_file_that_is_not_there_stops_the_initialization(example_folder):
 def test_the_file_is_fixed_after_the_initialization(example_folder):
     host = started(example_folder, file=TURBSIM)
     host.refuses(lambda: host.set(file=MANN), "file cannot be set to")
-    host.refuses(lambda: host.fmu.getString([0]), "value reference 0 cannot be read")
-    host.refuses(lambda: host.fmu.setString([0], ["x"]), "value reference 0 cannot be set to 'x'")
+    host.refuses(lambda: host.fmu.getString([0]), "value reference 0 (kite_position[1]) cannot be read")
+    host.refuses(lambda: host.fmu.setString([0], ["x"]), "value reference 0 (kite_position[1]) cannot be set to 'x'")
     assert host.get("file").decode() == TURBSIM
     rows(host, 0, 3)
 

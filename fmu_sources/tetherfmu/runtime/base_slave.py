@@ -207,7 +207,7 @@ class BaseSlave(Fmi2Slave):
         """Values of allowed references, NaN where that fails: PythonFMU's library gives importers no status for it."""
         if not allowed.issuperset(vrs):
             unknown = next(reference for reference in vrs if reference not in allowed)
-            self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown, name=self._name_of(unknown)))
+            self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown, name=self.name_of(unknown)))
             return [nan] * len(vrs)
         if self.phase == INITIALIZING and not self.output_places.isdisjoint(vrs):
             problem = self.start()
@@ -220,16 +220,17 @@ class BaseSlave(Fmi2Slave):
     def _set_parameters(self, vrs, values, allowed):
         for reference, value in zip(vrs, values, strict=True):
             if reference not in allowed or reference in self.output_places:
-                name = self._name_of(reference)
+                name = self.name_of(reference)
                 self.refuse(refusals.CANNOT_BE_SET.format(reference=reference, name=name, value=repr(value)))
             elif reference not in self._inputs and self.phase >= STEPPING:
-                self.refuse(refusals.IS_FIXED.format(name=self._name_of(reference), value=value))
+                self.refuse(refusals.IS_FIXED.format(name=self.name_of(reference), value=value))
             elif self.phase == TERMINATED:
-                self.refuse(refusals.NOT_AFTER_THE_END.format(name=self._name_of(reference), value=value))
+                self.refuse(refusals.NOT_AFTER_THE_END.format(name=self.name_of(reference), value=value))
             else:
                 self.values[reference] = value
 
-    def _name_of(self, reference):
+    def name_of(self, reference):
+        """Name of the variable of a value reference, for messages."""
         known = self._by_reference.get(reference)
         return known.name if known else refusals.UNKNOWN_VARIABLE
 
