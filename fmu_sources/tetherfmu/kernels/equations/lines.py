@@ -10,16 +10,18 @@ from tetherfmu.runtime import system_layout as places
 
 from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, split, state_size
 from ..compilation import kernel, part, view
+from ..linear_algebra.condensed import Rows
 from ..linear_algebra.point_blocks import width_of
 from ..linear_algebra.points import row_size
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
 from .continuation import given_derivatives
+from .plan import number_in
 
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
 
-plan : whole numbers; where the system is a single tether they are floats (`variants/resting_kite.py`).
+plan : whole numbers, floats in `variants/resting_kite.py`; of a tether alone a `plan.OneLine`.
 """
 
 Points = namedtuple("Points", "matrix pivots right solution mass stage_mass mass_rate change load_rate")
@@ -38,7 +40,7 @@ CONDITIONS = 42  # room for the 41 numbers of `store_conditions`, an even number
 @kernel
 def number_of_line(system, k, which):
     """What the plan says about line k: `system_layout.SEGMENTS`, ..."""
-    return int(system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + which])
+    return number_in(system.plan, places.PLAN_HEADER + places.LINE_NUMBERS * k + which)
 
 
 @kernel
@@ -49,26 +51,32 @@ def segments_of(system, k):
 
 @kernel
 def point_at(system, k, end):
-    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN."""
+    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN, where there is none."""
     return number_of_line(system, k, places.START_POINT + end)
+
+
+@kernel
+def is_at_point(system, k, end):
+    """Whether the start (end 0) or the end (1) of line k is a free point."""
+    return point_at(system, k, end) != places.DRIVEN
 
 
 @kernel
 def lines_of(system):
     """Number of lines."""
-    return int(system.plan[places.LINES])
+    return number_in(system.plan, places.LINES)
 
 
 @kernel
 def free_points(system):
     """Number of free points."""
-    return int(system.plan[places.FREE_POINTS])
+    return number_in(system.plan, places.FREE_POINTS)
 
 
 @kernel
 def band_of(system):
     """Band of the matrix of the free points, see `linear_algebra.points`."""
-    return int(system.plan[places.BAND])
+    return number_in(system.plan, places.BAND)
 
 
 @kernel
@@ -151,7 +159,7 @@ def points_size(points, band):
 @view
 def points_of(system):
     """`Points` of a system."""
-    count, room = free_points(system), behind(int(system.plan[places.POINTS_WORK]), system.work)
+    count, room = free_points(system), behind(number_in(system.plan, places.POINTS_WORK), system.work)
     m = 3 * count
     size = m * row_size(band_of(system))
     matrix, room = part(room, 0, size), behind(size, room)
@@ -204,6 +212,14 @@ def conditions_of(system, k):
     wind, load, load_rate = vector_at(r, 28), vector_at(r, 31), vector_at(r, 34)
     ends = curve_at(r, 0), curve_at(r, 12), int(r[37]), int(r[38])
     return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[39], r[40], wind, load, load_rate)
+
+
+@kernel
+def rows_of(system, k):
+    """`condensed.Rows` of the equations of line k: its free nodes are inner rows, and its free points are shared."""
+    n, conditions = segments_of(system, k), conditions_of(system, k)
+    at_start, at_end = is_at_point(system, k, 0), is_at_point(system, k, 1)
+    return Rows(n, 1 if at_start else conditions.first, n - 1 if at_end else conditions.last, at_start, at_end)
 
 
 @kernel

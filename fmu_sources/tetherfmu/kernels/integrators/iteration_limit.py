@@ -4,7 +4,7 @@ A communication step of m fixed steps takes at most
 
     min(w m,  3 b + w + l m),   b = ITERATION_BUDGET/n
 
-iterations, with w those of a hard step and l those of the steps after more than 3 b (`second_order.integrate`).
+iterations, with w those of a hard step and l those of the steps after more than 3 b (`system_fixed_steps.integrate`).
 """
 
 from tetherfmu.runtime import layout as at

@@ -1,8 +1,7 @@
-"""Steps of a system within a communication step, chosen by the error of all its lines.
+"""Steps within a communication step, chosen by the error of all lines: the loop of the adaptive solver.
 
-One step for all: its error is the largest of those of its lines, each over what is allowed in that line. The rule for the
-next step is that of a single tether (`step_control.py`), and its memory stands in the state of the first line. So a system
-of one line takes the steps of a single tether.
+One step for all: its error is the largest of those of the lines, each over what is allowed in that line. `step_control.py`
+has the errors of a line and the rule for the next step, whose memory stands in the state of the first line.
 """
 
 from math import inf, nan
@@ -18,11 +17,12 @@ from ..linear_algebra.vectors import get
 from . import system_step
 from .drum_events import SMALLEST_PIECE
 from .drum_step import chain_with
+from .moving_drum import MOST_IDLE
 from .rodas4p import GAMMA
 from .step_control import SMALLEST_STEP, cut, error_of_step, even_step, first_step, is_given_up, next_step, step_after_event
 from .system_drums import drum_at
 from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
-from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves, turns
+from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, turns
 from .system_step import apply_changes, collect_changes, whole_masses
 from .taut_slack import keep_energy_of_drum
 
@@ -113,6 +113,7 @@ def integrate(system, duration):
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
     beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
+    idle = 0
     while time < duration:
         if is_given_up(memory, tried, budget, time, duration):
             return STEP_BUDGET_SPENT
@@ -138,7 +139,7 @@ def integrate(system, duration):
             continue
         if drums:
             before_event = part_to_event(system, time, h_now, weight)
-            if before_event < inf and h_now > SMALLEST_PIECE * duration:
+            if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
                 piece = h_now * before_event
                 weight *= 0.5  # if the next piece is too long again, the one after it will not be
                 beyond = time + h_now
@@ -146,6 +147,7 @@ def integrate(system, duration):
                 continue
             if before_event < inf:
                 beyond = 0.0
+            idle = idle + 1 if h_now < SMALLEST_PIECE * duration and not is_any_turning(system) else 0
             accept_drums(system)
             is_new = True
         time = duration if is_last else time + h_now

@@ -11,7 +11,7 @@ from ..compilation import kernel, part, view
 from ..equations.lines import CONDITIONS, conditions_of, lines_of, motion_of, room_of, segments_of
 from ..equations.winch import length_at, rate_at
 from ..linear_algebra import condensed
-from . import backward_euler, second_order
+from . import incremental_potential, second_order
 from .drum_in_backward_euler import Trial
 from .drum_step import chain_with
 from .system_drums import drum_at
@@ -93,11 +93,11 @@ def length_and_rate(system, k, step):
 
 @view
 def attempt_of(system, k, step):
-    """`backward_euler.Attempt` of line k."""
+    """`incremental_potential.Attempt` of line k."""
     conditions = conditions_of(system, k)
     _, v = motion_of(system, k)
     chain = chain_with(conditions, *length_and_rate(system, k, step))
-    return backward_euler.Attempt(conditions, chain, step.h, v)
+    return incremental_potential.Attempt(conditions, chain, step.h, v)
 
 
 @view

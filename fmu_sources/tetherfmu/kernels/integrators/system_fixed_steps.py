@@ -1,4 +1,4 @@
-"""Fixed steps of a system: three stages of all lines, or backward Euler, as `second_order.py` has them for a single tether.
+"""Fixed steps: three stages of all lines (`second_order.py`), or backward Euler (`backward_euler.py`).
 
 What makes a step of one line one of backward Euler (the ground, a stiffness, a stage that does not converge, energy that
 nobody put in) makes that of all lines one; the energy is that of all lines and points together.
@@ -15,6 +15,7 @@ from ..compilation import kernel
 from ..equations.boundary import chain_during, place_ends
 from ..equations.lines import (
     conditions_of,
+    is_at_point,
     lines_of,
     load_at,
     motion_of,
@@ -33,7 +34,7 @@ from .system_descent import STUCK, descend, holds, is_unconverged, unconverged_l
 from .system_fixed_drums import unconverged_drums
 from .system_fixed_room import Step, any_drum, attempt_of, room_in_fixed_steps, scratch_of
 from .system_guess import begin_as_expected, guess, start
-from .system_room import has_drum, is_free, moves
+from .system_room import has_drum, moves
 
 # --- backward Euler
 
@@ -60,9 +61,10 @@ def take_all(system, step):
 
 @kernel
 def take_step(system, step, most, in_any_case):
-    """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations, at most `most`.
+    """A step of backward Euler of all lines (modified): whether it was taken, and the iterations, negative if singular.
 
-    Drums that turn in it do not get its result.
+    most : iterations at most.  in_any_case : whether to take a result that has not converged.  Drums that turn in it do not
+    get its result.
     """
     start(system, step)
     iterations, taken, unconverged, phi = 0, inf, 1, 0.0
@@ -106,9 +108,10 @@ def take_in_any_case(system, time, h, turns):
 
 @kernel
 def subdivided_step(system, time, h, turns):
-    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.subdivided_step`; the iterations.
+    """One step of h [s] of all lines (modified) at a time [s], in parts where it does not converge as a whole.
 
-    turns : whether there are drums.
+    Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`, with drums WORST_SUBDIVIDED_WITH_DRUM; negative if
+    a matrix is singular.  turns : whether there are drums.
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
@@ -188,7 +191,7 @@ def energy_and_power_of_line(system, k, time, is_new):
         of_drum, grown = system_turning.energy_and_power(system, k, is_new, here, speed)
     energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
     for end in range(2):
-        if is_free(system, k, end):
+        if is_at_point(system, k, end):
             power += power_of_load(system, k, end, time, speed)
     return energy + of_drum, power + grown
 
@@ -272,9 +275,10 @@ def place_all_ends(system, time):
 
 @kernel
 def stage(system, start, h, time, known, turns):
-    """`second_order.stage` of all lines (modified) over g h, which begins at a time [s]: whether it is good, the iterations.
+    """A stage of all lines (modified) over g h, which begins at a time [s]: whether it is good, and the iterations.
 
-    start, h : of the step [s].  turns : whether there are drums, which begin it already; their lengths after it go with it.
+    start, h : of the step [s].  known : of how many stages just before the accelerations are known.  turns : whether there
+    are drums, which begin it already; their lengths after it go with it.
     """
     reach = GAMMA * h
     own = Step(time, reach, EXPECTED if known > 0 else STAGE, turns)
@@ -288,7 +292,7 @@ def stage(system, start, h, time, known, turns):
 def stages(system, time, h, known, turns):
     """One step of h [s] of all lines (modified) at a time [s]; whether it is to be taken, and the number of iterations.
 
-    known : as for `second_order.stage`.  turns : whether there are drums, which do not get the result.
+    known : as for `stage`.  turns : whether there are drums, which do not get the result.
     """
     reach = GAMMA * h
     remember(system)
@@ -325,9 +329,12 @@ def stages(system, time, h, known, turns):
 
 @kernel
 def step(system, method, time, h, known, turns):
-    """One step of h [s] of all lines (modified) at a time [s]; iterations and the way, see `second_order.step`.
+    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and the way it was done.
 
-    turns : whether there are drums.
+    method : of `backward_euler.FixedSteps`.  known : as for `stage`.  turns : whether there are drums.
+    There are at most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative
+    where a matrix is singular. The way is 0 with three stages, 1 with backward Euler alone, 2 with that after stages that
+    were left.
     """
     if method == at.BACKWARD_EULER or is_any_on_ground(system) or is_any_stiff(system, time):
         return subdivided_step(system, time, h, turns), 1
@@ -356,8 +363,11 @@ def truncated_step(system, time, h, turns):
 
 @kernel
 def integrate(system, steps, duration):
-    """Advance all lines (modified) over a communication step of `duration` [s], see `second_order.integrate`.
+    """Advance all lines (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
 
+    A communication step that is no multiple is divided evenly into steps of at most their size. Once the budget of
+    iterations is spent, which takes hard steps, the others are backward Euler steps, taken as they are after
+    `limits.LAST_ITERATIONS`.
     Counters stand in the state of the first line, how often iterations were ended in the scratch space of each; drums have
     their lengths and speeds in the states of their lines. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or,
     about a line, NO_LENGTH.

@@ -5,14 +5,13 @@ The lines are started, and their outputs are found, one by one as dynamic tether
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
-from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, STEP_BUDGET_SPENT
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
 from ..compilation import kernel, part
-from ..equations.boundary import conditions_of_chain, inputs_of_step, place_ends
+from ..equations.boundary import conditions_of_chain, inputs_of_step
 from ..equations.lines import (
     System,
-    conditions_of,
     free_points,
     inputs_of,
     lines_of,
@@ -27,20 +26,12 @@ from ..equations.lines import (
     take_load_rates,
 )
 from ..equations.properties import chain_of
-from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import (
-    iteration_limit,
-    step_control,
-    system_control,
-    system_fixed_room,
-    system_fixed_steps,
-    system_room,
-)
-from ..integrators.backward_euler import FixedSteps, given_steps
+from ..integrators import iteration_limit, system_control, system_fixed_room
+from ..integrators.backward_euler import given_steps
 from ..step import transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_damping_of_steps, note_stiff_and_slack, note_unconverged, note_unresolved
-from . import dynamic_chain, resting_line, resting_points
+from ..step.plausibility import note_damping_of_steps
+from . import dynamic_chain, moving_lines, resting_line, resting_points
 
 # --- the plan
 
@@ -48,8 +39,7 @@ from . import dynamic_chain, resting_line, resting_points
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    adaptive, fixed = system_room.line_work_size(n), system_fixed_room.line_work_size(n)
-    return max(adaptive, fixed, resting_line.line_work_size(n))
+    return max(moving_lines.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
@@ -206,65 +196,6 @@ def begin(system, step):
 
 
 @kernel
-def move(system, steps, step):
-    """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
-    if steps.size == 0.0:
-        status = system_control.integrate(system, step)
-        for k in range(lines_of(system)):
-            if status == OK:
-                n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
-                note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
-        return status
-    status = system_fixed_steps.integrate(system, steps, step)
-    for k in range(lines_of(system)):
-        note_unconverged(system_fixed_room.scratch_of(system, k).unconverged[0], steps.size, state_of(system, k))
-    return status
-
-
-@kernel
-def go_back(system, before):
-    """Put the nodes and the drums of all lines (modified) back to the states of before."""
-    old = System(system.plan, system.parameters, system.inputs, before, system.work)
-    for k in range(lines_of(system)):
-        n, state, first = segments_of(system, k), state_of(system, k), state_of(old, k)
-        for i in range(at.STATE_HEADER, state_size(n)):
-            state[i] = first[i]
-        if system_room.has_drum(system, k):
-            state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
-
-
-@kernel
-def move_coarsely(system, step, before):
-    """As `dynamic.move_coarsely`: with fixed steps of order 2, from the start of a step that the adaptive solver gave up."""
-    h = step * system_control.work_of(system) / at.COARSE_WORK
-    go_back(system, before)
-    status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
-    memory = state_of(system, 0)
-    memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
-    note_unresolved(h, memory)
-    return status
-
-
-@kernel
-def integrate(system, step, before):
-    """Advance all lines (modified) over a communication step [s], from their states `before`; a status."""
-    status = move(system, given_steps(parameters_of(system, 0)), step)
-    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
-        return OK
-    return status
-
-
-@kernel
-def end_line(system, k, step):
-    """Put line k (modified) in its state at the end of a communication step [s], as `dynamic.advance` does."""
-    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    x, v = motion_of(system, k)
-    place_ends(conditions_of(system, k), step, x, v)
-    end_tensions.forget(state)
-    compressed_chain.leave(chain_of(n, parameters, state), x, v)
-
-
-@kernel
 def commit_line(system, k, before):
     """Check the state of line k, and note in it (modified) what is implausible; a status."""
     n, state = segments_of(system, k), state_of(system, k)
@@ -277,9 +208,9 @@ def commit_line(system, k, before):
 
 @kernel
 def commit(system, step, before):
-    """`end_line` and `commit_line` of all lines, until one is refused; returns the status."""
+    """End the step of all lines, and `commit_line` until one is refused; returns the status."""
     for k in range(lines_of(system)):
-        end_line(system, k, step)
+        moving_lines.end_line(system, k, step)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = commit_line(system, k, before)
@@ -304,7 +235,7 @@ def advance(system, step, before):
     status = begin(system, step)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
-        status = integrate(system, step, before)
+        status = moving_lines.advance(system, step, before)
     if status == OK:
         status = commit(system, step, before)
     if status != OK:
