@@ -154,7 +154,7 @@ def _inputs(structure):
         yield from _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start)
 
 
-_LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
+_LOAD = "external force on {}: aerodynamics, control; not its weight"
 _START = (
     "start of {}: given (initial_position); where its lines, its weight and its load are in equilibrium, all lines at rest"
 )

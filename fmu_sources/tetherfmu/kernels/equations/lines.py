@@ -15,7 +15,8 @@ from ..linear_algebra.point_blocks import width_of
 from ..linear_algebra.points import row_size
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
-from .continuation import given_derivatives
+from .continuation import given_derivatives, is_continued
+from .end_motion import estimated_rates
 from .plan import number_in
 
 System = namedtuple("System", "plan parameters inputs state work")
@@ -31,7 +32,7 @@ matrix : of a step, m rows, see `linear_algebra.point_blocks`, or `points` with 
 of a stage [N], q [m/s], m.
 mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
 mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
-load_rate : rates of the loads that are given for the communication step [N/s], m.
+load_rate : rates of the loads in the communication step [N/s], m.
 """
 
 CONDITIONS = 42  # room for the 41 numbers of `store_conditions`, an even number as in `system_room.line_work_size`
@@ -119,23 +120,64 @@ def load_on(system, point):
 
 @kernel
 def load_at(system, point, time):
-    """Load on a free point [N] at a time [s] of the communication step: held, if no rate of it is given."""
+    """Load on a free point [N] at a time [s] of the communication step."""
     return add_scaled(load_on(system, point), time, get(points_of(system).load_rate, point))
 
 
 @kernel
-def take_load_rates(system):
-    """Given rates of the loads on the free points [N/s] into `Points.load_rate` (modified), 0 where none is given.
+def places_of_load(end):
+    """Where the state of a line has what it remembers of the load on a point at its start (end 0) or its end (1).
 
-    They wait in the states of all lines at a point, where a driven end would have its acceleration.
+    The places of the last load [N] and of its recent rate [N/s], and among the inputs that of a given rate: those that the
+    velocity of a driven end and its rate have.
+    """
+    if end == 1:
+        return at.LAST_KITE_VELOCITY, at.RECENT_KITE_ACCELERATION, at.KITE_VELOCITY
+    return at.LAST_GROUND_VELOCITY, at.RECENT_GROUND_ACCELERATION, at.GROUND_VELOCITY
+
+
+@kernel
+def rate_of_load(system, k, end, step):
+    """Rate [N/s] of the load on the free point at an end of line k, estimated for a step [s] as `boundary.rate_of_load`."""
+    state, (last, recent, _) = state_of(system, k), places_of_load(end)
+    now = load_on(system, point_at(system, k, end))
+    return estimated_rates(
+        now, vector_at(state, last), vector_at(state, recent), state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step
+    )
+
+
+@kernel
+def take_load_rates(system, step):
+    """Rates at which the loads on the free points continue in a step [s] into `Points.load_rate` (modified) [N/s].
+
+    Those that are given, else estimates, or 0 where inputs are held.
     """
     rates = points_of(system).load_rate
-    clear(rates)
     for k in range(lines_of(system)):
         for end in range(2):
-            point, place = point_at(system, k, end), at.KITE_VELOCITY if end == 1 else at.GROUND_VELOCITY
-            if point != places.DRIVEN:
-                put(rates, point, given_derivatives(state_of(system, k), place, ZERO_VECTOR))
+            if is_at_point(system, k, end):
+                estimate = rate_of_load(system, k, end, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
+                _, _, place = places_of_load(end)
+                put(rates, point_at(system, k, end), given_derivatives(state_of(system, k), place, estimate))
+
+
+@kernel
+def recent_load_rates(system, k):
+    """Rates of the loads at start and end of line k [N/s] as the next steps take them after a much shorter one."""
+    longest = state_of(system, k)[at.LONGEST_SO_FAR]
+    at_start = rate_of_load(system, k, 0, longest) if is_at_point(system, k, 0) else ZERO_VECTOR
+    return at_start, rate_of_load(system, k, 1, longest) if is_at_point(system, k, 1) else ZERO_VECTOR
+
+
+@kernel
+def remember_loads(system, k, recent):
+    """Loads on the free points at line k, and their `recent_load_rates`, into the state of the line (modified)."""
+    state, (at_start, at_end) = state_of(system, k), recent
+    for end in range(2):
+        if is_at_point(system, k, end):
+            last, rate, _ = places_of_load(end)
+            put_at(state, last, load_on(system, point_at(system, k, end)))
+            put_at(state, rate, at_end if end == 1 else at_start)
 
 
 @view

@@ -19,6 +19,8 @@ from ..equations.lines import (
     outputs_of_line,
     parameters_of,
     points_size,
+    recent_load_rates,
+    remember_loads,
     room_of,
     segments_of,
     state_of,
@@ -176,7 +178,9 @@ def begin_line(system, k, step):
         if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
             shape = float(at.STATIC_EQUILIBRIUM)
         store_conditions(conditions_of_chain(n, parameters, shape, given, state, x, v), room_of(system, k))
+        recent = recent_load_rates(system, k)
         transaction.remember(parameters, inputs, given, state)
+        remember_loads(system, k, recent)
     return status
 
 
@@ -186,7 +190,7 @@ def begin(system, step):
     status = check_loads(system)
     if status != OK:
         return status
-    take_load_rates(system)
+    take_load_rates(system, step)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = begin_line(system, k, step)
