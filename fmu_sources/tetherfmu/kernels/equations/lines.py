@@ -8,7 +8,7 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, split, state_size
+from ..arrays import behind, outputs_size, parameters_size, places_of, positions_and_velocities, split, state_size
 from ..compilation import kernel, part, view
 from ..linear_algebra.condensed import Rows
 from ..linear_algebra.point_blocks import width_of
@@ -35,7 +35,11 @@ mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what fo
 load_rate : rates of the loads in the communication step [N/s], m.
 """
 
-CONDITIONS = 42  # room for the 41 numbers of `store_conditions`, an even number as in `system_room.line_work_size`
+# what `store_conditions` writes, and the room for it: an even number as in `system_room.line_work_size`
+_CURVE, _VECTOR, _PAD = 12, 3, 1
+GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, _, CONDITIONS = places_of(
+    _CURVE, _CURVE, 4, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1, _PAD
+)
 
 
 @kernel
@@ -223,21 +227,21 @@ def put_curve(room, first, curve):
 @kernel
 def store_conditions(conditions, room):
     """Write `BoundaryConditions` to the start of the scratch space of a line (modified)."""
-    put_curve(room, 0, conditions.ground)
-    put_curve(room, 12, conditions.kite)
-    room[24], room[25], room[26], room[27] = conditions.reeling
-    put_at(room, 28, conditions.wind)
-    put_at(room, 31, conditions.load)
-    put_at(room, 34, conditions.load_rate)
-    room[37], room[38] = conditions.first, conditions.last
-    room[39], room[40] = conditions.force, conditions.force_rate
+    put_curve(room, GROUND, conditions.ground)
+    put_curve(room, KITE, conditions.kite)
+    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = conditions.reeling
+    put_at(room, WIND, conditions.wind)
+    put_at(room, LOAD, conditions.load)
+    put_at(room, LOAD_RATE, conditions.load_rate)
+    room[FIRST], room[LAST] = conditions.first, conditions.last
+    room[FORCE], room[FORCE_RATE] = conditions.force, conditions.force_rate
 
 
 @kernel
 def put_reeling(system, k, reeling):
     """Let the unstretched length of line k have these coefficients, see `winch.py`, in what `store_conditions` wrote."""
     room = room_of(system, k)
-    room[24], room[25], room[26], room[27] = reeling
+    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = reeling
 
 
 @kernel
@@ -250,10 +254,10 @@ def curve_at(room, first):
 def conditions_of(system, k):
     """`BoundaryConditions` of line k as `store_conditions` wrote them."""
     n, r = segments_of(system, k), room_of(system, k)
-    reeling = r[24], r[25], r[26], r[27]
-    wind, load, load_rate = vector_at(r, 28), vector_at(r, 31), vector_at(r, 34)
-    ends = curve_at(r, 0), curve_at(r, 12), int(r[37]), int(r[38])
-    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[39], r[40], wind, load, load_rate)
+    ends = curve_at(r, GROUND), curve_at(r, KITE), int(r[FIRST]), int(r[LAST])
+    reeling = r[REELING], r[REELING + 1], r[REELING + 2], r[REELING + 3]
+    loads = vector_at(r, WIND), vector_at(r, LOAD), vector_at(r, LOAD_RATE)
+    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[FORCE], r[FORCE_RATE], *loads)
 
 
 @kernel

@@ -5,7 +5,7 @@ What a drum does in a step stands in `Room.numbers`, at the places below.
 
 from collections import namedtuple
 
-from ..arrays import behind
+from ..arrays import behind, places_of
 from ..compilation import kernel, part, view
 from ..equations import winch
 from ..equations.drum import HELD
@@ -20,14 +20,21 @@ w : `rosenbrock.Workspace`.  columns : of its ends, see `linear_algebra.condense
 numbers : of its drum, DRUM_NUMBERS.
 """
 
-DIRECTION = 0  # in which the drum turns, see `equations/drum.py`
-TURNED_BACK = 1  # not 0: a drum without mass has turned round under friction, which holds it
-NEW_LENGTH, NEW_SPEED = 2, 3  # after the step [m], [m/s]
-LENGTH_ERROR, SPEED_ERROR = 4, 5  # their error estimates
-STAGE_LENGTH, STAGE_SPEED, SOLUTION, INCREMENT = 6, 7, 8, 9  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
-PIVOT = 10
-BORDER = 11  # 10 numbers of `drum_step.Border`
-DRUM_NUMBERS = 21
+(
+    DIRECTION,  # in which the drum turns, see `equations/drum.py`
+    TURNED_BACK,  # not 0: a drum without mass has turned round under friction, which holds it
+    NEW_LENGTH,  # after the step [m]
+    NEW_SPEED,  # [m/s]
+    LENGTH_ERROR,  # their error estimates
+    SPEED_ERROR,
+    STAGE_LENGTH,  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
+    STAGE_SPEED,
+    SOLUTION,
+    INCREMENT,
+    PIVOT,
+    BORDER,  # the numbers of `drum_step.Border`
+    DRUM_NUMBERS,  # how many there are
+) = places_of(*[1] * 11, 10)
 
 
 @kernel
