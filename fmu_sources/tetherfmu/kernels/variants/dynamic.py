@@ -12,7 +12,7 @@ from ..equations.boundary import conditions_of_chain
 from ..equations.lines import System, store_conditions
 from ..equations.plan import OneLine
 from ..equations.properties import chain_of
-from ..integrators import iteration_limit
+from ..motion import iteration_limit
 from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_kite
 

@@ -13,8 +13,10 @@ from ..equations.boundary import place_ends
 from ..equations.lines import System, conditions_of, lines_of, motion_of, parameters_of, segments_of, state_of
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import step_control, system_control, system_fixed_room, system_fixed_steps, system_room
-from ..integrators.backward_euler import FixedSteps, given_steps
+from ..line import step_control
+from ..line.backward_euler import FixedSteps, given_steps
+from ..motion import adaptive_steps, fixed_steps
+from ..points import system_fixed_room, system_room
 from ..step.plausibility import note_stiff_and_slack, note_unconverged, note_unresolved
 
 
@@ -28,13 +30,13 @@ def line_work_size(n):
 def move(system, steps, step):
     """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
     if steps.size == 0.0:
-        status = system_control.integrate(system, step)
+        status = adaptive_steps.integrate(system, step)
         for k in range(lines_of(system)):
             if status == OK:
                 n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
                 note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
         return status
-    status = system_fixed_steps.integrate(system, steps, step)
+    status = fixed_steps.integrate(system, steps, step)
     for k in range(lines_of(system)):
         note_unconverged(system_fixed_room.scratch_of(system, k).unconverged[0], steps.size, state_of(system, k))
     return status
@@ -55,7 +57,7 @@ def go_back(system, before):
 @kernel
 def move_coarsely(system, step, before):
     """As `move`, from the start of a communication step [s] that the adaptive solver has given up: with fixed steps."""
-    h = step * system_control.work_of(system) / at.COARSE_WORK
+    h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, before)
     status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
     memory = state_of(system, 0)

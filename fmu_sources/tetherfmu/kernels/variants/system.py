@@ -28,8 +28,9 @@ from ..equations.lines import (
     take_load_rates,
 )
 from ..equations.properties import chain_of
-from ..integrators import iteration_limit, system_control, system_fixed_room
-from ..integrators.backward_euler import given_steps
+from ..line.backward_euler import given_steps
+from ..motion import adaptive_steps, iteration_limit
+from ..points import system_fixed_room
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_damping_of_steps
@@ -78,7 +79,7 @@ def complete_plan(plan):
 def iteration_limit_of(system):
     """The most iterations of all lines in the last communication step: each factorizes the matrix of each line once."""
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]
-    return iteration_limit.of_steps(system_control.work_of(system), steps, system_fixed_room.any_drum(system), duration)
+    return iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_fixed_room.any_drum(system), duration)
 
 
 @kernel

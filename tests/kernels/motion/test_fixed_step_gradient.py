@@ -6,7 +6,7 @@ import pytest
 from kernels.packed import packed
 from tetherfmu import Environment, Solver, Tether
 from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_chain, inputs_of_step
-from tetherfmu.kernels.integrators import backward_euler, incremental_potential
+from tetherfmu.kernels.line import backward_euler, incremental_potential
 from tetherfmu.runtime import layout as at
 
 N, LENGTH, STEP = 4, 20.0, 0.05

@@ -27,11 +27,12 @@ from ..equations.lines import (
     segments_of,
     size_of_blocks,
 )
+from ..line import backward_euler, incremental_potential
+from ..line.backward_euler import MOST_HALVINGS
 from ..linear_algebra import condensed
 from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import get, put
-from . import backward_euler, incremental_potential, system_fixed_drums
-from .backward_euler import MOST_HALVINGS
+from . import system_fixed_drums
 from .system_fixed_room import attempt_of, is_turning, room_in_fixed_steps, scratch_of
 from .system_room import moves
 

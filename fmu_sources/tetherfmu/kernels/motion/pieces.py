@@ -11,9 +11,9 @@ from ..compilation import kernel
 from ..equations.drum import HELD
 from ..equations.lines import conditions_of, lines_of, motion_of, state_of
 from ..equations.plan import note_line
-from .drum_events import part_of_piece
-from .drum_step import Motion
-from .moving_drum import (
+from ..line.drum_events import part_of_piece
+from ..line.drum_step import Motion
+from ..line.moving_drum import (
     NOTHING,
     drum_error,
     first_event,
@@ -22,8 +22,8 @@ from .moving_drum import (
     speed_after,
     turn,
 )
-from .system_drums import drum_at, length_of
-from .system_room import (
+from ..points.system_drums import drum_at, length_of
+from ..points.system_room import (
     DIRECTION,
     LENGTH_ERROR,
     NEW_LENGTH,

@@ -76,8 +76,9 @@ def beside(n, w, room):
 @view
 def with_reeling(conditions, reeling):
     """`BoundaryConditions` with these coefficients of the unstretched length, see `winch.py`."""
-    n, parameters, ground, kite, low, high, _, force, force_rate, wind, load, load_rate = conditions
-    return BoundaryConditions(n, parameters, ground, kite, low, high, reeling, force, force_rate, wind, load, load_rate)
+    c = conditions
+    ends = c.ground, c.kite, c.first, c.last
+    return BoundaryConditions(c.n, c.parameters, *ends, reeling, c.force, c.force_rate, c.wind, c.load, c.load_rate)
 
 
 @view

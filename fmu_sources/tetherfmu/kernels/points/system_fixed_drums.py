@@ -34,12 +34,12 @@ from ..equations.lines import (
     size_of_blocks,
 )
 from ..equations.node_loads import free_acceleration
+from ..line import backward_euler
+from ..line import drum_in_backward_euler as of_one
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer, transposed_apply
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import add_scaled, dot, get, put, scale
-from . import backward_euler
-from . import drum_in_backward_euler as of_one
 from .system_fixed_room import (
     CHANGE,
     IS_FOUND,

@@ -17,7 +17,7 @@ its curve after the step, from which x3 is O(h^3) away.
 The accelerations of the last two stages, also of those of the step before, are continued linearly for the first guess of a
 stage: in smooth flight one iteration does.
 
-A step is taken anew by `system_fixed_steps.subdivided_step` over the whole of h, and then has order 1, where
+A step is taken anew by `fixed_steps.subdivided_step` over the whole of h, and then has order 1, where
 
 - a stage does not converge within `limits.MOST_ITERATIONS`,
 - a node is on the ground,

@@ -11,12 +11,12 @@ from ..compilation import kernel, view
 from ..equations.drum import force_at
 from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling, state_of
 from ..equations.plan import note_line
+from ..line import drum_in_backward_euler as of_one
+from ..line.drum_in_fixed_steps import Motion, balanced, power_of_growth, turns_smoothly
+from ..line.second_order import BESIDE, TO_NEXT, TO_SECOND, TO_THIRD
 from ..linear_algebra.vectors import NEUTRAL
-from . import drum_in_backward_euler as of_one
-from .drum_in_fixed_steps import Motion, balanced, power_of_growth, turns_smoothly
-from .second_order import BESIDE, TO_NEXT, TO_SECOND, TO_THIRD
-from .system_drums import drum_at, length_of
-from .system_fixed_room import (
+from ..points.system_drums import drum_at, length_of
+from ..points.system_fixed_room import (
     BEFORE,
     CHANGE,
     FIRST,
@@ -33,7 +33,7 @@ from .system_fixed_room import (
     room_in_fixed_steps,
     trial_of_line,
 )
-from .system_room import has_drum
+from ..points.system_room import has_drum
 
 # --- a step that is attempted
 
@@ -103,7 +103,7 @@ def attempt_stage(system, reach, start, guess, k):
 
 @kernel
 def go_to_first(system, reach, known):
-    """Let all drums (modified) begin the first stage of `reach` [s]; known : as for `system_fixed_steps.stage`."""
+    """Let all drums (modified) begin the first stage of `reach` [s]; known : as for `fixed_steps.stage`."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
             length, speed = length_of(system, k)

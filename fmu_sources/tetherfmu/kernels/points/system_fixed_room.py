@@ -10,10 +10,10 @@ from ..arrays import behind
 from ..compilation import kernel, part, view
 from ..equations.lines import CONDITIONS, conditions_of, lines_of, motion_of, room_of, segments_of
 from ..equations.winch import length_at, rate_at
+from ..line import incremental_potential, second_order
+from ..line.drum_in_backward_euler import Trial
+from ..line.drum_step import chain_with
 from ..linear_algebra import condensed
-from . import incremental_potential, second_order
-from .drum_in_backward_euler import Trial
-from .drum_step import chain_with
 from .system_drums import drum_at
 from .system_room import has_drum
 
@@ -83,7 +83,7 @@ def is_turning(system, k, step):
 
 @kernel
 def any_drum(system):
-    """Whether any winch is told a force."""
+    """Whether any winch is controlled by force."""
     count = 0
     for k in range(lines_of(system)):
         count += has_drum(system, k)

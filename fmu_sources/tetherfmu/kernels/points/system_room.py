@@ -10,8 +10,8 @@ from ..compilation import kernel, part, view
 from ..equations import winch
 from ..equations.drum import HELD
 from ..equations.lines import CONDITIONS, conditions_of, lines_of, parameters_of, room_of, segments_of
+from ..line import drum_step, rosenbrock
 from ..linear_algebra import condensed
-from . import drum_step, rosenbrock
 
 Room = namedtuple("Room", "w columns drum numbers")
 Room.__doc__ = """Scratch arrays of a line.
@@ -56,7 +56,7 @@ def integrator_of(system, k):
 
 @kernel
 def has_drum(system, k):
-    """Whether the winch of line k is told a force."""
+    """Whether the winch of line k is controlled by force."""
     return winch.follows_force(parameters_of(system, k))
 
 

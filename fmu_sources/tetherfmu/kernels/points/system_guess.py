@@ -20,10 +20,10 @@ from ..equations.lines import (
     segments_of,
     size_of_blocks,
 )
+from ..line import backward_euler
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, get, scale, sub
-from . import backward_euler
 from .system_descent import (
     direction,
     go_along,

@@ -13,7 +13,9 @@ import pytest
 from bounds import most_work
 from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.equilibrium.compressed_chain import NUDGE
-from tetherfmu.kernels.integrators import backward_euler, step_control, system_control, system_fixed_steps, system_step
+from tetherfmu.kernels.line import backward_euler, step_control
+from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
+from tetherfmu.kernels.points import system_step
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -115,15 +117,15 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     """
     tried = []
     monkeypatch.setattr(system_step, "step", lambda *arguments: tried.append(arguments) or True)
-    monkeypatch.setattr(system_control, "error_of_lines", lambda *arguments: 1.0)
-    monkeypatch.setattr(system_control, "next_step", lambda h, done, *others: max(h, done))
-    monkeypatch.setattr(system_control, "begin_drums", lambda system: False)
-    monkeypatch.setattr(system_control, "accept", lambda system: None)
-    monkeypatch.setattr(system_control, "state_of", lambda system, k: system.state)
-    monkeypatch.setattr(system_control, "work_of", lambda system: segments)
+    monkeypatch.setattr(adaptive_steps, "error_of_lines", lambda *arguments: 1.0)
+    monkeypatch.setattr(adaptive_steps, "next_step", lambda h, done, *others: max(h, done))
+    monkeypatch.setattr(adaptive_steps, "begin_drums", lambda system: False)
+    monkeypatch.setattr(adaptive_steps, "accept", lambda system: None)
+    monkeypatch.setattr(adaptive_steps, "state_of", lambda system, k: system.state)
+    monkeypatch.setattr(adaptive_steps, "work_of", lambda system: segments)
     state = np.zeros(at.STATE_HEADER)
     state[at.SOLVER_STEP], state[at.SOLVER_ERROR] = part, last_error
-    return system_control.integrate.py_func(SimpleNamespace(state=state), 1.0), len(tried)
+    return adaptive_steps.integrate.py_func(SimpleNamespace(state=state), 1.0), len(tried)
 
 
 @pytest.mark.parametrize("segments", [2, 20, 300])
@@ -228,10 +230,10 @@ def test_fixed_steps_are_hurried_when_their_iterations_have_spent_the_budget():
 
 def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
     monkeypatch.setattr(backward_euler, "count_of_steps", backward_euler.count_of_steps.py_func)
-    monkeypatch.setattr(system_fixed_steps, "step", lambda *arguments: pytest.fail("a step was done"))
-    monkeypatch.setattr(system_fixed_steps, "work_of", lambda system: 300)
+    monkeypatch.setattr(fixed_steps, "step", lambda *arguments: pytest.fail("a step was done"))
+    monkeypatch.setattr(fixed_steps, "work_of", lambda system: 300)
     steps = backward_euler.FixedSteps(1e-4, float(at.SECOND_ORDER))
-    assert system_fixed_steps.integrate.py_func(None, steps, 1.0) == status.FIXED_STEPS_TOO_MANY
+    assert fixed_steps.integrate.py_func(None, steps, 1.0) == status.FIXED_STEPS_TOO_MANY
 
 
 @pytest.mark.parametrize(

@@ -33,13 +33,14 @@ from ..equations.lines import (
     size_of_blocks,
 )
 from ..equations.properties import point_mass
+from ..line import rosenbrock
+from ..line.rodas4p import ALPHA, GAMMA_I, STAGES
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.pairs import first, second
 from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add, add_scaled, get, put, scale, sub
-from . import rosenbrock, system_drums
-from .rodas4p import ALPHA, GAMMA_I, STAGES
+from . import system_drums
 from .system_drums import conditions_in_step
 from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, moves, turns
 

@@ -12,7 +12,9 @@ import pytest
 
 from kernels.chain_problem import ChainProblem
 from scenes import REFERENCE
-from tetherfmu.kernels.integrators import rodas4p, system_control, system_fixed_steps, system_step
+from tetherfmu.kernels.line import rodas4p
+from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
+from tetherfmu.kernels.points import system_step
 from tetherfmu.runtime import limits
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
@@ -96,7 +98,7 @@ def march(steps, **motion):
     system, h = problem.as_system(), 0.4 / steps
     for k in range(steps):
         assert system_step.step(system, k * h, h)
-        system_control.accept(system)
+        adaptive_steps.accept(system)
     return np.concatenate([problem.x, problem.v])
 
 
@@ -126,7 +128,7 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         system, h = problem.as_system(), 0.4 / steps
         for k in range(steps):
-            iterations = system_fixed_steps.subdivided_step(system, k * h, h, False)
+            iterations = fixed_steps.subdivided_step(system, k * h, h, False)
             assert 1 <= iterations <= limits.WORST_SUBDIVIDED
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

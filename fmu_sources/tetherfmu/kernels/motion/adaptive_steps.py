@@ -13,23 +13,32 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from ..line.drum_events import SMALLEST_PIECE
+from ..line.drum_step import chain_with
+from ..line.moving_drum import MOST_IDLE
+from ..line.rodas4p import GAMMA
+from ..line.step_control import (
+    SMALLEST_STEP,
+    cut,
+    error_of_step,
+    even_step,
+    first_step,
+    is_given_up,
+    next_step,
+    step_after_event,
+)
+from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
-from . import system_step
-from .drum_events import SMALLEST_PIECE
-from .drum_step import chain_with
-from .moving_drum import MOST_IDLE
-from .rodas4p import GAMMA
-from .step_control import SMALLEST_STEP, cut, error_of_step, even_step, first_step, is_given_up, next_step, step_after_event
-from .system_drums import drum_at
-from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
-from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, turns
-from .system_step import apply_changes, collect_changes, whole_masses
-from .taut_slack import keep_energy_of_drum
+from ..points import system_step
+from ..points.system_drums import drum_at
+from ..points.system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, turns
+from ..points.system_step import apply_changes, collect_changes, whole_masses
+from .pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
 
 
 @kernel
-def larger(a, b):
-    """The larger one of two numbers; NaN if one of them is."""
+def larger_error(a, b):
+    """The larger one of two errors; NaN if one of them is (`pairs.larger` would take the other one)."""
     if a >= b:
         return a
     return b if b > a else nan
@@ -46,7 +55,7 @@ def error_of_line(system, k, time, h):
     if error < inf:
         chain = chain_with(conditions, room.numbers[NEW_LENGTH], room.numbers[NEW_SPEED])
         if has_free_nodes(system, k):
-            error = larger(error, error_of_step(conditions, chain, h, v, room.w))
+            error = larger_error(error, error_of_step(conditions, chain, h, v, room.w))
         elif turns(system, k):
             room.numbers[NEW_SPEED] = keep_energy_of_drum(drum_at(conditions), chain, room.w)
     return error
@@ -67,7 +76,7 @@ def error_of_lines(system, time, h):
             w = integrator_of(system, k).w
             whole_masses(system, k, w)
             before = get(w.v, 0), get(w.v, segments_of(system, k))
-            error = larger(error, error_of_line(system, k, time, h))
+            error = larger_error(error, error_of_line(system, k, time, h))
             changed += collect_changes(system, k, before, w)
     if changed > 0:
         for k in range(lines_of(system)):

@@ -33,13 +33,8 @@ from ..equations.lines import (
     size_of_blocks,
     state_of,
 )
-from ..linear_algebra import condensed
-from ..linear_algebra.both_ends import get_node
-from ..linear_algebra.matrices import outer, transposed_apply
-from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put_at, scale, vector_at
-from . import drum_step, rosenbrock
-from .drum_step import (
+from ..line import drum_step, rosenbrock
+from ..line.drum_step import (
     Border,
     border_of,
     chain_with,
@@ -50,7 +45,12 @@ from .drum_step import (
     put_rates,
     stage_rest,
 )
-from .rodas4p import ALPHA, GAMMA
+from ..line.rodas4p import ALPHA, GAMMA
+from ..linear_algebra import condensed
+from ..linear_algebra.both_ends import get_node
+from ..linear_algebra.matrices import outer, transposed_apply
+from ..linear_algebra.point_blocks import add_to_block
+from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put_at, scale, vector_at
 from .system_room import (
     BORDER,
     DIRECTION,
