@@ -122,7 +122,7 @@ def test_the_meaning_of_a_variable_is_not_cut(site, browser):
         "table => [table.parentElement.scrollWidth, table.parentElement.clientWidth])"
     )
     tables = browser.execute_script(cut)
-    assert len(tables) == 6
+    assert len(tables) == 7
     assert all(needed <= there for needed, there in tables)
 
 

@@ -5,7 +5,9 @@ import numpy as np
 from kernels.packed import packed
 from tetherfmu.kernels.equations import end_motion
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
-from tetherfmu.kernels.integrators import backward_euler, rosenbrock
+from tetherfmu.kernels.equations.lines import System, store_conditions
+from tetherfmu.kernels.equations.plan import OneLine
+from tetherfmu.kernels.line import backward_euler, rosenbrock
 from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -38,8 +40,10 @@ class ChainProblem:
         self.length = 38.0
         nodes = np.linspace([0.0, 0.0, 1.0], [22.0, 3.0, 36.0], n + 1)
         nodes[1:-1] += [[0.3, -0.5, -0.9], [0.8, 0.2, -1.0], [-0.2, 0.4, -0.7]]
-        self.x = nodes.ravel()
-        self.v = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
+        self.state = np.zeros(at.state_size(n))
+        self.x, self.v = self.state[at.STATE_HEADER :].reshape(2, -1)
+        self.x[:] = nodes.ravel()
+        self.v[:] = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
         self.memory = np.zeros(work_size(n))
         self.of_rosenbrock = rosenbrock.workspace(n, self.memory)
         self.of_euler = backward_euler.workspace(n, self.memory)
@@ -60,3 +64,9 @@ class ChainProblem:
             load_rate if kite_is_free else still,
         )
         self.chain = chain_during(self.conditions, 0.0)
+
+    def as_system(self):
+        """The chain, which moves x and v, as a `System` of one line with these conditions."""
+        work = np.zeros(work_size(self.n))
+        store_conditions(self.conditions, work)
+        return System(OneLine(self.n), self.parameters, np.zeros(0), self.state, work)

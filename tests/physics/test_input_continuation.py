@@ -1,4 +1,4 @@
-"""Within a communication step the reel-out speed and the load of a free kite go on as before, or are held.
+"""Within a communication step the reel-out speed and the load of a free kite, or point, go on as before, or are held.
 
     linear   L grows by s h + a h^2/2,  a = (s - s_last)/max(h_last, h/4),  0 in the first step
     held     L grows by s h
@@ -11,7 +11,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu import (
+    Line,
+    Point,
+    TetherCatenary,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    TetherStraight,
+    TetherSystem,
+)
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
@@ -101,6 +110,57 @@ def test_a_load_that_grows_linearly(fixed_step):
     position = rate * end**3 / 6.0 / mass - first * (end - step) - rate * step**3 / 6.0 / mass
     np.testing.assert_allclose(model.velocities[1], velocity, rtol=accuracy)
     np.testing.assert_allclose(model.positions[1] - [30.0, 0.0, 0.0], position, rtol=accuracy)
+
+
+PULLED = Tether(segments=5, initial_length=49.9)
+UNEQUAL = np.resize((0.02, 0.05, 0.001, 0.03, 0.02), 40)  # communication steps [s]
+
+
+def load_at(time):
+    """Load on what ends a line at a time [s]."""
+    return np.array((60.0 + 30.0 * np.sin(3.0 * time), 20.0 * np.cos(2.0 * time), 90.0))
+
+
+def systems_with_a_free_point(solver):
+    """A line that ends in a free point, and one that begins there: each system, and position of the point."""
+    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", KITE, mass=5.0)]
+    for ends in (("ground", "kite"), ("kite", "ground")):
+        system = TetherSystem(points, [Line("line", *ends, PULLED)], solver=solver)
+        system.initialize(loads={"kite": load_at(0.0)})
+        yield system
+
+
+@pytest.mark.parametrize("continuation", ["linear", "held"])
+@pytest.mark.parametrize("fixed_step", [0.0, 0.005])
+def test_the_load_on_a_point_goes_on_as_that_of_a_kite(continuation, fixed_step):
+    """Same tether, same load: another elimination, so other rounding, which iterations of fixed steps may let grow."""
+    solver = Solver(input_continuation=continuation, fixed_step=fixed_step, relative_tolerance=1e-6)
+    kite = TetherDynamicFree(PULLED, solver=solver, kite_mass=5.0)
+    kite.initialize(KITE)
+    forward, backward = systems_with_a_free_point(solver)
+    for time, step in zip(np.cumsum(UNEQUAL) - UNEQUAL, UNEQUAL, strict=True):
+        kite.step(step, kite_load=load_at(time))
+        for system in (forward, backward):
+            system.step(step, loads={"kite": load_at(time)})
+    np.testing.assert_allclose(forward.positions["line"], kite.positions, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(backward.positions["line"][::-1], kite.positions, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("continuation", "order"), [("linear", 2.0), ("held", 1.0)])
+def test_order_of_the_motion_under_a_load(continuation, order):
+    """A load that swings a free point of a system."""
+
+    def way(step):
+        system = next(systems_with_a_free_point(Solver(input_continuation=continuation, relative_tolerance=1e-8)))
+        kept = []
+        for k in range(round(2.0 / step)):
+            system.step(step, loads={"kite": load_at(k * step)})
+            kept.append(system.positions["line"][-1])
+        return np.array(kept)[round(0.08 / step) - 1 :: round(0.08 / step)]
+
+    fine = way(0.0025)
+    errors = [np.sqrt(np.mean((way(step) - fine) ** 2)) for step in (0.08, 0.04, 0.02)]
+    assert -np.diff(np.log2(errors)) == pytest.approx(order, abs=0.3)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)

@@ -6,7 +6,7 @@ import pytest
 from kernels.chain_problem import ChainProblem
 from mechanics import air_velocities, drag, drags, line_density, wind_factor
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady
-from tetherfmu.kernels.integrators.step_control import allowed_errors
+from tetherfmu.kernels.line.step_control import allowed_errors
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 

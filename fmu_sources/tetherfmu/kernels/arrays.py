@@ -4,6 +4,8 @@ The work array holds what all solvers of a chain share (`shared_arrays`), then r
 itself, in a record `Workspace` of its own.
 """
 
+from itertools import accumulate
+
 from tetherfmu.runtime import layout as at
 
 from .compilation import kernel, part, view
@@ -12,6 +14,12 @@ parameters_size = kernel(at.parameters_size)
 inputs_size = kernel(at.inputs_size)
 state_size = kernel(at.state_size)
 outputs_size = kernel(at.outputs_size)
+
+
+def places_of(*sizes):
+    """First places of things of these sizes that stand one behind the other in an array, and the place behind them all."""
+    return tuple(accumulate(sizes, initial=0))
+
 
 SEGMENT_RECORD = 35  # numbers of the derivatives of one segment, see `equations/segment.py`
 

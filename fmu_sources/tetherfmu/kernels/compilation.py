@@ -1,4 +1,4 @@
-"""How kernels are compiled: by numba, without exceptions and without allocation. And what numba cannot say: `part`, `power`.
+"""How kernels are compiled: by numba, without exceptions or allocation. What numba cannot say: `by_kind`, `part`, `power`.
 
 Rules of a kernel, so that its machine code can stand alone without Python: arguments are numbers, tuples and flat
 arrays; work space comes from the caller; a failure is a status code; other kernels are called by name only. Nothing
@@ -9,7 +9,7 @@ from llvmlite import ir
 from numba import cfunc, njit, types
 from numba.core import cgutils
 from numba.core.imputils import impl_ret_borrowed
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 from numba.np.arrayobj import make_view
 
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}  # which `entry_point` has all the same
@@ -30,6 +30,23 @@ def view(function):
 def entry_point(signature, function):
     """Compile a function that takes numbers and pointers, to a `numba.CFunc`."""
     return cfunc(signature, **OPTIONS)(function)
+
+
+def by_kind(of_tuple, of_array):
+    """A kernel of two arguments: `of_tuple` where the first one is a tuple, `of_array` where it is an array.
+
+    Which one is known when the caller is compiled, and so are the numbers that `of_tuple` returns without a look at it.
+    """
+
+    def either(first, second):
+        return of_array(first, second)
+
+    @overload(either)
+    def choose(first, second):
+        chosen = of_tuple if isinstance(first, types.BaseTuple) else of_array
+        return lambda first, second: chosen(first, second)
+
+    return either
 
 
 @intrinsic

@@ -17,7 +17,7 @@ ANY = Target("x86_64-unknown-linux-gnu", "x86-64")  # the first round of optimiz
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
 # in would need a function of the C library on Windows. And one whose loop is faster alone, by 1 to 2 % of a step
-APART = ("rosenbrock7prepare", "assembly11node_forces", "moving_drum9integrate")
+APART = ("rosenbrock4form", "assembly11node_forces")
 
 
 def whole_module(code):

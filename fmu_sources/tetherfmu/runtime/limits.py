@@ -19,7 +19,7 @@ NO_STOP = 1e300  # unstretched length [m] at a stop of the winch that is not the
 # a much shorter step a jump is extrapolated to no more than four times itself
 SHORTEST_LAST_STEP = 0.25
 
-# iterations of backward Euler, see `kernels/integrators/backward_euler.py` and `second_order.py`
+# iterations of backward Euler, see `kernels/line/backward_euler.py` and `second_order.py`
 MOST_ITERATIONS = 8  # of a step and of its coarser parts
 LAST_ITERATIONS = 32  # of the finest parts
 PARTS = 4  # into which a step is divided, and each of them again
@@ -28,7 +28,7 @@ WORST_SUBDIVIDED = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # i
 STAGES = 3  # of a step of order 2
 WORST_WORK = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED  # factorizations for one fixed step: of stages that were left, too
 # the same of a chain with the drum of a winch that is told a force: where the finest parts do not converge with it, the
-# chain takes them alone, see `kernels/integrators/drum_in_backward_euler.py`
+# chain takes them alone, see `kernels/line/drum_in_backward_euler.py`
 WORST_SUBDIVIDED_WITH_DRUM = WORST_SUBDIVIDED + LAST_ITERATIONS * FINEST
 WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED_WITH_DRUM
 

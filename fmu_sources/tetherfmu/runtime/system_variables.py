@@ -153,7 +153,7 @@ def _inputs(structure):
         yield from _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start)
 
 
-_LOAD = "external force on {}, held over a step: aerodynamics, control; not its weight"
+_LOAD = "external force on {}: aerodynamics, control; not its weight"
 _START = "start of {}"
 _STARTS = {
     "given": "at initial_position with initial_velocity",

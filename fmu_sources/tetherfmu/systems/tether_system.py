@@ -32,7 +32,7 @@ class TetherSystem:
 
     The start of a line is the ground end of a single tether, its end the kite end; all of them share air, gravity, ground
     and solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight
-    and a load that is held over each communication step.
+    and a load, as the kite of a `TetherDynamicFree`.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class TetherSystem:
         positions, velocities : dict of str to (3,) array
             Of driven points, by name [m], [m/s].
         loads : dict of str to (3,) array
-            External force on free points [N], held over the step.
+            External force on free points [N] at the start of the step, which continues as a `kite_load` does.
         reel_out_speeds : dict of str to float
             Of lines, by name [m/s].
         wind_velocity : (3,) array

@@ -7,7 +7,7 @@ from kernels.chain_problem import ChainProblem
 from kernels.interleaved import interleaved, node_forces
 from tetherfmu.kernels.equations import assembly, segment
 from tetherfmu.kernels.equations.properties import chain_at
-from tetherfmu.kernels.integrators import rosenbrock
+from tetherfmu.kernels.line import rosenbrock
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-5

@@ -64,7 +64,7 @@ force, force_rate : of the winch at the start [N], its constant rate [N/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 recent : rates as the next steps take them after a much shorter one: accelerations of ground and kite [m/s2], of the reel-out
-speed and of the length that the winch is told [m/s2], rates of the load and of the force of the winch [N/s].
+speed and of the length that is given to the winch [m/s2], rates of the load and of the force of the winch [N/s].
 """
 
 BoundaryConditions = namedtuple(
@@ -76,7 +76,7 @@ n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `end_motion.curve`.
 first, last : first and last node that moves freely.
 reeling : of the unstretched length, see `winch.py`.
-force, force_rate : of a winch that is told a force, at the start [N], its constant rate [N/s].
+force, force_rate : of a winch that is controlled by force, at the start [N], its constant rate [N/s].
 wind : mean over the step, at the reference height [m/s].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
 """

@@ -1,4 +1,4 @@
-"""The drum of a winch that is told a force: how it turns, when it is held, where it stops.
+"""The drum of a winch that is controlled by force: how it turns, when it is held, where it stops.
 
     m du/dt = T - W - c u - F sign(u),   dL/dt = u
 

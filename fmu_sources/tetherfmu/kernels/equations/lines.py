@@ -8,18 +8,21 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind, outputs_size, parameters_size, positions_and_velocities, split, state_size
+from ..arrays import behind, outputs_size, parameters_size, places_of, positions_and_velocities, split, state_size
 from ..compilation import kernel, part, view
+from ..linear_algebra.condensed import Rows
 from ..linear_algebra.point_blocks import width_of
 from ..linear_algebra.points import row_size
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
-from .continuation import given_derivatives
+from .continuation import given_derivatives, is_continued
+from .end_motion import estimated_rates
+from .plan import number_in
 
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
 
-plan : whole numbers; where the system is a single tether they are floats (`variants/resting_kite.py`).
+plan : whole numbers, floats in `variants/resting_kite.py`; of a tether alone a `plan.OneLine`.
 """
 
 Points = namedtuple("Points", "matrix pivots right solution mass stage_mass mass_rate change load_rate")
@@ -29,16 +32,20 @@ matrix : of a step, m rows, see `linear_algebra.point_blocks`, or `points` with 
 of a stage [N], q [m/s], m.
 mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
 mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
-load_rate : rates of the loads that are given for the communication step [N/s], m.
+load_rate : rates of the loads in the communication step [N/s], m.
 """
 
-CONDITIONS = 42  # room for the 41 numbers of `store_conditions`, an even number as in `system_room.line_work_size`
+# what `store_conditions` writes, and the room for it: an even number as in `system_room.line_work_size`
+_CURVE, _VECTOR, _PAD = 12, 3, 1
+GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, _, CONDITIONS = places_of(
+    _CURVE, _CURVE, 4, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1, _PAD
+)
 
 
 @kernel
 def number_of_line(system, k, which):
     """What the plan says about line k: `system_layout.SEGMENTS`, ..."""
-    return int(system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + which])
+    return number_in(system.plan, places.PLAN_HEADER + places.LINE_NUMBERS * k + which)
 
 
 @kernel
@@ -49,26 +56,32 @@ def segments_of(system, k):
 
 @kernel
 def point_at(system, k, end):
-    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN."""
+    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN, where there is none."""
     return number_of_line(system, k, places.START_POINT + end)
+
+
+@kernel
+def is_at_point(system, k, end):
+    """Whether the start (end 0) or the end (1) of line k is a free point."""
+    return point_at(system, k, end) != places.DRIVEN
 
 
 @kernel
 def lines_of(system):
     """Number of lines."""
-    return int(system.plan[places.LINES])
+    return number_in(system.plan, places.LINES)
 
 
 @kernel
 def free_points(system):
     """Number of free points."""
-    return int(system.plan[places.FREE_POINTS])
+    return number_in(system.plan, places.FREE_POINTS)
 
 
 @kernel
 def band_of(system):
     """Band of the matrix of the free points, see `linear_algebra.points`."""
-    return int(system.plan[places.BAND])
+    return number_in(system.plan, places.BAND)
 
 
 @kernel
@@ -111,23 +124,64 @@ def load_on(system, point):
 
 @kernel
 def load_at(system, point, time):
-    """Load on a free point [N] at a time [s] of the communication step: held, if no rate of it is given."""
+    """Load on a free point [N] at a time [s] of the communication step."""
     return add_scaled(load_on(system, point), time, get(points_of(system).load_rate, point))
 
 
 @kernel
-def take_load_rates(system):
-    """Given rates of the loads on the free points [N/s] into `Points.load_rate` (modified), 0 where none is given.
+def places_of_load(end):
+    """Where the state of a line has what it remembers of the load on a point at its start (end 0) or its end (1).
 
-    They wait in the states of all lines at a point, where a driven end would have its acceleration.
+    The places of the last load [N] and of its recent rate [N/s], and among the inputs that of a given rate: those that the
+    velocity of a driven end and its rate have.
+    """
+    if end == 1:
+        return at.LAST_KITE_VELOCITY, at.RECENT_KITE_ACCELERATION, at.KITE_VELOCITY
+    return at.LAST_GROUND_VELOCITY, at.RECENT_GROUND_ACCELERATION, at.GROUND_VELOCITY
+
+
+@kernel
+def rate_of_load(system, k, end, step):
+    """Rate [N/s] of the load on the free point at an end of line k, estimated for a step [s] as `boundary.rate_of_load`."""
+    state, (last, recent, _) = state_of(system, k), places_of_load(end)
+    now = load_on(system, point_at(system, k, end))
+    return estimated_rates(
+        now, vector_at(state, last), vector_at(state, recent), state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step
+    )
+
+
+@kernel
+def take_load_rates(system, step):
+    """Rates at which the loads on the free points continue in a step [s] into `Points.load_rate` (modified) [N/s].
+
+    Those that are given, else estimates, or 0 where inputs are held.
     """
     rates = points_of(system).load_rate
-    clear(rates)
     for k in range(lines_of(system)):
         for end in range(2):
-            point, place = point_at(system, k, end), at.KITE_VELOCITY if end == 1 else at.GROUND_VELOCITY
-            if point != places.DRIVEN:
-                put(rates, point, given_derivatives(state_of(system, k), place, ZERO_VECTOR))
+            if is_at_point(system, k, end):
+                estimate = rate_of_load(system, k, end, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
+                _, _, place = places_of_load(end)
+                put(rates, point_at(system, k, end), given_derivatives(state_of(system, k), place, estimate))
+
+
+@kernel
+def recent_load_rates(system, k):
+    """Rates of the loads at start and end of line k [N/s] as the next steps take them after a much shorter one."""
+    longest = state_of(system, k)[at.LONGEST_SO_FAR]
+    at_start = rate_of_load(system, k, 0, longest) if is_at_point(system, k, 0) else ZERO_VECTOR
+    return at_start, rate_of_load(system, k, 1, longest) if is_at_point(system, k, 1) else ZERO_VECTOR
+
+
+@kernel
+def remember_loads(system, k, recent):
+    """Loads on the free points at line k, and their `recent_load_rates`, into the state of the line (modified)."""
+    state, (at_start, at_end) = state_of(system, k), recent
+    for end in range(2):
+        if is_at_point(system, k, end):
+            last, rate, _ = places_of_load(end)
+            put_at(state, last, load_on(system, point_at(system, k, end)))
+            put_at(state, rate, at_end if end == 1 else at_start)
 
 
 @view
@@ -151,7 +205,7 @@ def points_size(points, band):
 @view
 def points_of(system):
     """`Points` of a system."""
-    count, room = free_points(system), behind(int(system.plan[places.POINTS_WORK]), system.work)
+    count, room = free_points(system), behind(number_in(system.plan, places.POINTS_WORK), system.work)
     m = 3 * count
     size = m * row_size(band_of(system))
     matrix, room = part(room, 0, size), behind(size, room)
@@ -173,21 +227,21 @@ def put_curve(room, first, curve):
 @kernel
 def store_conditions(conditions, room):
     """Write `BoundaryConditions` to the start of the scratch space of a line (modified)."""
-    put_curve(room, 0, conditions.ground)
-    put_curve(room, 12, conditions.kite)
-    room[24], room[25], room[26], room[27] = conditions.reeling
-    put_at(room, 28, conditions.wind)
-    put_at(room, 31, conditions.load)
-    put_at(room, 34, conditions.load_rate)
-    room[37], room[38] = conditions.first, conditions.last
-    room[39], room[40] = conditions.force, conditions.force_rate
+    put_curve(room, GROUND, conditions.ground)
+    put_curve(room, KITE, conditions.kite)
+    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = conditions.reeling
+    put_at(room, WIND, conditions.wind)
+    put_at(room, LOAD, conditions.load)
+    put_at(room, LOAD_RATE, conditions.load_rate)
+    room[FIRST], room[LAST] = conditions.first, conditions.last
+    room[FORCE], room[FORCE_RATE] = conditions.force, conditions.force_rate
 
 
 @kernel
 def put_reeling(system, k, reeling):
     """Let the unstretched length of line k have these coefficients, see `winch.py`, in what `store_conditions` wrote."""
     room = room_of(system, k)
-    room[24], room[25], room[26], room[27] = reeling
+    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = reeling
 
 
 @kernel
@@ -200,10 +254,18 @@ def curve_at(room, first):
 def conditions_of(system, k):
     """`BoundaryConditions` of line k as `store_conditions` wrote them."""
     n, r = segments_of(system, k), room_of(system, k)
-    reeling = r[24], r[25], r[26], r[27]
-    wind, load, load_rate = vector_at(r, 28), vector_at(r, 31), vector_at(r, 34)
-    ends = curve_at(r, 0), curve_at(r, 12), int(r[37]), int(r[38])
-    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[39], r[40], wind, load, load_rate)
+    ends = curve_at(r, GROUND), curve_at(r, KITE), int(r[FIRST]), int(r[LAST])
+    reeling = r[REELING], r[REELING + 1], r[REELING + 2], r[REELING + 3]
+    loads = vector_at(r, WIND), vector_at(r, LOAD), vector_at(r, LOAD_RATE)
+    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[FORCE], r[FORCE_RATE], *loads)
+
+
+@kernel
+def rows_of(system, k):
+    """`condensed.Rows` of the equations of line k: its free nodes are inner rows, and its free points are shared."""
+    n, conditions = segments_of(system, k), conditions_of(system, k)
+    at_start, at_end = is_at_point(system, k, 0), is_at_point(system, k, 1)
+    return Rows(n, 1 if at_start else conditions.first, n - 1 if at_end else conditions.last, at_start, at_end)
 
 
 @kernel

@@ -1,6 +1,6 @@
 """The unstretched length within a communication step: a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time.
 
-`winch_control` says what the winch is told:
+`winch_control` says what controls the winch:
 
     speed     the reel-out speed u continues at the rate a = (u - u_last)/h_last, estimated as the acceleration of an end is,
               in the first step and with `input_continuation = held` at the rate 0: the length grows by u t + a t^2/2
@@ -67,13 +67,13 @@ def shortest_length(reeling, step):
 
 @kernel
 def follows_length(parameters):
-    """Whether the winch is told a length."""
+    """Whether the winch is controlled by length."""
     return parameters[at.WINCH_CONTROL] == at.WINCH_BY_LENGTH
 
 
 @kernel
 def follows_force(parameters):
-    """Whether the winch is told a force."""
+    """Whether the winch is controlled by force."""
     return parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE
 
 
@@ -173,7 +173,7 @@ def following(parameters, inputs, correction, step, state):
 def reeling_of_step(parameters, inputs, correction, step, state):
     """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state; see `following`.
 
-    With a winch that is told a force, of a length that stays.
+    With a winch that is controlled by force, of a length that stays.
     """
     if follows_length(parameters):
         return following(parameters, inputs, correction, step, state)

@@ -141,10 +141,10 @@ def solve(span, rise, load, length, axial_stiffness):
     now = energy(h, v, a, b, elasticity, False)
     for iteration in range(MOST_ITERATIONS):
         exact = iteration >= USUAL_ITERATIONS
-        v1, v2, rise = end_loads(v, exact)
+        v1, v2, difference = end_loads(v, exact)
         t1, t2 = end_tensions(h, v1, v2)
         vertical = v2 / t2 - v1 / t1
-        across = max(asinh_difference(h, v1, v2, rise) / h - vertical, 0.0)
+        across = max(asinh_difference(h, v1, v2, difference) / h - vertical, 0.0)
         j11 = elasticity + across
         j12 = h * (1.0 / t2 - 1.0 / t1)
         j22 = elasticity + vertical

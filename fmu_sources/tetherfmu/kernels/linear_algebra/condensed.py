@@ -12,15 +12,36 @@ the first and the last row become
     (D_n - L_n C_n,n-1) y_n - L_n C_0,n-1 y_0 = b_n - L_n (A^-1 b)_(n-1)
 
 An end that is prescribed, with y = 0, has no columns. `columns` has the 3x3 blocks of C_0, then those of C_n; the blocks of
-mirror rows are packed (`both_ends.pack_blocks`). Ends are numbered: 0 the first row, 1 the last.
+mirror rows are packed (`both_ends.pack_blocks`). Ends are numbered: 0 the first row, 1 the last. An end of a line that
+meets no other one may be an inner row as well, and nothing is left of such a line (`Rows`).
 """
+
+from collections import namedtuple
 
 from ..compilation import kernel, part, view
 from .block_tridiagonal import factorize, solve
 from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
 from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract
 from .pairs import broadcast, first, pair, second
-from .vectors import get, put, sub
+from .vectors import ZERO_VECTOR, get, put, sub
+
+Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
+Rows.__doc__ = """The rows 0 .. n: the inner ones, which are solved for, are `first` .. `last`; none where first > last.
+
+start_is_shared, end_is_shared : whether row 0, and row n, is shared with other systems. Then the inner rows are 1 .. n - 1.
+"""
+
+
+@kernel
+def inner(rows, i, b):
+    """Vector of row i of an array if it is an inner row, else 0."""
+    return get(b, i) if rows.first <= i <= rows.last else ZERO_VECTOR
+
+
+@kernel
+def first_difference(rows, b):
+    """Difference of the vectors of the rows 1 and 0 of an array, of which only those of inner rows count."""
+    return sub(inner(rows, 1, b), inner(rows, 0, b))
 
 
 @kernel
@@ -36,24 +57,25 @@ def columns_of(n, end, columns):
 
 
 @kernel
-def condense(n, start_is_free, end_is_free, matrix, columns):
-    """Factor the inner rows of a `Matrix` and find the columns of its free ends (both modified); False if it is singular."""
-    if n == 1:
+def condense(rows, matrix, columns):
+    """Factor the inner rows of a `Matrix` and find the columns of its shared ends (both modified); False if singular."""
+    if rows.first > rows.last:
         return True
-    if not factorize(1, n - 1, matrix):
+    if not factorize(rows.first, rows.last, matrix):
         return False
-    find_all_columns(n, start_is_free, end_is_free, matrix, columns)
+    find_all_columns(rows, matrix, columns)
     return True
 
 
 @kernel
-def find_all_columns(n, start_is_free, end_is_free, matrix, columns):
-    """Columns of the free ends (modified) of a `Matrix` of two or more rows whose inner rows are factorized."""
-    if start_is_free and end_is_free:
+def find_all_columns(rows, matrix, columns):
+    """Columns of the shared ends (modified) of a `Matrix` whose inner rows are factorized."""
+    n = rows.n
+    if rows.start_is_shared and rows.end_is_shared:
         find_both_columns(n, matrix, columns_of(n, 0, columns), columns_of(n, 1, columns))
-    elif start_is_free:
+    elif rows.start_is_shared:
         find_columns(n, pair(get_matrix(matrix.lower, 9), ZERO_MATRIX), matrix, columns_of(n, 0, columns))
-    elif end_is_free:
+    elif rows.end_is_shared:
         find_columns(n, pair(ZERO_MATRIX, get_matrix(matrix.upper, 9 * (n - 1))), matrix, columns_of(n, 1, columns))
 
 
@@ -197,20 +219,20 @@ def condensed_blocks(n, matrix, columns):
 
 
 @kernel
-def reduce(n, matrix, b):
-    """Solve the inner rows of a right-hand side, and take their part out of its first and last row (modified)."""
-    if n == 1:
-        return
-    solve(1, n - 1, matrix, b)
-    put(b, 0, what_is_left(n, 0, matrix, b))
-    put(b, n, what_is_left(n, 1, matrix, b))
+def reduce(rows, matrix, b):
+    """Solve the inner rows of a right-hand side, and take their part out of those of its ends that are shared (modified)."""
+    solve_inner(rows, matrix, b)
+    if rows.start_is_shared:
+        put(b, 0, what_is_left(rows.n, 0, matrix, b))
+    if rows.end_is_shared:
+        put(b, rows.n, what_is_left(rows.n, 1, matrix, b))
 
 
 @kernel
-def solve_inner(n, matrix, b):
-    """Solve the inner rows of a right-hand side (modified), and leave its first and last row as they are."""
-    if n > 1:
-        solve(1, n - 1, matrix, b)
+def solve_inner(rows, matrix, b):
+    """Solve the inner rows of a right-hand side (modified), and leave others as they are."""
+    if rows.first <= rows.last:
+        solve(rows.first, rows.last, matrix, b)
 
 
 @kernel
@@ -224,13 +246,14 @@ def what_is_left(n, end, matrix, b):
 
 
 @kernel
-def expand(n, start_is_free, end_is_free, columns, y):
-    """Solution in the inner rows (modified) from that of the ends, after `reduce`."""
-    if start_is_free and end_is_free:
+def expand(rows, columns, y):
+    """Solution in the inner rows (modified) from that of the shared ends, after `reduce`."""
+    n = rows.n
+    if rows.start_is_shared and rows.end_is_shared:
         subtract_both_columns(n, columns_of(n, 0, columns), columns_of(n, 1, columns), y)
-    elif start_is_free:
+    elif rows.start_is_shared:
         subtract_columns(n, columns_of(n, 0, columns), get(y, 0), y)
-    elif end_is_free:
+    elif rows.end_is_shared:
         subtract_columns(n, columns_of(n, 1, columns), get(y, n), y)
 
 

@@ -11,8 +11,8 @@
     unconverged       h of a fixed step that was ended before its iteration converged
     unresolved     h of the fixed steps of a communication step that the adaptive solver has given up
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
-    slack winch    W of a winch with mass that is told a force and reels in, where d < 0.99 L and T < 0.1 (W - F)
-    too long       L - d of a winch that is told a length, above 5 % of d and above `NEARBY`; d: distance of the ends
+    slack winch    W of a winch with mass that is controlled by force and reels in, where d < 0.99 L and T < 0.1 (W - F)
+    too long       L - d of a winch that is controlled by length, above 5 % of d and above `NEARBY`; d: distance of the ends
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
 between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
@@ -20,8 +20,8 @@ sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and
 contradict: a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper
 sum.
 
-A length that is too short is a stretch. One that is too long is possible, and judged only where the winch was told it: there
-it is mostly a wrong unit or an offset.
+A length that is too short is a stretch. One that is too long is possible, and judged only where it is an input: there it
+is mostly a wrong unit or an offset.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
@@ -94,7 +94,7 @@ def note_ground(n, parameters, state):
 
 @kernel
 def note_length(n, parameters, state):
-    """Note by how much the length that a winch was told exceeds the distance of the ends [m] in the state (modified)."""
+    """Note by how much the length that was given to a winch exceeds the distance of the ends [m] in the state (modified)."""
     if winch.follows_length(parameters):
         distance = distance_of_ends(n, state)
         excess = max(0.0, state[at.LENGTH] - distance)

@@ -29,7 +29,7 @@ def size(n):
 
 @kernel
 def balance_drum(parameters, speed, tension, force, energies):
-    """Energy and powers of a drum that is told a force [N] into `energies` (modified); 0 of any other winch.
+    """Energy and powers of a drum that is controlled by force [N] into `energies` (modified); 0 of any other winch.
 
     speed : of the drum [m/s].  tension : of the first segment [N].
     """

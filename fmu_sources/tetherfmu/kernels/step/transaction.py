@@ -108,7 +108,7 @@ def check_stops(parameters, length):
 
 @kernel
 def check_reeling(n, parameters, given):
-    """OK, or why a winch cannot do what it is told in a step with `StepInputs`."""
+    """OK, or why a winch cannot do what is asked of it in a step with `StepInputs`."""
     if not winch.follows_force(parameters):
         return check_length(n, parameters, winch.shortest_length(given.reeling, given.step))
     least = min(given.force, given.force + given.step * given.force_rate)
@@ -121,7 +121,7 @@ def check_reeling(n, parameters, given):
 def remember(parameters, inputs, given, state):
     """Header of the state (modified) after a communication step with `StepInputs`.
 
-    A winch that is told a force has its length and speed from the variant.
+    A winch that is controlled by force has its length and speed from the variant.
     """
     step = given.step
     if not winch.follows_force(parameters):

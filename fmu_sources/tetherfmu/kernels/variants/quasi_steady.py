@@ -16,8 +16,8 @@ from ..equations.ground import under
 from ..equations.properties import chain_of
 from ..equilibrium import end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
-from ..integrators.drum_in_equilibrium import drum_at
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..motion.drum_in_equilibrium import drum_at
 from ..step.outputs import outputs_of_chain
 
 work_size = newton.workspace_size

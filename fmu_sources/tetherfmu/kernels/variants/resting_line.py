@@ -184,7 +184,8 @@ def add_slopes(system, k, search):
         give = body.chain.gravity * property_of(body.chain, 0, at.LINE_DENSITY) if search.slides[0] != 0.0 else 0.0
         if not newton.factorize(body, give, w):
             return False
-        condensed.find_all_columns(n, is_sought(system, k, 0), is_sought(system, k, 1), w.matrix, columns)
+        rows = condensed.Rows(n, 1, n - 1, is_sought(system, k, 0), is_sought(system, k, 1))
+        condensed.find_all_columns(rows, w.matrix, columns)
     for row_end in range(2):
         for column_end in range(2):
             if is_sought(system, k, row_end) and is_sought(system, k, column_end):

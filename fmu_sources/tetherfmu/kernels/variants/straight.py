@@ -11,8 +11,8 @@ from ..compilation import kernel
 from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
 from ..equations.properties import property_of
-from ..integrators.drum_in_equilibrium import drum_at
 from ..linear_algebra.vectors import add, add_scaled, dot, put_at, scale, sub
+from ..motion.drum_in_equilibrium import drum_at
 from ..step.outputs import wave_time, write_direction
 from .chord import chord_load, chord_of, no_work_size, write_common
 

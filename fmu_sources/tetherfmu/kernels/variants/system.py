@@ -5,14 +5,13 @@ The lines are started, and their outputs are found, one by one as dynamic tether
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
-from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK, STEP_BUDGET_SPENT
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
 from ..compilation import kernel, part
-from ..equations.boundary import conditions_of_chain, inputs_of_step, place_ends
+from ..equations.boundary import conditions_of_chain, inputs_of_step
 from ..equations.lines import (
     System,
-    conditions_of,
     free_points,
     inputs_of,
     lines_of,
@@ -20,6 +19,8 @@ from ..equations.lines import (
     outputs_of_line,
     parameters_of,
     points_size,
+    recent_load_rates,
+    remember_loads,
     room_of,
     segments_of,
     state_of,
@@ -27,20 +28,13 @@ from ..equations.lines import (
     take_load_rates,
 )
 from ..equations.properties import chain_of
-from ..equilibrium import compressed_chain, end_tensions
-from ..integrators import (
-    iteration_limit,
-    step_control,
-    system_control,
-    system_fixed_room,
-    system_fixed_steps,
-    system_room,
-)
-from ..integrators.backward_euler import FixedSteps, given_steps
+from ..line.backward_euler import given_steps
+from ..motion import adaptive_steps, iteration_limit
+from ..points import system_fixed_room
 from ..step import transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_damping_of_steps, note_stiff_and_slack, note_unconverged, note_unresolved
-from . import dynamic_chain, resting_line, resting_points
+from ..step.plausibility import note_damping_of_steps
+from . import dynamic_chain, moving_lines, resting_line, resting_points
 
 # --- the plan
 
@@ -48,8 +42,7 @@ from . import dynamic_chain, resting_line, resting_points
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    adaptive, fixed = system_room.line_work_size(n), system_fixed_room.line_work_size(n)
-    return max(adaptive, fixed, resting_line.line_work_size(n))
+    return max(moving_lines.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
@@ -86,7 +79,7 @@ def complete_plan(plan):
 def iteration_limit_of(system):
     """The most iterations of all lines in the last communication step: each factorizes the matrix of each line once."""
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]
-    return iteration_limit.of_steps(system_control.work_of(system), steps, system_fixed_room.any_drum(system), duration)
+    return iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_fixed_room.any_drum(system), duration)
 
 
 @kernel
@@ -186,7 +179,9 @@ def begin_line(system, k, step):
         if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
             shape = float(at.STATIC_EQUILIBRIUM)
         store_conditions(conditions_of_chain(n, parameters, shape, given, state, x, v), room_of(system, k))
+        recent = recent_load_rates(system, k)
         transaction.remember(parameters, inputs, given, state)
+        remember_loads(system, k, recent)
     return status
 
 
@@ -196,72 +191,13 @@ def begin(system, step):
     status = check_loads(system)
     if status != OK:
         return status
-    take_load_rates(system)
+    take_load_rates(system, step)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = begin_line(system, k, step)
         if status != OK:
             return status
     return OK
-
-
-@kernel
-def move(system, steps, step):
-    """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
-    if steps.size == 0.0:
-        status = system_control.integrate(system, step)
-        for k in range(lines_of(system)):
-            if status == OK:
-                n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
-                note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
-        return status
-    status = system_fixed_steps.integrate(system, steps, step)
-    for k in range(lines_of(system)):
-        note_unconverged(system_fixed_room.scratch_of(system, k).unconverged[0], steps.size, state_of(system, k))
-    return status
-
-
-@kernel
-def go_back(system, before):
-    """Put the nodes and the drums of all lines (modified) back to the states of before."""
-    old = System(system.plan, system.parameters, system.inputs, before, system.work)
-    for k in range(lines_of(system)):
-        n, state, first = segments_of(system, k), state_of(system, k), state_of(old, k)
-        for i in range(at.STATE_HEADER, state_size(n)):
-            state[i] = first[i]
-        if system_room.has_drum(system, k):
-            state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
-
-
-@kernel
-def move_coarsely(system, step, before):
-    """As `dynamic.move_coarsely`: with fixed steps of order 2, from the start of a step that the adaptive solver gave up."""
-    h = step * system_control.work_of(system) / at.COARSE_WORK
-    go_back(system, before)
-    status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
-    memory = state_of(system, 0)
-    memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
-    note_unresolved(h, memory)
-    return status
-
-
-@kernel
-def integrate(system, step, before):
-    """Advance all lines (modified) over a communication step [s], from their states `before`; a status."""
-    status = move(system, given_steps(parameters_of(system, 0)), step)
-    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
-        return OK
-    return status
-
-
-@kernel
-def end_line(system, k, step):
-    """Put line k (modified) in its state at the end of a communication step [s], as `dynamic.advance` does."""
-    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    x, v = motion_of(system, k)
-    place_ends(conditions_of(system, k), step, x, v)
-    end_tensions.forget(state)
-    compressed_chain.leave(chain_of(n, parameters, state), x, v)
 
 
 @kernel
@@ -277,9 +213,9 @@ def commit_line(system, k, before):
 
 @kernel
 def commit(system, step, before):
-    """`end_line` and `commit_line` of all lines, until one is refused; returns the status."""
+    """End the step of all lines, and `commit_line` until one is refused; returns the status."""
     for k in range(lines_of(system)):
-        end_line(system, k, step)
+        moving_lines.end_line(system, k, step)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         status = commit_line(system, k, before)
@@ -304,7 +240,7 @@ def advance(system, step, before):
     status = begin(system, step)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
-        status = integrate(system, step, before)
+        status = moving_lines.advance(system, step, before)
     if status == OK:
         status = commit(system, step, before)
     if status != OK:

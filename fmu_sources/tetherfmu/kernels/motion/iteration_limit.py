@@ -4,7 +4,7 @@ A communication step of m fixed steps takes at most
 
     min(w m,  3 b + w + l m),   b = ITERATION_BUDGET/n
 
-iterations, with w those of a hard step and l those of the steps after more than 3 b (`second_order.integrate`).
+iterations, with w those of a hard step and l those of the steps after more than 3 b (`fixed_steps.integrate`).
 """
 
 from tetherfmu.runtime import layout as at
@@ -12,7 +12,7 @@ from tetherfmu.runtime.limits import LAST_ITERATIONS, STAGES, most_of_a_step
 
 from ..compilation import kernel
 from ..equations import winch
-from .backward_euler import count_of_steps, given_steps
+from ..line.backward_euler import count_of_steps, given_steps
 
 worst = kernel(most_of_a_step)
 
@@ -21,7 +21,7 @@ worst = kernel(most_of_a_step)
 def of_one(method, has_drum):
     """Iterations of a hard fixed step, and of one after the budget of iterations is spent.
 
-    method : of `backward_euler.FixedSteps`.  has_drum : whether a winch is told a force.
+    method : of `backward_euler.FixedSteps`.  has_drum : whether a winch is controlled by force.
     """
     return worst(method == at.BACKWARD_EULER, has_drum), 2 * LAST_ITERATIONS if has_drum else LAST_ITERATIONS
 

@@ -6,7 +6,7 @@ import pytest
 from kernels.packed import packed
 from tetherfmu import Environment, Solver, Tether
 from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_chain, inputs_of_step
-from tetherfmu.kernels.integrators import backward_euler, incremental_potential
+from tetherfmu.kernels.line import backward_euler, incremental_potential
 from tetherfmu.runtime import layout as at
 
 N, LENGTH, STEP = 4, 20.0, 0.05
@@ -33,7 +33,7 @@ def attempt_of(reel_out_speed, law, slack):
     given = inputs_of_step(parameters, inputs, STEP, state)
     conditions = conditions_of_chain(N, parameters, parameters[at.INITIAL_SHAPE], given, state, x, v)
     w = backward_euler.workspace(N, work)
-    attempt = backward_euler.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
+    attempt = incremental_potential.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
     backward_euler.start(attempt, 0.0, False, x, w)
     backward_euler.add_drag(attempt, x, w)
     # where the step may end, with segments turned by some degrees

@@ -1,6 +1,6 @@
-"""The descent of a system in a fixed step: all lines and free points at once, bounded as that of a single tether.
+"""The descent in a fixed step: all lines and free points at once, bounded as `backward_euler.py` says.
 
-The incremental potential is the sum of those of the lines, see `backward_euler.py`. A free point moves by one free flight,
+The incremental potential is the sum of those of the lines. A free point moves by one free flight,
 with the load and the mass of the whole point; each line has that of its own half segment there, so that
 
     sum_k m_k |x - y|^2/(2 h^2) = M |x - y|^2/(2 h^2),   y = x0 + h v0 + h^2 (gravity + load/M),   M = sum_k m_k
@@ -12,8 +12,6 @@ and so is what is left of them at the points.
 
 from math import inf
 
-from tetherfmu.runtime import system_layout as places
-
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.assembly import longest_part
@@ -21,19 +19,22 @@ from ..equations.boundary import hold_ends
 from ..equations.lines import (
     add_at,
     clear,
+    is_at_point,
     lines_of,
     point_at,
     points_of,
+    rows_of,
     segments_of,
     size_of_blocks,
 )
+from ..line import backward_euler, incremental_potential
+from ..line.backward_euler import MOST_HALVINGS
 from ..linear_algebra import condensed
 from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import get, put
-from . import backward_euler, system_fixed_drums
-from .backward_euler import MOST_HALVINGS
+from . import system_fixed_drums
 from .system_fixed_room import attempt_of, is_turning, room_in_fixed_steps, scratch_of
-from .system_room import is_free, moves
+from .system_room import moves
 
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
 
@@ -47,7 +48,7 @@ def potential(system, step, is_trial):
     for k in range(lines_of(system)):
         if moves(system, k):
             w = scratch_of(system, k)
-            own, error = backward_euler.potential(attempt_of(system, k, step), w.trial if is_trial else w.x, w)
+            own, error = incremental_potential.potential(attempt_of(system, k, step), w.trial if is_trial else w.x, w)
             total += own
             rounding += error
     return total, rounding
@@ -55,16 +56,17 @@ def potential(system, step, is_trial):
 
 @kernel
 def condense_line(system, k, step):
-    """Matrix and forces of the iteration of line k, and of its drum, condensed to its ends; False if it is singular."""
-    n, room = segments_of(system, k), room_in_fixed_steps(system, k)
+    """Matrix and forces of the iteration of line k, and of its drum, condensed to its points; False if it is singular."""
+    room = room_in_fixed_steps(system, k)
     w, columns = room.stages.chain, room.columns
-    backward_euler.linearize(attempt_of(system, k, step), w.x, w)
-    if not condensed.condense(n, is_free(system, k, 0), is_free(system, k, 1), w.matrix, columns):
+    incremental_potential.linearize(attempt_of(system, k, step), w.x, w)
+    rows = rows_of(system, k)
+    if not condensed.condense(rows, w.matrix, columns):
         return False
-    condensed.reduce(n, w.matrix, w.move)
+    condensed.reduce(rows, w.matrix, w.move)
     if is_turning(system, k, step):
         system_fixed_drums.form_column(system, k, step)
-        condensed.reduce(n, w.matrix, room.column)
+        condensed.reduce(rows, w.matrix, room.column)
     return True
 
 
@@ -73,12 +75,12 @@ def place_line(system, k, points):
     """Add what is left of line k at its free ends to the equations of the points (modified)."""
     n, w, columns = segments_of(system, k), scratch_of(system, k), room_in_fixed_steps(system, k).columns
     for row_end in range(2):
-        row = point_at(system, k, row_end)
-        if row != places.DRIVEN:
+        if is_at_point(system, k, row_end):
+            row = point_at(system, k, row_end)
             add_at(points.right, row, get(w.move, n * row_end))
             for column_end in range(2):
-                column = point_at(system, k, column_end)
-                if column != places.DRIVEN:
+                if is_at_point(system, k, column_end):
+                    column = point_at(system, k, column_end)
                     block = condensed.condensed_block(n, row_end, column_end, w.matrix, columns)
                     add_to_block(*size_of_blocks(system), row, column, block, points.matrix)
 
@@ -128,12 +130,11 @@ def move_line(system, k, step, points):
     move = room.stages.chain.move
     hold_ends(attempt.conditions, move)
     for end in range(2):
-        point = point_at(system, k, end)
-        if point != places.DRIVEN:
-            put(move, n * end, get(points.right, point))
+        if is_at_point(system, k, end):
+            put(move, n * end, get(points.right, point_at(system, k, end)))
     if is_turning(system, k, step):
         system_fixed_drums.move_along(system, k)
-    condensed.expand(n, is_free(system, k, 0), is_free(system, k, 1), room.columns, move)
+    condensed.expand(rows_of(system, k), room.columns, move)
     return longest_part(attempt.chain, move)
 
 
@@ -197,7 +198,7 @@ def direction(system, step, is_late):
 
 @kernel
 def descend(system, step, before, is_late):
-    """One iteration of all lines (modified) from where Phi is `before` [J], see `backward_euler.descend`.
+    """One iteration of all lines (modified) from where Phi is `before` [J].
 
     is_late : as for `direction`.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
     singular.

@@ -11,21 +11,20 @@ Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (
 """
 
 from collections import namedtuple
-from math import ceil, inf, sqrt
+from math import ceil, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, LEAST_REMAINDER, MOST_ITERATIONS, PARTS, STIFF
+from tetherfmu.runtime.limits import FINEST, LEAST_REMAINDER, PARTS, STIFF
 
 from ..arrays import behind, copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, part, view
 from ..equations import node_loads, segment
-from ..equations.assembly import longest_part, node_masses
-from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
+from ..equations.assembly import node_masses
+from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.properties import property_of, rest_length, stiffest
-from ..linear_algebra.block_tridiagonal import Matrix, factorize, solve
+from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, sub
-from .incremental_potential import Attempt, linearize, potential
 
 MOST_HALVINGS = 8  # of a move that does not go down
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square,
@@ -71,21 +70,6 @@ def flight(x, v, h, acceleration):
 
 
 @kernel
-def direction(attempt, x, w):
-    """Move of all nodes [m] by Newton's method from the positions x [m] into w.move (modified).
-
-    Returns the part of it in which no segment changes by more than its length, 0 where the matrix is singular.
-    """
-    conditions = attempt.conditions
-    linearize(attempt, x, w)
-    if not factorize(conditions.first, conditions.last, w.matrix):
-        return 0.0
-    solve(conditions.first, conditions.last, w.matrix, w.move)
-    hold_ends(conditions, w.move)
-    return longest_part(attempt.chain, w.move)
-
-
-@kernel
 def try_part(taken, w):
     """Positions [m] after a part of the move from w.x into w.trial (modified)."""
     for k in range(len(w.move)):
@@ -103,30 +87,6 @@ def largest_move(n, w):
 
 
 @kernel
-def descend(attempt, before, w):
-    """One iteration from the positions w.x [m] (modified) whose Phi is `before` [J].
-
-    Returns Phi [J] and the largest move of a node [m]: -1 where no part of the step goes down, inf where the matrix is
-    singular.
-    """
-    taken = direction(attempt, w.x, w)
-    return (before, inf) if taken == 0.0 else go_along(attempt, taken, before, w)
-
-
-@kernel
-def go_along(attempt, taken, before, w):
-    """Move w.x [m] (modified) by this part of w.move, halved until Phi falls; results as those of `descend`."""
-    for _ in range(MOST_HALVINGS + 1):
-        try_part(taken, w)
-        now, rounding = potential(attempt, w.trial, w)
-        if now <= before + rounding:
-            copy(w.trial, w.x)
-            return now, taken * largest_move(attempt.chain.n, w)
-        taken *= 0.5
-    return before, -1.0
-
-
-@kernel
 def holds(chain, x, w):
     """Whether all springs still have the mode with which the matrix was made, with the nodes at x [m]."""
     for s in range(chain.n):
@@ -134,6 +94,16 @@ def holds(chain, x, w):
         if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
             return False
     return True
+
+
+@kernel
+def fly_kite(attempt, time, x, w):
+    """Free flight of a free kite end from x [m] with its load, in a step at a time [s], into w.free (modified)."""
+    conditions, chain, h, v = attempt
+    n = chain.n
+    if conditions.last == n:
+        flown = flight(get(x, n), get(v, n), h, node_loads.free_acceleration(chain))
+        put(w.free, n, add_scaled(flown, h * h / w.mass[n], load_during(conditions, time + h)))
 
 
 @kernel
@@ -156,8 +126,7 @@ def start(attempt, time, kind, x, w):
             end = add_scaled(get(x, i), h, get(w.free, i)) if kind != WHOLE else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
-    if conditions.last == n:
-        put(w.free, n, add_scaled(get(w.free, n), h * h / w.mass[n], load_during(conditions, time + h)))
+    fly_kite(attempt, time, x, w)
     start = chain_during(conditions, time)
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)
@@ -179,15 +148,6 @@ def add_drag(attempt, x, w):
 
 
 @kernel
-def carry(attempt, x, w):
-    """Positions [m] into w.trial (modified) to which the ends carry along the chain at x [m], which keeps its shape."""
-    conditions, n = attempt.conditions, attempt.chain.n
-    ground = sub(get(w.free, 0), get(x, 0)) if conditions.first == 1 else ZERO_VECTOR
-    kite = sub(get(w.free, n), get(x, n)) if conditions.last == n - 1 else ground
-    carry_by(attempt, ground, kite, x, w)
-
-
-@kernel
 def carry_by(attempt, ground, kite, x, w):
     """`carry` with these moves of the ends [m]."""
     n, share = attempt.chain.n, 0.0
@@ -198,60 +158,12 @@ def carry_by(attempt, ground, kite, x, w):
 
 
 @kernel
-def guess(attempt, x, w):
-    """Positions [m] to start from into w.x (modified): free flight from x [m], or carried along by the ends; Phi [J] there.
-
-    The one with the lower Phi before the drag there comes into w. A flight of many segment lengths in a step tears
-    the chain; so does, where it swings, a chain that keeps its shape.
-    """
-    carry(attempt, x, w)
-    copy(w.free, w.x)
-    carried, _ = potential(attempt, w.trial, w)
-    flying, _ = potential(attempt, w.x, w)
-    if carried < flying:
-        copy(w.trial, w.x)
-    add_drag(attempt, w.x, w)
-    phi, _ = potential(attempt, w.x, w)
-    return phi
-
-
-@kernel
 def fly_as_expected(attempt, x, w):
     """Positions [m] into w.x (modified) to which nodes at x [m] come with the accelerations that are expected."""
     conditions, _, h, v = attempt
     copy(w.free, w.x)
     for i in range(conditions.first, conditions.last + 1):
         put(w.x, i, flight(get(x, i), get(v, i), h, get(w.acceleration, i)))
-
-
-@kernel
-def begin_as_expected(attempt, goal, x, w):
-    """The first iteration from x [m], with the accelerations that are expected; results as those of `descend`.
-
-    Where no node moves by more than `goal` [m] Phi need not be asked. Elsewhere, if the chain has a lower Phi where it is
-    carried along, that of a new `guess` and inf.
-    """
-    fly_as_expected(attempt, x, w)
-    add_drag(attempt, w.x, w)
-    taken = direction(attempt, w.x, w)
-    farthest = taken * largest_move(attempt.chain.n, w)
-    if taken > 0.0 and farthest <= goal:
-        try_part(taken, w)
-        copy(w.trial, w.x)
-        phi = 0.0 if holds(attempt.chain, w.x, w) else potential(attempt, w.x, w)[0]
-        return phi, farthest
-    phi, _ = potential(attempt, w.x, w)
-    if taken > 0.0 and not is_lower_carried(attempt, phi, x, w):
-        return go_along(attempt, taken, phi, w)
-    return guess(attempt, x, w), inf
-
-
-@kernel
-def is_lower_carried(attempt, phi, x, w):
-    """Whether Phi is below `phi` [J] where the ends carry the chain at x [m] along; w.trial is modified."""
-    carry(attempt, x, w)
-    carried, _ = potential(attempt, w.trial, w)
-    return carried < phi
 
 
 @kernel
@@ -273,52 +185,6 @@ def take(attempt, time, kind, x, v, w):
     place_ends(conditions, time + h, x, v)
     if kind != WHOLE:
         copy(w.x, x)
-
-
-@kernel
-def step(conditions, time, h, kind, in_any_case, x, v, w):
-    """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
-
-    kind : see `start`.  in_any_case : whether to iterate longer, and to take a result that has not converged.
-    Returns whether it was taken, and the number of iterations, negative where the matrix is singular.
-    """
-    attempt = Attempt(conditions, chain_during(conditions, time + h), h, v)
-    start(attempt, time, kind, x, w)
-    goal = goal_of(attempt, kind)
-    iterations, farthest, phi = 0, inf, 0.0
-    if kind == EXPECTED:
-        phi, farthest = begin_as_expected(attempt, goal, x, w)
-        iterations = 1
-    else:
-        phi = guess(attempt, x, w)
-    most = LAST_ITERATIONS if in_any_case else MOST_ITERATIONS
-    while iterations < most and (farthest > goal or not holds(attempt.chain, w.x, w)):
-        phi, farthest = descend(attempt, phi, w)
-        iterations += 1
-        if not farthest < inf:
-            return False, -1
-    if not (in_any_case or 0.0 <= farthest <= goal):
-        return False, iterations
-    w.unconverged[0] += 1.0 if farthest > goal else 0.0
-    take(attempt, time, kind, x, v, w)
-    return True, iterations
-
-
-@kernel
-def subdivided_step(conditions, time, h, x, v, w):
-    """One step of h [s] of (x, v) (modified), in parts where it does not converge as a whole.
-
-    Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`; negative where the matrix is singular.
-    """
-    iterations, done, size = 0, 0, FINEST
-    while done < FINEST:
-        start = time + h * done / FINEST
-        taken, more = step(conditions, start, h * size / FINEST, WHOLE, size == 1, x, v, w)
-        if more < 0:
-            return more
-        iterations += more
-        done, size = next_part(done, size, taken)
-    return iterations
 
 
 @kernel

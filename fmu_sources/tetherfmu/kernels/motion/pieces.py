@@ -1,19 +1,19 @@
-"""The drums of a system within a communication step: how they turn, and where a piece of the step ends.
+"""The drums within a communication step of the adaptive solver: how they turn, and where a piece of the step ends.
 
-As with the drum of a single tether (`moving_drum.py`), of all drums at once: a piece ends with the first event of any drum.
+A piece ends with the first event of any drum; `moving_drum.py` says what is one.
 """
 
 from math import inf
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
 
 from ..compilation import kernel
 from ..equations.drum import HELD
 from ..equations.lines import conditions_of, lines_of, motion_of, state_of
-from .drum_events import part_of_piece
-from .drum_step import Motion
-from .moving_drum import (
+from ..equations.plan import note_line
+from ..line.drum_events import part_of_piece
+from ..line.drum_step import Motion
+from ..line.moving_drum import (
     NOTHING,
     drum_error,
     first_event,
@@ -22,8 +22,8 @@ from .moving_drum import (
     speed_after,
     turn,
 )
-from .system_drums import drum_at, length_of
-from .system_room import (
+from ..points.system_drums import drum_at, length_of
+from ..points.system_room import (
     DIRECTION,
     LENGTH_ERROR,
     NEW_LENGTH,
@@ -62,7 +62,7 @@ def turn_drums(system, time, duration):
             )
             numbers[DIRECTION], state[at.LENGTH], state[at.REELING] = direction, length, speed
             if not found:
-                system.plan[places.STATUS_LINE] = k
+                note_line(system.plan, k)
                 return False
     return True
 

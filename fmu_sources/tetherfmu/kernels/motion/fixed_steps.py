@@ -1,4 +1,4 @@
-"""Fixed steps of a system: three stages of all lines, or backward Euler, as `second_order.py` has them for a single tether.
+"""Fixed steps: three stages of all lines (`second_order.py`), or backward Euler (`backward_euler.py`).
 
 What makes a step of one line one of backward Euler (the ground, a stiffness, a stage that does not converge, energy that
 nobody put in) makes that of all lines one; the energy is that of all lines and points together.
@@ -15,6 +15,7 @@ from ..compilation import kernel
 from ..equations.boundary import chain_during, place_ends
 from ..equations.lines import (
     conditions_of,
+    is_at_point,
     lines_of,
     load_at,
     motion_of,
@@ -24,16 +25,17 @@ from ..equations.lines import (
     state_of,
 )
 from ..equations.properties import stiffest
+from ..line import backward_euler, second_order
+from ..line.backward_euler import EXPECTED, STAGE, WHOLE
+from ..line.second_order import GAMMA, MIDDLE, ROUNDING, TO_NEXT
 from ..linear_algebra.vectors import get, norm
-from . import backward_euler, second_order, system_turning
-from .backward_euler import EXPECTED, STAGE, WHOLE
-from .second_order import GAMMA, MIDDLE, ROUNDING, TO_NEXT
-from .system_control import work_of
-from .system_descent import STUCK, descend, holds, is_unconverged, unconverged_lines
-from .system_fixed_drums import unconverged_drums
-from .system_fixed_room import Step, any_drum, attempt_of, room_in_fixed_steps, scratch_of
-from .system_guess import begin_as_expected, guess, start
-from .system_room import has_drum, is_free, moves
+from ..points.system_descent import STUCK, descend, holds, is_unconverged, unconverged_lines
+from ..points.system_fixed_drums import unconverged_drums
+from ..points.system_fixed_room import Step, any_drum, attempt_of, room_in_fixed_steps, scratch_of
+from ..points.system_guess import begin_as_expected, guess, start
+from ..points.system_room import has_drum, moves
+from . import turning
+from .adaptive_steps import work_of
 
 # --- backward Euler
 
@@ -60,9 +62,10 @@ def take_all(system, step):
 
 @kernel
 def take_step(system, step, most, in_any_case):
-    """`backward_euler.step` of all lines (modified): whether it was taken, and the number of iterations, at most `most`.
+    """A step of backward Euler of all lines (modified): whether it was taken, and the iterations, negative if singular.
 
-    Drums that turn in it do not get its result.
+    most : iterations at most.  in_any_case : whether to take a result that has not converged.  Drums that turn in it do not
+    get its result.
     """
     start(system, step)
     iterations, taken, unconverged, phi = 0, inf, 1, 0.0
@@ -99,22 +102,23 @@ def take_in_any_case(system, time, h, turns):
         if taken or iterations < 0:
             return iterations
         note_unconverged(system, True, 0.0)
-        system_turning.turn_evenly(system, own)
+        turning.turn_evenly(system, own)
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
     return more if more < 0 else iterations + more
 
 
 @kernel
 def subdivided_step(system, time, h, turns):
-    """One step of h [s] of all lines (modified) at a time [s], see `backward_euler.subdivided_step`; the iterations.
+    """One step of h [s] of all lines (modified) at a time [s], in parts where it does not converge as a whole.
 
-    turns : whether there are drums.
+    Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`, with drums WORST_SUBDIVIDED_WITH_DRUM; negative if
+    a matrix is singular.  turns : whether there are drums.
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
         own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, turns)
         if turns:
-            system_turning.attempt_whole_step(system, own.time, own.h)
+            turning.attempt_whole_step(system, own.time, own.h)
         taken, more = True, 0
         if size == 1:
             more = take_in_any_case(system, own.time, own.h, turns)
@@ -123,7 +127,7 @@ def subdivided_step(system, time, h, turns):
         if more < 0:
             return more
         if taken and turns:
-            system_turning.end_whole_step(system, own)
+            turning.end_whole_step(system, own)
         iterations += more
         done, size = backward_euler.next_part(done, size, taken)
     return iterations
@@ -184,11 +188,11 @@ def energy_and_power_of_line(system, k, time, is_new):
     here, speed = (x, v) if is_new else (w.x, w.v)
     of_drum, grown = 0.0, 0.0
     if has_drum(system, k):
-        system_turning.hold_length(system, k, is_new)
-        of_drum, grown = system_turning.energy_and_power(system, k, is_new, here, speed)
+        turning.hold_length(system, k, is_new)
+        of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
     energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
     for end in range(2):
-        if is_free(system, k, end):
+        if is_at_point(system, k, end):
             power += power_of_load(system, k, end, time, speed)
     return energy + of_drum, power + grown
 
@@ -213,7 +217,7 @@ def is_explained(system, time, h):
     """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
     before, power = energy_and_power(system, time, False)
     after, later = energy_and_power(system, time + h, True)
-    motors = system_turning.work_of_motors(system, time, h)
+    motors = turning.work_of_motors(system, time, h)
     rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
     return after - before - motors <= h * (power + later) + rounding
 
@@ -272,15 +276,15 @@ def place_all_ends(system, time):
 
 @kernel
 def stage(system, start, h, time, known, turns):
-    """`second_order.stage` of all lines (modified) over g h, which begins at a time [s]: whether it is good, the iterations.
+    """A stage of all lines (modified) over g h, which begins at a time [s]: whether it is good, and the iterations.
 
-    start, h : of the step [s].  turns : whether there are drums, which begin it already; their lengths after it go with it.
+    start, h : of the step [s].  known : how many accelerations of stages before are known.  turns : whether there are drums.
     """
     reach = GAMMA * h
     own = Step(time, reach, EXPECTED if known > 0 else STAGE, turns)
     taken, iterations = take_step(system, own, MOST_ITERATIONS, False)
     if taken and turns:
-        taken = system_turning.end_stage(system, start, time + reach - start, reach)
+        taken = turning.end_stage(system, start, time + reach - start, reach)
     return taken, max(iterations, 0)
 
 
@@ -288,14 +292,14 @@ def stage(system, start, h, time, known, turns):
 def stages(system, time, h, known, turns):
     """One step of h [s] of all lines (modified) at a time [s]; whether it is to be taken, and the number of iterations.
 
-    known : as for `second_order.stage`.  turns : whether there are drums, which do not get the result.
+    known : as for `stage`.  turns : whether there are drums, which do not get the result.
     """
     reach = GAMMA * h
     remember(system)
     if known > 0:
         expect(system, TO_NEXT[0], known)
     if turns:
-        system_turning.go_to_first(system, reach, known)
+        turning.go_to_first(system, reach, known)
     taken, iterations = stage(system, time, h, time, known, turns)
     if not taken:
         return False, iterations
@@ -303,7 +307,7 @@ def stages(system, time, h, known, turns):
     go_on(system, True)
     expect(system, TO_NEXT[1], known)
     if turns:
-        system_turning.go_to_second(system, reach)
+        turning.go_to_second(system, reach)
     taken, more = stage(system, time, h, time + (MIDDLE - GAMMA) * h, 1, turns)
     iterations += more
     if not taken:
@@ -312,10 +316,10 @@ def stages(system, time, h, known, turns):
     go_on(system, False)
     expect(system, TO_NEXT[2], 2)
     if turns:
-        system_turning.go_to_third(system, reach)
+        turning.go_to_third(system, reach)
     taken, more = stage(system, time, h, time + (1.0 - GAMMA) * h, 2, turns)
     iterations += more
-    if not taken or (turns and not system_turning.turn_smoothly(system)) or is_any_on_ground(system):
+    if not taken or (turns and not turning.turn_smoothly(system)) or is_any_on_ground(system):
         return False, iterations
     place_all_ends(system, time + h)
     does_cross = does_cross or crosses(system, time, time + h)
@@ -325,16 +329,18 @@ def stages(system, time, h, known, turns):
 
 @kernel
 def step(system, method, time, h, known, turns):
-    """One step of h [s] of all lines (modified) at a time [s]; iterations and the way, see `second_order.step`.
+    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and the way it was done.
 
-    turns : whether there are drums.
+    method : of `backward_euler.FixedSteps`.  known : as for `stage`.  turns : whether there are drums.
+    At most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative where a
+    matrix is singular. The way is 0 with three stages, 1 with backward Euler alone, 2 with that after stages that were left.
     """
     if method == at.BACKWARD_EULER or is_any_on_ground(system) or is_any_stiff(system, time):
         return subdivided_step(system, time, h, turns), 1
     taken, iterations = stages(system, time, h, known, turns)
     if taken:
         if turns:
-            system_turning.end_stages(system)
+            turning.end_stages(system)
         return iterations, 0
     go_back(system)
     more = subdivided_step(system, time, h, turns)
@@ -346,18 +352,20 @@ def truncated_step(system, time, h, turns):
     """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
     own = Step(time, h, WHOLE, turns)
     if turns:
-        system_turning.attempt_whole_step(system, time, h)
+        turning.attempt_whole_step(system, time, h)
     iterations = take_in_any_case(system, time, h, turns)
     if turns:
-        system_turning.end_whole_step(system, own)
+        turning.end_whole_step(system, own)
     note_unconverged(system, True, 0.0)
     return iterations
 
 
 @kernel
 def integrate(system, steps, duration):
-    """Advance all lines (modified) over a communication step of `duration` [s], see `second_order.integrate`.
+    """Advance all lines (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
 
+    A communication step that is no multiple is divided evenly into steps of at most their size. Once the budget of
+    iterations is spent, which takes hard steps, the others are ended after `limits.LAST_ITERATIONS` of backward Euler.
     Counters stand in the state of the first line, how often iterations were ended in the scratch space of each; drums have
     their lengths and speeds in the states of their lines. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or,
     about a line, NO_LENGTH.
@@ -379,7 +387,7 @@ def integrate(system, steps, duration):
         if iterations < 0:
             return STATE_NOT_FINITE
         if turns:
-            status = system_turning.balance(system, i * h + h, GAMMA * h if way == 0 else h)
+            status = turning.balance(system, i * h + h, GAMMA * h if way == 0 else h)
             if status != OK:
                 return status
         known = 3 if way == 0 else 0

@@ -1,4 +1,4 @@
-"""One Rosenbrock step with the drum of a winch in the same system.
+"""The drum of a winch in a Rosenbrock step: in the same system as its chain.
 
 Length L and speed u of the drum (`equations/drum.py`) are unknowns beside x and v, with the same coefficients: p = U_L/d and
 U_u stand for L and u as q and V for x and v. Each segment has its share of L, so the matrix of a stage has a border:
@@ -11,25 +11,23 @@ docs/models/numerics.md, "A drum in the same system".
 """
 
 from collections import namedtuple
-from math import inf
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import behind, copy
+from ..arrays import copy
 from ..compilation import kernel, part, view
 from ..equations import assembly, segment
-from ..equations.boundary import BoundaryConditions, hold_ends
+from ..equations.boundary import BoundaryConditions
 from ..equations.drum import balance
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import chain_at, point_mass, property_of, sees_reeling
-from ..linear_algebra.block_tridiagonal import factorize, solve
-from ..linear_algebra.both_ends import get_node, interleave
+from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
-from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
 from . import contact, rosenbrock
 from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
 
@@ -67,12 +65,6 @@ def drum_size(n):
     return 9 * (n + 1) + STAGES
 
 
-@kernel
-def workspace_size(n):
-    """Length of the work array that `workspace` needs."""
-    return rosenbrock.workspace_size(n) + drum_size(n)
-
-
 @view
 def beside(n, w, room):
     """`Workspace` of a chain with its own, `rosenbrock.Workspace`, and a room for the arrays of the drum."""
@@ -82,22 +74,11 @@ def beside(n, w, room):
 
 
 @view
-def workspace(n, work):
-    """Cut the work array into the arrays of `Workspace`."""
-    return beside(n, rosenbrock.workspace(n, work), behind(rosenbrock.workspace_size(n), work))
-
-
-@view
-def with_length(conditions, length):
-    """`BoundaryConditions` of a tether whose unstretched length [m] stays."""
-    return with_reeling(conditions, (length, 0.0, 0.0, NEUTRAL))
-
-
-@view
 def with_reeling(conditions, reeling):
     """`BoundaryConditions` with these coefficients of the unstretched length, see `winch.py`."""
-    n, parameters, ground, kite, low, high, _, force, force_rate, wind, load, load_rate = conditions
-    return BoundaryConditions(n, parameters, ground, kite, low, high, reeling, force, force_rate, wind, load, load_rate)
+    c = conditions
+    ends = c.ground, c.kite, c.first, c.last
+    return BoundaryConditions(c.n, c.parameters, *ends, reeling, c.force, c.force_rate, c.wind, c.load, c.load_rate)
 
 
 @view
@@ -142,14 +123,6 @@ def put_in_column(chain, i, d, mass, force, b):
 
 
 @kernel
-def put_column(conditions, chain, d, x, v, b):
-    """F_L, F_u and F_u + d F_L of all nodes into b.by_length, b.by_speed, b.column (all modified); w.force holds F."""
-    put_rates(conditions, chain, x, v, b)
-    for i in range(conditions.n + 1):
-        put_in_column(chain, i, d, b.chain.mass[i], get_node(conditions.n, i, b.chain.force), b)
-
-
-@kernel
 def border_of(conditions, drum, chain, time, x, w):
     """`Border` at a time [s] of the communication step; the records of the segments are those of the start of the step."""
     record = assembly.record_of(0, chain.n, w.records)
@@ -183,21 +156,6 @@ def form(conditions, chain, time, h, x, v, w):
     rosenbrock.add_explicit_rates(conditions, time, w)
     interleave(conditions.n, w.q, w.force_rate)
     rosenbrock.assemble(conditions, chain, GAMMA * h, x, v, w)
-
-
-@kernel
-def prepare(conditions, chain, time, h, x, v, w):
-    """As `form`, with the matrix factorized; False if it is singular."""
-    form(conditions, chain, time, h, x, v, w)
-    return conditions.first > conditions.last or factorize(conditions.first, conditions.last, w.matrix)
-
-
-@kernel
-def solve_chain(conditions, w, right):
-    """Solve the system of the chain for `right` (modified), a flat array; driven ends get 0."""
-    if conditions.first <= conditions.last:
-        solve(conditions.first, conditions.last, w.matrix, right)
-    hold_ends(conditions, right)
 
 
 @kernel
@@ -283,49 +241,3 @@ def drum_side(chain, drum, direction, border, stage, now, h, speed, b):
     right = balance(drum, direction, tension, chain.reeling, now)
     right += drum.mass * inertia / h - border.damper * still - border.by_speed * r + GAMMA_I[stage] * h * border.rate
     return right
-
-
-@kernel
-def step(conditions, drum, direction, time, h, length, speed, x, v, b):
-    """One step of h [s] from (x, v, length, speed) at a time [s] of the communication step: whether it was done, `Motion`.
-
-    direction : in which the drum turns. The result stands as that of `rosenbrock.step`.
-    """
-    n, w, d = conditions.n, b.chain, GAMMA * h
-    nothing = Motion(length, speed, inf, inf)
-    chain = chain_with(conditions, length, speed)
-    if not prepare(conditions, chain, time, h, x, v, w):
-        return False, nothing
-    border = border_of(conditions, drum, chain, time, x, w)
-    pivot = 0.0
-    length_i, speed_i = length, speed  # L_i and u_i
-    p = increment = 0.0
-    for stage in range(STAGES):
-        rosenbrock.combine(stage, h, w)
-        length_i, speed_i = motion_at_stage(stage, h, length, speed, (length_i, speed_i, p, increment), b)
-        r = stage_rest(stage, speed, b)
-        if not 0.0 < length_i < inf:
-            return False, nothing
-        now = time + ALPHA[stage] * h
-        chain = chain_with(conditions, length_i, speed_i)
-        place_stage(conditions, chain, stage, now, w)
-        if stage == 0:
-            put_column(conditions, chain, d, x, v, b)
-            solve_chain(conditions, w, b.column)
-            pivot = pivot_of(drum, border, d, sub(get(b.column, 1), get(b.column, 0)))
-            if not 0.0 < pivot < inf:
-                return False, nothing
-        reduced_side(conditions, stage, h, r, b)
-        solve_chain(conditions, w, w.q)
-        right = drum_side(chain, drum, direction, border, stage, now, h, speed, b)
-        right += pull_of(border, d, sub(get(w.q, 1), get(w.q, 0)))
-        p = right / pivot
-        increment = p - r
-        b.speeds[stage] = increment
-        for k in range(3 * (n + 1)):
-            w.q[k] += p * b.column[k]
-        rosenbrock.take_velocities(n, stage, w)
-        if stage >= STAGES - 2:
-            rosenbrock.add_stage(n, stage, h, w)
-    rosenbrock.take_result(conditions, time + h, w)
-    return True, Motion(length_i + d * p, speed_i + increment, d * p, increment)

@@ -1,4 +1,4 @@
-"""The drums of a system in an iteration of a fixed step: `drum_in_backward_euler.py` for several drums at once.
+"""The drums in an iteration of a fixed step: the equation of `drum_in_backward_euler.py` for several drums at once.
 
 The speed u of a drum is an unknown of its line. With the inner nodes condensed (`linear_algebra.condensed`), p and y theirs
 with the ends held, and q the moves of the ends,
@@ -18,26 +18,28 @@ were sought. If they are not after `MOST_TRIES`, the speeds that were found last
 
 from ..compilation import kernel, view
 from ..equations.assembly import node_masses
-from ..equations.boundary import hold_ends
+from ..equations.boundary import hold_ends, load_during
 from ..equations.drum import HELD, INWARDS, OUTWARDS
 from ..equations.lines import (
     add_at,
     clear,
+    is_at_point,
     lines_of,
     load_at,
     motion_of,
     point_at,
     points_of,
+    rows_of,
     segments_of,
     size_of_blocks,
 )
 from ..equations.node_loads import free_acceleration
+from ..line import backward_euler
+from ..line import drum_in_backward_euler as of_one
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer, transposed_apply
 from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, scale
-from . import backward_euler
-from . import drum_in_backward_euler as of_one
+from ..linear_algebra.vectors import add_scaled, dot, get, put, scale
 from .system_fixed_room import (
     CHANGE,
     IS_FOUND,
@@ -51,7 +53,7 @@ from .system_fixed_room import (
     scratch_of,
     trial_of_line,
 )
-from .system_room import is_free, moves
+from .system_room import moves
 
 MOST_TRIES = 8  # at ways in which the drums are found in an iteration
 AT_LOWEST, AT_HIGHEST, GIVEN = -2.0, 2.0, 3.0  # beside the directions of `equations/drum.py`; GIVEN: at any other speed
@@ -63,21 +65,16 @@ AT_LOWEST, AT_HIGHEST, GIVEN = -2.0, 2.0, 3.0  # beside the directions of `equat
 def form_column(system, k, step):
     """-dg/du of the drum of line k into its column (modified)."""
     attempt, room, points = attempt_of(system, k, step), room_in_fixed_steps(system, k), points_of(system)
-    w, column = room.stages.chain, room.column
+    w, column, n, end_of_step = room.stages.chain, room.column, segments_of(system, k), step.time + step.h
     of_one.begin_column(attempt, w, column)
     for end in range(2):
-        if is_free(system, k, end):
-            point, node = point_at(system, k, end), segments_of(system, k) * end
-            load = load_at(system, point, step.time + step.h)
-            of_one.add_load(attempt, node, points.mass[point], load, w, column)
+        if is_at_point(system, k, end):
+            point = point_at(system, k, end)
+            of_one.add_load(attempt, n * end, points.mass[point], load_at(system, point, end_of_step), w, column)
+        elif end == 1 and attempt.conditions.last == n:
+            of_one.add_load(attempt, n, w.mass[n], load_during(attempt.conditions, end_of_step), w, column)
     of_one.add_pulls(attempt, w, column)
     hold_ends(attempt.conditions, column)
-
-
-@kernel
-def beside_start(n, a):
-    """Vector of node 1 in an array of node vectors, if that is an inner node, else 0."""
-    return get(a, 1) if n > 1 else ZERO_VECTOR
 
 
 @kernel
@@ -93,11 +90,11 @@ def row_of(system, k, end, by_position):
 @view
 def equation_of(system, k, step):
     """`Border` of the drum of line k, P [N s/m], and T + T_x p [N]: its inner nodes are condensed."""
-    attempt, room, n = attempt_of(system, k, step), room_in_fixed_steps(system, k), segments_of(system, k)
+    attempt, room, rows = attempt_of(system, k, step), room_in_fixed_steps(system, k), rows_of(system, k)
     w = room.stages.chain
     border = of_one.border_of(attempt, trial_of_line(system, k, step).drum, w)
-    pivot = of_one.pivot_of(border, dot(border.by_position, beside_start(n, room.column)))
-    return border, pivot, border.tension + dot(border.by_position, beside_start(n, w.move))
+    pivot = of_one.pivot_of(border, dot(border.by_position, condensed.first_difference(rows, room.column)))
+    return border, pivot, border.tension + dot(border.by_position, condensed.first_difference(rows, w.move))
 
 
 @kernel
@@ -112,12 +109,11 @@ def place_drum(system, k, step, points):
     if turns:
         change = -(of_one.residual_of(trial, speed, tension) + way * trial.drum.friction) / pivot
     for row_end in range(2):
-        row = point_at(system, k, row_end)
-        if is_free(system, k, row_end):
-            left = get(column, n * row_end)
+        if is_at_point(system, k, row_end):
+            row, left = point_at(system, k, row_end), get(column, n * row_end)
             add_at(points.right, row, scale(change, left))
             for column_end in range(2):
-                if turns and is_free(system, k, column_end):
+                if turns and is_at_point(system, k, column_end):
                     block = outer(scale(-1.0 / pivot, left), row_of(system, k, column_end, border.by_position))
                     add_to_block(*size_of_blocks(system), row, point_at(system, k, column_end), block, points.matrix)
 
@@ -175,20 +171,20 @@ def seek(system, step, is_given):
 def find_drum(system, k, step, points):
     """u' of the drum of line k (modified) from the moves of the points; whether it is found as it was not sought.
 
-    Where no end of the line is free u' does not depend on how it was sought.
+    Where the line meets no free point u' does not depend on how it was sought.
     """
     room, trial = room_in_fixed_steps(system, k), trial_of_line(system, k, step)
     numbers, chain = room.numbers, attempt_of(system, k, step).chain
     border, pivot, tension = equation_of(system, k, step)
     for end in range(2):
-        if is_free(system, k, end):
+        if is_at_point(system, k, end):
             tension += dot(row_of(system, k, end, border.by_position), get(points.right, point_at(system, k, end)))
     speed, way, friction = numbers[SPEED], numbers[WAY], trial.drum.friction
     wanted = speed - of_one.residual_of(trial, speed, tension) / pivot
     onward, farthest = of_one.speed_after(chain, trial, speed, wanted, pivot), of_one.farthest_change(chain, step.h)
     limits = max(trial.lowest, speed - farthest), min(trial.highest, speed + farthest)
     found = way_at(onward, *limits, friction)
-    is_other = found != way and (is_free(system, k, 0) or is_free(system, k, 1))
+    is_other = found != way and (is_at_point(system, k, 0) or is_at_point(system, k, 1))
     numbers[ONWARD], numbers[WAY] = onward, nearer(way, found, *limits, friction)
     numbers[SOUGHT], numbers[IS_FOUND] = speed_on(numbers[WAY], *limits), 0.0 if is_other else 1.0
     return is_other
@@ -224,7 +220,7 @@ def sum_masses(system):
     for k in range(lines_of(system)):
         if moves(system, k):
             for end in range(2):
-                if is_free(system, k, end):
+                if is_at_point(system, k, end):
                     points.mass[point_at(system, k, end)] += scratch_of(system, k).mass[segments_of(system, k) * end]
 
 
@@ -234,7 +230,7 @@ def fly_points(system, step):
     points, h = points_of(system), step.h
     for k in range(lines_of(system)):
         for end in range(2):
-            if is_free(system, k, end):
+            if is_at_point(system, k, end):
                 point, node = point_at(system, k, end), segments_of(system, k) * end
                 attempt, free = attempt_of(system, k, step), scratch_of(system, k).free
                 x, v = motion_of(system, k)
@@ -250,7 +246,9 @@ def turn(system, step):
             numbers = room_in_fixed_steps(system, k).numbers
             numbers[CHANGE] = numbers[ONWARD] - numbers[SPEED]
             numbers[SPEED] = numbers[ONWARD]
-            node_masses(attempt_of(system, k, step).chain, scratch_of(system, k).mass)
+            attempt, w, (x, _) = attempt_of(system, k, step), scratch_of(system, k), motion_of(system, k)
+            node_masses(attempt.chain, w.mass)
+            backward_euler.fly_kite(attempt, step.time, x, w)
     sum_masses(system)
     fly_points(system, step)
 
@@ -258,9 +256,9 @@ def turn(system, step):
 @kernel
 def move_along(system, k):
     """Add what the change of the speed of the drum of line k moves its inner nodes by to their move (modified)."""
-    room = room_in_fixed_steps(system, k)
+    room, rows = room_in_fixed_steps(system, k), rows_of(system, k)
     move, change = room.stages.chain.move, room.numbers[CHANGE]
-    for i in range(3, 3 * segments_of(system, k)):
+    for i in range(3 * rows.first, 3 * rows.last + 3):
         move[i] += change * room.column[i]
 
 

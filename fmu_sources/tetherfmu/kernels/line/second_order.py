@@ -9,7 +9,7 @@ A diagonally implicit Runge-Kutta method with the same g in each stage, whose la
     b1 + b2 + g = 1,   b1 g + b2 c + g = 1/2,   b1 g^2 + b2 c^2 + g = 1/3
 
 Any g from 0.1804 to 2.18 makes it L-stable; the smaller g, the smaller its error and the longer waves ring that a step does
-not resolve. The third condition is that of order 3 for forces that depend on time only. Each stage is `backward_euler.step`
+not resolve. The third condition is that of order 3 for forces that depend on time only. Each stage is a backward Euler step
 over g h, from where the stages before lead: so all that bounds such a step bounds a stage. A driven end moves by the same
 formulas with its exact velocities, so that a chain that accelerates as a whole is not stretched in a stage, and is put on
 its curve after the step, from which x3 is O(h^3) away.
@@ -17,7 +17,7 @@ its curve after the step, from which x3 is O(h^3) away.
 The accelerations of the last two stages, also of those of the step before, are continued linearly for the first guess of a
 stage: in smooth flight one iteration does.
 
-A step is taken anew by `backward_euler.subdivided_step` over the whole of h, and then has order 1, where
+A step is taken anew by `fixed_steps.subdivided_step` over the whole of h, and then has order 1, where
 
 - a stage does not converge within `limits.MOST_ITERATIONS`,
 - a node is on the ground,
@@ -32,15 +32,11 @@ Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See
 
 from collections import namedtuple
 
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import STAGES, STIFF
-from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
-
-from ..arrays import behind, copy, split
+from ..arrays import behind, split
 from ..compilation import kernel, part, view
 from ..equations import ground, node_loads, segment
-from ..equations.boundary import chain_during, load_during, place_ends
-from ..equations.properties import rest_length, stiffest
+from ..equations.boundary import chain_during, load_during
+from ..equations.properties import rest_length
 from ..linear_algebra.vectors import dot, get, norm, sub
 from . import backward_euler
 
@@ -132,29 +128,10 @@ def energy_and_power(conditions, time, x, v, mass):
 
 
 @kernel
-def is_explained(conditions, time, h, x, v, w):
-    """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
-    before, power = energy_and_power(conditions, time, w.x, w.v, w.chain.mass)
-    after, later = energy_and_power(conditions, time + h, x, v, w.chain.mass)
-    return after - before <= h * (power + later) + ROUNDING * (abs(before) + abs(after))
-
-
-@kernel
-def stage(conditions, time, known, reach, x, v, w):
-    """A stage of g h = `reach` [s] from (x, v) (modified), the start of a stage at a time [s].
-
-    known : how many stages just before have left their accelerations.  Returns whether it converged, and the iterations.
-    """
-    kind = backward_euler.EXPECTED if known > 0 else backward_euler.STAGE
-    taken, iterations = backward_euler.step(conditions, time, reach, kind, False, x, v, w.chain)
-    return taken, max(iterations, 0)
-
-
-@kernel
 def expect(onward, known, w):
     """Continue the accelerations of the last two stages to the next one, in w.chain.acceleration (modified) [m/s2].
 
-    onward : time to there over that between the two [-].  known : as for `stage`.
+    onward : time to there over that between the two [-].  known : of how many of the last two stages the accelerations are.
     """
     now = w.chain.acceleration
     part_of_change = onward if known > 1 else 0.0
@@ -181,92 +158,3 @@ def go_to_third(x, v, w):
     for k in range(len(x)):
         x[k] = w.x_onward[k] + BESIDE * x[k]
         v[k] = w.v_onward[k] + BESIDE * v[k]
-
-
-@kernel
-def stages(conditions, time, h, known, x, v, w):
-    """One step of h [s] of (x, v) (modified) at a time [s]; whether it is to be taken, and the number of iterations.
-
-    known : as for `stage`.
-    """
-    reach = GAMMA * h
-    copy(x, w.x)
-    copy(v, w.v)
-    if known > 0:
-        expect(TO_NEXT[0], known, w)
-    taken, iterations = stage(conditions, time, known, reach, x, v, w)
-    if not taken:
-        return False, iterations
-    does_cross = crosses(conditions, time, w.x, time + reach, x)
-    go_to_second(x, v, w)
-    expect(TO_NEXT[1], known, w)
-    taken, more = stage(conditions, time + (MIDDLE - GAMMA) * h, 1, reach, x, v, w)
-    iterations += more
-    if not taken:
-        return False, iterations
-    does_cross = does_cross or crosses(conditions, time, w.x, time + MIDDLE * h, x)
-    go_to_third(x, v, w)
-    expect(TO_NEXT[2], 2, w)
-    taken, more = stage(conditions, time + (1.0 - GAMMA) * h, 2, reach, x, v, w)
-    iterations += more
-    if not taken or is_on_ground(conditions, x):
-        return False, iterations
-    place_ends(conditions, time + h, x, v)
-    does_cross = does_cross or crosses(conditions, time, w.x, time + h, x)
-    is_smooth = not does_cross and iterations <= 2 * STAGES
-    return is_smooth or is_explained(conditions, time, h, x, v, w), iterations
-
-
-@kernel
-def step(conditions, method, time, h, known, x, v, w):
-    """One step of h [s] of (x, v) (modified) at a time [s] of the communication step.
-
-    method : of `backward_euler.FixedSteps`.  known : as for `stage`.
-    Returns the number of iterations, each with one factorization, at most `limits.WORST_WORK`,
-    negative where the matrix is singular; and whether it was one of three stages, 0, of backward Euler alone, 1, or of
-    backward Euler after stages that were left, 2.
-    """
-    has_one_stage = method == at.BACKWARD_EULER
-    if has_one_stage or is_on_ground(conditions, x) or stiffest(chain_during(conditions, time)) >= STIFF:
-        return backward_euler.subdivided_step(conditions, time, h, x, v, w.chain), 1
-    taken, iterations = stages(conditions, time, h, known, x, v, w)
-    if taken:
-        return iterations, 0
-    copy(w.x, x)
-    copy(w.v, v)
-    more = backward_euler.subdivided_step(conditions, time, h, x, v, w.chain)
-    return more if more < 0 else iterations + more, 2
-
-
-@kernel
-def integrate(conditions, steps, duration, state, x, v, w):
-    """Advance (x, v) (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
-
-    A communication step that is no multiple is divided evenly into steps of at most their size. Counters in `state` and
-    w.chain.unconverged are modified. Once the budget of iterations is spent, which takes hard steps, the others are backward
-    Euler steps, taken as they are after `limits.LAST_ITERATIONS`. Returns a status: OK, FIXED_STEPS_TOO_MANY or
-    STATE_NOT_FINITE.
-    """
-    budget = at.ITERATION_BUDGET // conditions.n
-    count = backward_euler.count_of_steps(steps, duration, budget)
-    if count == 0:
-        return FIXED_STEPS_TOO_MANY
-    h = duration / count
-    w.chain.unconverged[0] = 0.0
-    spent, left, known = 0, 0, 0
-    for i in range(count):
-        if spent > STAGES * budget:
-            _, iterations = backward_euler.step(conditions, i * h, h, backward_euler.WHOLE, True, x, v, w.chain)
-            w.chain.unconverged[0] += 1.0
-            way = 1
-        else:
-            iterations, way = step(conditions, steps.method, i * h, h, known, x, v, w)
-        if iterations < 0:
-            return STATE_NOT_FINITE
-        known = 3 if way == 0 else 0
-        spent += iterations
-        left += 1 if way == 2 else 0
-    state[at.STEPS] += count
-    state[at.REJECTIONS] += left
-    state[at.ITERATIONS] += spent
-    return OK

@@ -19,11 +19,11 @@ from collections import namedtuple
 from ..arrays import behind, copy, shared_arrays, shared_size, split
 from ..compilation import kernel, part, view
 from ..equations import assembly, winch
-from ..equations.boundary import chain_during, hold_ends, load_during, place_ends
+from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import point_mass
-from ..linear_algebra.block_tridiagonal import Matrix, factorize, solve
+from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.both_ends import (
     deinterleave,
     get_interleaved,
@@ -116,13 +116,6 @@ def form(conditions, time, h, x, v, w):
     assemble(conditions, chain, GAMMA * h, x, v, w)
     if has_ground(chain.parameters):
         contact.add_rate(chain, x, v, w, w.q)
-
-
-@kernel
-def prepare(conditions, time, h, x, v, w):
-    """As `form`, with the matrix factorized; False if it is singular."""
-    form(conditions, time, h, x, v, w)
-    return factorize(conditions.first, conditions.last, w.matrix)
 
 
 @kernel
@@ -284,15 +277,6 @@ def right_hand_side(conditions, stage, h, w):
 
 
 @kernel
-def solve_stage(conditions, stage, h, w):
-    """Solve for q into w.q and V into its place in w.velocities (both modified); w.force holds F."""
-    right_hand_side(conditions, stage, h, w)
-    solve(conditions.first, conditions.last, w.matrix, w.q)
-    hold_ends(conditions, w.q)
-    take_velocities(conditions.n, stage, w)
-
-
-@kernel
 def take_velocities(n, stage, w):
     """V of a stage into its place in w.velocities (modified), from q in w.q."""
     for k in range(n // 2 + 1):
@@ -316,27 +300,3 @@ def take_result(conditions, time, w):
     place_ends(conditions, time, w.x, w.v)
     for k in range(n // 2 + 1):
         put_two(w.velocity_error, k, n - k, get_interleaved(w.velocities, STAGES * (k + 1) - 1))
-
-
-@kernel
-def step(conditions, time, h, x, v, w):
-    """One step of h [s] from (x, v) at a time [s] of the communication step; False if the matrix is singular.
-
-    The result stands in w.x, w.v, its error estimate U in w.q = U_x/d and in w.velocity_error.
-    """
-    if not prepare(conditions, time, h, x, v, w):
-        return False
-    ends, driven = curves_of(conditions)
-    for stage in range(STAGES):
-        combine(stage, h, w)
-        now = time + ALPHA[stage] * h
-        prescribe_ends(ends, driven, now, w)
-        stage_masses(conditions, stage, now, w)
-        stage_force(conditions, chain_during(conditions, now), now, w)
-        if stage == 0:
-            take_force_rate(conditions, time, w)
-        solve_stage(conditions, stage, h, w)
-        if stage >= STAGES - 2:
-            add_stage(conditions.n, stage, h, w)
-    take_result(conditions, time + h, w)
-    return True

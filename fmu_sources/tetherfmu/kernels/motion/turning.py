@@ -1,22 +1,22 @@
-"""The drums of a system in fixed steps: how they turn in the stages of a step, and in backward Euler.
+"""The drums in fixed steps: how all of them turn in the stages of a step, and in backward Euler.
 
-As with the drum of a single tether (`drum_in_fixed_steps.py`, `drum_in_backward_euler.py`), of all drums at once. What makes
-a step of one drum one of backward Euler makes that of the whole system one.
+The laws of one drum are those of `drum_in_fixed_steps.py` and `drum_in_backward_euler.py`. What makes a step of one drum one
+of backward Euler makes that of the whole system one.
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import OK
 
 from ..compilation import kernel, view
 from ..equations.drum import force_at
 from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling, state_of
+from ..equations.plan import note_line
+from ..line import drum_in_backward_euler as of_one
+from ..line.drum_in_fixed_steps import Motion, balanced, power_of_growth, turns_smoothly
+from ..line.second_order import BESIDE, TO_NEXT, TO_SECOND, TO_THIRD
 from ..linear_algebra.vectors import NEUTRAL
-from . import drum_in_backward_euler as of_one
-from .drum_in_fixed_steps import Motion, balanced, power_of_growth, turns_smoothly
-from .second_order import BESIDE, TO_NEXT, TO_SECOND, TO_THIRD
-from .system_drums import drum_at, length_of
-from .system_fixed_room import (
+from ..points.system_drums import drum_at, length_of
+from ..points.system_fixed_room import (
     BEFORE,
     CHANGE,
     FIRST,
@@ -33,7 +33,7 @@ from .system_fixed_room import (
     room_in_fixed_steps,
     trial_of_line,
 )
-from .system_room import has_drum
+from ..points.system_room import has_drum
 
 # --- a step that is attempted
 
@@ -103,7 +103,7 @@ def attempt_stage(system, reach, start, guess, k):
 
 @kernel
 def go_to_first(system, reach, known):
-    """Let all drums (modified) begin the first stage of `reach` [s]; known : as for `second_order.stage`."""
+    """Let all drums (modified) begin the first stage of `reach` [s]; known : as for `fixed_steps.stage`."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
             length, speed = length_of(system, k)
@@ -199,7 +199,7 @@ def hold_length(system, k, is_new):
 
 @kernel
 def energy_and_power(system, k, is_new, x, v):
-    """Energy of the drum of line k [J] and the power of growth [W], see `drum_in_fixed_steps.is_explained`.
+    """Energy of the drum of line k [J] and the power of growth [W], see `drum_in_fixed_steps.power_of_growth`.
 
     With the nodes at x [m] and velocities v [m/s] after the stages of a step, or at its start.
     """
@@ -236,7 +236,7 @@ def balance(system, time, d):
             start = Motion(state[at.LENGTH], state[at.REELING], state[at.REELING])
             end, status = balanced(conditions, drum_at(conditions), time, d, start, x, v)
             if status != OK:
-                system.plan[places.STATUS_LINE] = k
+                note_line(system.plan, k)
                 return status
             state[at.LENGTH], state[at.REELING] = end.length, end.speed
     return OK

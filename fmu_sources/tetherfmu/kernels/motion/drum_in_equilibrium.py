@@ -23,8 +23,8 @@ from ..equations.boundary import distance_of_ends, put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, is_at_stop
 from ..equations.end_motion import target
 from ..equations.properties import chain_of, property_of
+from ..line.drum_events import SHORTEST_PART, SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
 from . import secant
-from .drum_events import SHORTEST_PART, SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
 
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ

@@ -10,23 +10,32 @@ from ..arrays import behind
 from ..compilation import kernel, part, view
 from ..equations.lines import CONDITIONS, conditions_of, lines_of, motion_of, room_of, segments_of
 from ..equations.winch import length_at, rate_at
+from ..line import incremental_potential, second_order
+from ..line.drum_in_backward_euler import Trial
+from ..line.drum_step import chain_with
 from ..linear_algebra import condensed
-from . import backward_euler, second_order
-from .drum_in_backward_euler import Trial
-from .drum_step import chain_with
 from .system_drums import drum_at
 from .system_room import has_drum
 
-FROM_LENGTH, FROM_SPEED = 0, 1  # L0 [m], u0 [m/s] of the step that is attempted
-LOWEST, HIGHEST = 2, 3  # limits of the speed in it [m/s]
-SPEED, CHANGE = 4, 5  # u of the iteration, and by how much the last iteration changed it [m/s]
-WAY, SOUGHT, ONWARD = 6, 7, 8  # how u' is sought in the iteration, its value where that is given, and u' as found [m/s]
-IS_FOUND = 9  # 1 if u' was found as it was sought, else 0
-BEFORE = 10  # the speed in the second stage of the last step [m/s]
-FIRST, SECOND = 11, 12  # the speeds in the first two stages [m/s]
-REACHED = 13  # the length after a stage [m]
-ONWARD_LENGTH, ONWARD_SPEED = 14, 15  # the start of the third stage but for the result of the second one [m], [m/s]
-DRUM_NUMBERS = 16
+(
+    FROM_LENGTH,  # L0 [m] of the step that is attempted
+    FROM_SPEED,  # u0 [m/s]
+    LOWEST,  # limits of the speed in it [m/s]
+    HIGHEST,
+    SPEED,  # u of the iteration [m/s]
+    CHANGE,  # by how much the last iteration changed it [m/s]
+    WAY,  # how u' is sought in the iteration
+    SOUGHT,  # its value where that is given [m/s]
+    ONWARD,  # u' as found [m/s]
+    IS_FOUND,  # 1 if u' was found as it was sought, else 0
+    BEFORE,  # the speed in the second stage of the last step [m/s]
+    FIRST,  # the speeds in the first two stages [m/s]
+    SECOND,
+    REACHED,  # the length after a stage [m]
+    ONWARD_LENGTH,  # the start of the third stage but for the result of the second one [m]
+    ONWARD_SPEED,  # [m/s]
+    DRUM_NUMBERS,  # how many there are
+) = range(17)
 
 FixedRoom = namedtuple("FixedRoom", "stages columns goal column numbers")
 FixedRoom.__doc__ = """Scratch arrays of a line in fixed steps.
@@ -74,7 +83,7 @@ def is_turning(system, k, step):
 
 @kernel
 def any_drum(system):
-    """Whether any winch is told a force."""
+    """Whether any winch is controlled by force."""
     count = 0
     for k in range(lines_of(system)):
         count += has_drum(system, k)
@@ -93,11 +102,11 @@ def length_and_rate(system, k, step):
 
 @view
 def attempt_of(system, k, step):
-    """`backward_euler.Attempt` of line k."""
+    """`incremental_potential.Attempt` of line k."""
     conditions = conditions_of(system, k)
     _, v = motion_of(system, k)
     chain = chain_with(conditions, *length_and_rate(system, k, step))
-    return backward_euler.Attempt(conditions, chain, step.h, v)
+    return incremental_potential.Attempt(conditions, chain, step.h, v)
 
 
 @view

@@ -10,18 +10,14 @@ from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import HOPELESS, LEAST_REMAINDER, MOST_BUDGETS, STIFF
-from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
-from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
-from ..equations.boundary import chain_during
 from ..equations.ground import has_ground
 from ..equations.properties import has_node_winds, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import dot, get, sub
 from . import contact
 from .rodas4p import GAMMA
-from .rosenbrock import step
 from .taut_slack import keep_energy, lighter_free_node, transition_error
 
 # PI rule of a method whose error estimate has order 4: h_new/h = SAFETY error^(-0.7/4) last_error^(0.4/4)
@@ -165,7 +161,7 @@ def allowed_errors(conditions, v):
 
 @kernel
 def error_of_step(conditions, chain, h, v, w):
-    """Error of the step of h [s] that `rosenbrock.step` has made from the velocities v [m/s] over what is allowed [-].
+    """Error of the step of h [s] that `system_step.step` has made from the velocities v [m/s] over what is allowed [-].
 
     chain : at the end of the step. The result of the step, in w, is put right where segments went over the transition, see
     `taut_slack.keep_energy`.
@@ -256,41 +252,3 @@ def is_given_up(state, tried, budget, time, duration):
     After one that was given up, the next one has a single budget.
     """
     return is_spent(tried, budget, time, duration) or (tried >= budget and state[at.SOLVER_ERROR] == UNRESOLVED)
-
-
-@kernel
-def integrate(conditions, duration, state, x, v, w):
-    """Advance (x, v) (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
-
-    Solver memory and counters in `state` are modified. Returns a status: OK, STEP_BUDGET_SPENT or STEP_TOO_SMALL.
-    """
-    time = 0.0
-    h, last_error = first_step(duration, state)
-    budget = at.WORK_BUDGET // conditions.n
-    tried = 0
-    rejected_before = False
-    while time < duration:
-        if is_given_up(state, tried, budget, time, duration):
-            return STEP_BUDGET_SPENT
-        if h < SMALLEST_STEP * duration:
-            return STEP_TOO_SMALL
-        tried += 1
-        h_now, is_last = even_step(duration - time, h)
-        error = inf
-        if step(conditions, time, h_now, x, v, w):
-            error = error_of_step(conditions, chain_during(conditions, time + h_now), h_now, v, w)
-        if error <= 1.0:
-            time = duration if is_last else time + h_now
-            copy(w.x, x)
-            copy(w.v, v)
-            h = next_step(h, h_now, error, last_error, rejected_before)
-            last_error = error
-            rejected_before = False
-            state[at.STEPS] += 1.0
-        else:
-            rejected_before = True
-            h = cut(h_now, error)
-            state[at.REJECTIONS] += 1.0
-    state[at.SOLVER_STEP] = h
-    state[at.SOLVER_ERROR] = last_error
-    return OK

@@ -5,15 +5,13 @@ What a drum does in a step stands in `Room.numbers`, at the places below.
 
 from collections import namedtuple
 
-from tetherfmu.runtime import system_layout as places
-
-from ..arrays import behind
+from ..arrays import behind, places_of
 from ..compilation import kernel, part, view
 from ..equations import winch
 from ..equations.drum import HELD
-from ..equations.lines import CONDITIONS, conditions_of, lines_of, parameters_of, point_at, room_of, segments_of
+from ..equations.lines import CONDITIONS, conditions_of, lines_of, parameters_of, room_of, segments_of
+from ..line import drum_step, rosenbrock
 from ..linear_algebra import condensed
-from . import drum_step, rosenbrock
 
 Room = namedtuple("Room", "w columns drum numbers")
 Room.__doc__ = """Scratch arrays of a line.
@@ -22,13 +20,21 @@ w : `rosenbrock.Workspace`.  columns : of its ends, see `linear_algebra.condense
 numbers : of its drum, DRUM_NUMBERS.
 """
 
-DIRECTION = 0  # in which the drum turns, see `equations/drum.py`
-TURNED_BACK = 1  # not 0: a drum without mass has turned round under friction, which holds it
-NEW_LENGTH, NEW_SPEED = 2, 3  # after the step [m], [m/s]
-LENGTH_ERROR, SPEED_ERROR = 4, 5  # their error estimates
-STAGE_LENGTH, STAGE_SPEED, SOLUTION, INCREMENT = 6, 7, 8, 9  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
-PIVOT = 10
-DRUM_NUMBERS = 11
+(
+    DIRECTION,  # in which the drum turns, see `equations/drum.py`
+    TURNED_BACK,  # not 0: a drum without mass has turned round under friction, which holds it
+    NEW_LENGTH,  # after the step [m]
+    NEW_SPEED,  # [m/s]
+    LENGTH_ERROR,  # their error estimates
+    SPEED_ERROR,
+    STAGE_LENGTH,  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
+    STAGE_SPEED,
+    SOLUTION,
+    INCREMENT,
+    PIVOT,
+    BORDER,  # the numbers of `drum_step.Border`
+    DRUM_NUMBERS,  # how many there are
+) = places_of(*[1] * 11, 10)
 
 
 @kernel
@@ -49,14 +55,8 @@ def integrator_of(system, k):
 
 
 @kernel
-def is_free(system, k, end):
-    """Whether the start (end 0) or the end (1) of line k is a free point."""
-    return point_at(system, k, end) != places.DRIVEN
-
-
-@kernel
 def has_drum(system, k):
-    """Whether the winch of line k is told a force."""
+    """Whether the winch of line k is controlled by force."""
     return winch.follows_force(parameters_of(system, k))
 
 
@@ -69,13 +69,23 @@ def turns(system, k):
 @kernel
 def has_free_nodes(system, k):
     """Whether any node of line k moves freely."""
-    return segments_of(system, k) > 1 or is_free(system, k, 0) or is_free(system, k, 1)
+    conditions = conditions_of(system, k)
+    return conditions.first <= conditions.last
 
 
 @kernel
 def moves(system, k):
     """Whether line k takes part in a step: a node moves freely, or the drum of a winch."""
     return has_free_nodes(system, k) or has_drum(system, k)
+
+
+@kernel
+def does_any_move(system):
+    """Whether any line takes part in a step."""
+    moving = 0
+    for k in range(lines_of(system)):
+        moving += moves(system, k)
+    return moving > 0
 
 
 @kernel

@@ -1,12 +1,10 @@
-"""Where the descent of a system in a fixed step begins.
+"""Where the descent in a fixed step begins: with free flight, or with all lines carried along, whichever has the lower Phi.
 
-As with a single tether (`backward_euler.guess`) it is free flight, or that all lines are carried along; then each free point
-moves by the mean of its neighbours, lines counting by one over their lengths, and driven points with their motion.
+A flight of many segment lengths in a step tears the chain; so does, where it swings, a chain that keeps its shape. Lines are
+carried along by their ends, free points by the mean of their neighbours, where lines count by one over their lengths.
 """
 
 from math import inf
-
-from tetherfmu.runtime import system_layout as places
 
 from ..arrays import copy
 from ..compilation import kernel
@@ -14,6 +12,7 @@ from ..equations.lines import (
     add_at,
     clear,
     conditions_of,
+    is_at_point,
     lines_of,
     motion_of,
     point_at,
@@ -21,10 +20,10 @@ from ..equations.lines import (
     segments_of,
     size_of_blocks,
 )
+from ..line import backward_euler
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import get, scale, sub
-from . import backward_euler
+from ..linear_algebra.vectors import ZERO_VECTOR, get, scale, sub
 from .system_descent import (
     direction,
     go_along,
@@ -37,7 +36,7 @@ from .system_descent import (
 )
 from .system_fixed_drums import fly_points, sum_masses
 from .system_fixed_room import FROM_LENGTH, attempt_of, room_in_fixed_steps, scratch_of
-from .system_room import has_drum, is_free, moves
+from .system_room import has_drum, moves
 
 
 @kernel
@@ -51,6 +50,13 @@ def start(system, step):
             room.goal[0] = backward_euler.goal_of(attempt, step.kind)
     sum_masses(system)
     fly_points(system, step)
+
+
+@kernel
+def is_driven(system, k, end):
+    """Whether the start (end 0) or the end (1) of line k is driven."""
+    conditions = conditions_of(system, k)
+    return conditions.last == conditions.n - 1 if end == 1 else conditions.first == 1
 
 
 @kernel
@@ -75,14 +81,14 @@ def add_weight(system, k, points):
     weight = 1.0 / length_before(system, k)
     block = add_to_diagonal(ZERO_MATRIX, weight)
     for end in range(2):
-        row, other = point_at(system, k, end), point_at(system, k, 1 - end)
-        if row != places.DRIVEN:
+        if is_at_point(system, k, end):
+            row, other = point_at(system, k, end), point_at(system, k, 1 - end)
             add_to_block(*size_of_blocks(system), row, row, block, points.matrix)
-            if other == places.DRIVEN:
-                add_at(points.right, row, scale(weight, move_of_driven(system, k, 1 - end)))
-            else:
+            if is_at_point(system, k, 1 - end):
                 add_to_block(*size_of_blocks(system), row, other, add_to_diagonal(ZERO_MATRIX, -weight), points.matrix)
-    return not (is_free(system, k, 0) and is_free(system, k, 1))
+            else:
+                add_at(points.right, row, scale(weight, move_of_driven(system, k, 1 - end)))
+    return not (is_at_point(system, k, 0) and is_at_point(system, k, 1))
 
 
 @kernel
@@ -100,9 +106,12 @@ def carry_points(system, points):
 
 @kernel
 def move_of_end(system, k, end, points):
-    """Move of an end of line k [m], carried along."""
-    point = point_at(system, k, end)
-    return move_of_driven(system, k, end) if point == places.DRIVEN else get(points.right, point)
+    """Move of an end of line k [m], carried along: as its point, or as itself if it is driven, else as the other end."""
+    if is_at_point(system, k, end):
+        return get(points.right, point_at(system, k, end))
+    if is_driven(system, k, end):
+        return move_of_driven(system, k, end)
+    return move_of_driven(system, k, 1 - end) if is_driven(system, k, 1 - end) else ZERO_VECTOR
 
 
 @kernel
@@ -137,7 +146,7 @@ def phi_of(system, step):
 
 @kernel
 def guess(system, step):
-    """`backward_euler.guess` of all lines (modified): free, or carried along; Phi [J] there."""
+    """Positions to start from of all lines (modified): free, or carried along; Phi [J] there, with the drag there."""
     carried = carry(system, step)
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -151,7 +160,11 @@ def guess(system, step):
 
 @kernel
 def begin_as_expected(system, step):
-    """`backward_euler.begin_as_expected` of all lines (modified); results as those of `system_descent.descend`."""
+    """The first iteration of all lines (modified) with the accelerations that are expected; see `system_descent.descend`.
+
+    Where no node moves by more than one that has converged Phi need not be asked. Elsewhere, if Phi is lower with the lines
+    carried along, the results are that of a new `guess` and inf.
+    """
     for k in range(lines_of(system)):
         if moves(system, k):
             x, _ = motion_of(system, k)

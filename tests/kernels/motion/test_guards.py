@@ -13,7 +13,9 @@ import pytest
 from bounds import most_work
 from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.equilibrium.compressed_chain import NUDGE
-from tetherfmu.kernels.integrators import backward_euler, second_order, step_control
+from tetherfmu.kernels.line import backward_euler, step_control
+from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
+from tetherfmu.kernels.points import system_step
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -101,7 +103,7 @@ def test_a_singular_matrix_makes_the_step_shorter():
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_one_segment_between_driven_ends(solver):
-    """`conditions.first <= conditions.last` in `dynamic.advance`: no node is free, and T = EA (d/L - 1) holds at once."""
+    """`system_room.does_any_move` in `moving_lines.advance`: no node is free, and T = EA (d/L - 1) holds at once."""
     model = started(solver, segments=1, length=4.9)
     out = model.step(0.01, kite_position=KITE)
     np.testing.assert_allclose(out.max_tension, 614600.0 * (5.0 / 4.9 - 1.0), rtol=1e-12)
@@ -114,16 +116,16 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     last_error : what the last communication step has left.
     """
     tried = []
-    monkeypatch.setattr(step_control, "step", lambda *arguments: tried.append(arguments) or True)
-    monkeypatch.setattr(step_control, "chain_during", lambda *arguments: None)
-    monkeypatch.setattr(step_control, "error_of_step", lambda *arguments: 1.0)
-    monkeypatch.setattr(step_control, "next_step", lambda h, done, *others: max(h, done))
-    state, nodes = np.zeros(at.STATE_HEADER), np.zeros(3)
+    monkeypatch.setattr(system_step, "step", lambda *arguments: tried.append(arguments) or True)
+    monkeypatch.setattr(adaptive_steps, "error_of_lines", lambda *arguments: 1.0)
+    monkeypatch.setattr(adaptive_steps, "next_step", lambda h, done, *others: max(h, done))
+    monkeypatch.setattr(adaptive_steps, "begin_drums", lambda system: False)
+    monkeypatch.setattr(adaptive_steps, "accept", lambda system: None)
+    monkeypatch.setattr(adaptive_steps, "state_of", lambda system, k: system.state)
+    monkeypatch.setattr(adaptive_steps, "work_of", lambda system: segments)
+    state = np.zeros(at.STATE_HEADER)
     state[at.SOLVER_STEP], state[at.SOLVER_ERROR] = part, last_error
-    result = step_control.integrate.py_func(
-        SimpleNamespace(n=segments), 1.0, state, nodes, nodes, SimpleNamespace(x=nodes, v=nodes)
-    )
-    return result, len(tried)
+    return adaptive_steps.integrate.py_func(SimpleNamespace(state=state), 1.0), len(tried)
 
 
 @pytest.mark.parametrize("segments", [2, 20, 300])
@@ -228,10 +230,10 @@ def test_fixed_steps_are_hurried_when_their_iterations_have_spent_the_budget():
 
 def test_too_many_fixed_steps_are_refused_before_the_first(monkeypatch):
     monkeypatch.setattr(backward_euler, "count_of_steps", backward_euler.count_of_steps.py_func)
-    monkeypatch.setattr(second_order, "step", lambda *arguments: pytest.fail("a step was done"))
+    monkeypatch.setattr(fixed_steps, "step", lambda *arguments: pytest.fail("a step was done"))
+    monkeypatch.setattr(fixed_steps, "work_of", lambda system: 300)
     steps = backward_euler.FixedSteps(1e-4, float(at.SECOND_ORDER))
-    result = second_order.integrate.py_func(SimpleNamespace(n=300), steps, 1.0, np.zeros(at.STATE_HEADER), None, None, None)
-    assert result == status.FIXED_STEPS_TOO_MANY
+    assert fixed_steps.integrate.py_func(None, steps, 1.0) == status.FIXED_STEPS_TOO_MANY
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,7 @@
-"""One step of Rodas4P for a system: all its lines and free points at once.
+"""One step of Rodas4P: all lines and free points at once.
 
 Each stage solves the equations of `rosenbrock.py` for all nodes. Those of the inner nodes of a line know its own ends only:
-a line is condensed to its free ends (`linear_algebra.condensed`), and what is left of all lines is added up at the free
-points,
+a line is condensed to its free points (`linear_algebra.condensed`), and what is left of all lines is added up there,
 
     S y = b,   S, b: sums over the lines that meet there, the load on the point,
 
@@ -10,35 +9,38 @@ one system with a band (`linear_algebra.point_blocks`). Loops of lines are nothi
 of its ends, and with it that of its inner nodes. A free point stands at the end of each of its lines: same numbers, same
 arithmetic, same motion.
 
-F at a stage counts times the mass of the start over that of the stage, as in a single tether, where the mass is that of the
-whole point: `share_forces` gives each line its part.
+F at a stage counts times the mass of the start over that of the stage, at a point the mass of the whole point:
+`share_forces` gives each line its part.
 """
 
 from tetherfmu.runtime import system_layout as places
 
 from ..compilation import kernel, view
-from ..equations.boundary import chain_during
+from ..equations.boundary import chain_during, hold_ends
 from ..equations.lines import (
     add_at,
     clear,
     conditions_of,
     free_points,
+    is_at_point,
     lines_of,
     load_at,
     motion_of,
     point_at,
     points_of,
+    rows_of,
     segments_of,
     size_of_blocks,
 )
 from ..equations.properties import point_mass
+from ..line import rosenbrock
+from ..line.rodas4p import ALPHA, GAMMA_I, STAGES
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.pairs import first, second
 from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, scale, sub
-from . import rosenbrock, system_drums
-from .rodas4p import ALPHA, GAMMA_I, STAGES
+from ..linear_algebra.vectors import add, add_scaled, get, put, scale, sub
+from . import system_drums
 from .system_drums import conditions_in_step
 from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, moves, turns
 
@@ -96,21 +98,21 @@ def add_masses(system, k, time):
 
 @kernel
 def condense_line(system, k, points):
-    """Condense line k to its free ends and add what is left to the matrix of the points (modified); False if singular."""
+    """Condense line k to its free points and add what is left to the matrix of the points (modified); False if singular."""
     n, room = segments_of(system, k), integrator_of(system, k)
     matrix, columns, size = room.w.matrix, room.columns, size_of_blocks(system)
-    start, end = point_at(system, k, 0), point_at(system, k, 1)
-    if not condensed.condense(n, start != places.DRIVEN, end != places.DRIVEN, matrix, columns):
+    start, end, rows = point_at(system, k, 0), point_at(system, k, 1), rows_of(system, k)
+    if not condensed.condense(rows, matrix, columns):
         return False
-    if start != places.DRIVEN and end != places.DRIVEN:
+    if rows.start_is_shared and rows.end_is_shared:
         own, across = condensed.condensed_blocks(n, matrix, columns)
         add_to_block(*size, start, start, first(own), points.matrix)
         add_to_block(*size, end, end, second(own), points.matrix)
         add_to_block(*size, start, end, first(across), points.matrix)
         add_to_block(*size, end, start, second(across), points.matrix)
-    elif start != places.DRIVEN:
+    elif rows.start_is_shared:
         add_to_block(*size, start, start, condensed.condensed_block(n, 0, 0, matrix, columns), points.matrix)
-    elif end != places.DRIVEN:
+    elif rows.end_is_shared:
         add_to_block(*size, end, end, condensed.condensed_block(n, 1, 1, matrix, columns), points.matrix)
     return True
 
@@ -136,7 +138,7 @@ def start_stage(conditions, w, stage, time, h):
 def reduce_line(system, k, conditions, w, stage, h, points):
     """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
     rosenbrock.right_hand_side(conditions, stage, h, w)
-    condensed.solve_inner(conditions.n, w.matrix, w.q)
+    condensed.solve_inner(rows_of(system, k), w.matrix, w.q)
     for end in range(2):
         point = point_at(system, k, end)
         if point != places.DRIVEN:
@@ -167,10 +169,11 @@ def solve_points(system, points):
 @view
 def expand_line(system, k, n, room, points):
     """Solution of a stage of line k from that of the points, into its scratch space."""
-    start, end = point_at(system, k, 0), point_at(system, k, 1)
-    put(room.w.q, 0, ZERO_VECTOR if start == places.DRIVEN else get(points.solution, start))
-    put(room.w.q, n, ZERO_VECTOR if end == places.DRIVEN else get(points.solution, end))
-    condensed.expand(n, start != places.DRIVEN, end != places.DRIVEN, room.columns, room.w.q)
+    hold_ends(conditions_of(system, k), room.w.q)
+    for end in range(2):
+        if is_at_point(system, k, end):
+            put(room.w.q, n * end, get(points.solution, point_at(system, k, end)))
+    condensed.expand(rows_of(system, k), room.columns, room.w.q)
 
 
 @view
@@ -303,7 +306,7 @@ def solve_stage(system, stage, time, h):
             n, room = segments_of(system, k), integrator_of(system, k)
             expand_line(system, k, n, room, points)
             if turns(system, k):
-                system_drums.turn_drum(system, k, stage, time, h)
+                system_drums.turn_drum(system, k, stage, h)
             end_stage(n, room.w, stage, h)
 
 
@@ -311,7 +314,8 @@ def solve_stage(system, stage, time, h):
 def step(system, time, h):
     """One step of h [s] of all lines from their states at a time [s] of the communication step; False if it is singular.
 
-    The results stand in the scratch space of the lines, as after `rosenbrock.step`.
+    The results stand in the scratch space of the lines: x and v, with their error estimates U_x/d in q and U_v in
+    velocity_error.
     """
     if not prepare(system, time, h):
         return False

@@ -12,7 +12,9 @@ import pytest
 
 from kernels.chain_problem import ChainProblem
 from scenes import REFERENCE
-from tetherfmu.kernels.integrators import backward_euler, rodas4p, rosenbrock
+from tetherfmu.kernels.line import rodas4p
+from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
+from tetherfmu.kernels.points import system_step
 from tetherfmu.runtime import limits
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
@@ -93,12 +95,11 @@ def test_l_stable():
 def march(steps, **motion):
     """Positions of a swinging chain with moving ends and a sheared wind after 0.4 s in equal steps."""
     problem = ChainProblem(**motion)
-    h = 0.4 / steps
-    x, v = problem.x.copy(), problem.v.copy()
+    system, h = problem.as_system(), 0.4 / steps
     for k in range(steps):
-        assert rosenbrock.step(problem.conditions, k * h, h, x, v, problem.of_rosenbrock)
-        x[:], v[:] = problem.of_rosenbrock.x, problem.of_rosenbrock.v
-    return np.concatenate([x, v])
+        assert system_step.step(system, k * h, h)
+        adaptive_steps.accept(system)
+    return np.concatenate([problem.x, problem.v])
 
 
 MOTIONS = {
@@ -125,9 +126,9 @@ def test_implicit_euler_has_order_1():
     errors = []
     for steps in (200, 400):
         problem = ChainProblem(reeling=1.5)
-        h = 0.4 / steps
+        system, h = problem.as_system(), 0.4 / steps
         for k in range(steps):
-            iterations = backward_euler.subdivided_step(problem.conditions, k * h, h, problem.x, problem.v, problem.of_euler)
+            iterations = fixed_steps.subdivided_step(system, k * h, h, False)
             assert 1 <= iterations <= limits.WORST_SUBDIVIDED
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

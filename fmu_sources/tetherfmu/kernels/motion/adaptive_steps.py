@@ -1,8 +1,7 @@
-"""Steps of a system within a communication step, chosen by the error of all its lines.
+"""Steps within a communication step, chosen by the error of all lines: the loop of the adaptive solver.
 
-One step for all: its error is the largest of those of its lines, each over what is allowed in that line. The rule for the
-next step is that of a single tether (`step_control.py`), and its memory stands in the state of the first line. So a system
-of one line takes the steps of a single tether.
+One step for all: its error is the largest of those of the lines, each over what is allowed in that line. `step_control.py`
+has the errors of a line and the rule for the next step, whose memory stands in the state of the first line.
 """
 
 from math import inf, nan
@@ -14,22 +13,32 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from ..line.drum_events import SMALLEST_PIECE
+from ..line.drum_step import chain_with
+from ..line.moving_drum import MOST_IDLE
+from ..line.rodas4p import GAMMA
+from ..line.step_control import (
+    SMALLEST_STEP,
+    cut,
+    error_of_step,
+    even_step,
+    first_step,
+    is_given_up,
+    next_step,
+    step_after_event,
+)
+from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
-from . import system_step
-from .drum_events import SMALLEST_PIECE
-from .drum_step import chain_with
-from .rodas4p import GAMMA
-from .step_control import SMALLEST_STEP, cut, error_of_step, even_step, first_step, is_given_up, next_step, step_after_event
-from .system_drums import drum_at
-from .system_pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
-from .system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, moves, turns
-from .system_step import apply_changes, collect_changes, whole_masses
-from .taut_slack import keep_energy_of_drum
+from ..points import system_step
+from ..points.system_drums import drum_at
+from ..points.system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, turns
+from ..points.system_step import apply_changes, collect_changes, whole_masses
+from .pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
 
 
 @kernel
-def larger(a, b):
-    """The larger one of two numbers; NaN if one of them is."""
+def larger_error(a, b):
+    """The larger one of two errors; NaN if one of them is (`pairs.larger` would take the other one)."""
     if a >= b:
         return a
     return b if b > a else nan
@@ -46,7 +55,7 @@ def error_of_line(system, k, time, h):
     if error < inf:
         chain = chain_with(conditions, room.numbers[NEW_LENGTH], room.numbers[NEW_SPEED])
         if has_free_nodes(system, k):
-            error = larger(error, error_of_step(conditions, chain, h, v, room.w))
+            error = larger_error(error, error_of_step(conditions, chain, h, v, room.w))
         elif turns(system, k):
             room.numbers[NEW_SPEED] = keep_energy_of_drum(drum_at(conditions), chain, room.w)
     return error
@@ -67,7 +76,7 @@ def error_of_lines(system, time, h):
             w = integrator_of(system, k).w
             whole_masses(system, k, w)
             before = get(w.v, 0), get(w.v, segments_of(system, k))
-            error = larger(error, error_of_line(system, k, time, h))
+            error = larger_error(error, error_of_line(system, k, time, h))
             changed += collect_changes(system, k, before, w)
     if changed > 0:
         for k in range(lines_of(system)):
@@ -113,6 +122,7 @@ def integrate(system, duration):
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
     beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
+    idle = 0
     while time < duration:
         if is_given_up(memory, tried, budget, time, duration):
             return STEP_BUDGET_SPENT
@@ -138,7 +148,7 @@ def integrate(system, duration):
             continue
         if drums:
             before_event = part_to_event(system, time, h_now, weight)
-            if before_event < inf and h_now > SMALLEST_PIECE * duration:
+            if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
                 piece = h_now * before_event
                 weight *= 0.5  # if the next piece is too long again, the one after it will not be
                 beyond = time + h_now
@@ -146,6 +156,7 @@ def integrate(system, duration):
                 continue
             if before_event < inf:
                 beyond = 0.0
+            idle = idle + 1 if h_now < SMALLEST_PIECE * duration and not is_any_turning(system) else 0
             accept_drums(system)
             is_new = True
         time = duration if is_last else time + h_now

@@ -1,4 +1,4 @@
-"""Lines of a system whose winches are told a force: their drums in a Rosenbrock step of all lines.
+"""Lines whose winches are controlled by force: their drums in a Rosenbrock step of all lines.
 
 Length and speed of a drum are unknowns of its line, as in `drum_step.py`: p for the length, with the column c of the forces
 and the row g over the nodes of the first segment,
@@ -17,30 +17,42 @@ of a point grows with the length of each of its lines, and then takes part of al
 from math import inf
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
 
 from ..compilation import kernel, view
 from ..equations.drum import drum_of
 from ..equations.lines import (
     add_at,
     conditions_of,
+    is_at_point,
     lines_of,
     motion_of,
     point_at,
     points_of,
+    rows_of,
     segments_of,
     size_of_blocks,
     state_of,
 )
+from ..line import drum_step, rosenbrock
+from ..line.drum_step import (
+    Border,
+    border_of,
+    chain_with,
+    motion_at_stage,
+    pivot_of,
+    pull_of,
+    put_in_column,
+    put_rates,
+    stage_rest,
+)
+from ..line.rodas4p import ALPHA, GAMMA
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.matrices import outer, transposed_apply
 from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import NEUTRAL, ZERO_VECTOR, add, add_scaled, dot, get, scale
-from . import drum_step, rosenbrock
-from .drum_step import border_of, chain_with, motion_at_stage, pivot_of, pull_of, put_in_column, put_rates, stage_rest
-from .rodas4p import ALPHA, GAMMA
+from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put_at, scale, vector_at
 from .system_room import (
+    BORDER,
     DIRECTION,
     INCREMENT,
     LENGTH_ERROR,
@@ -53,7 +65,6 @@ from .system_room import (
     STAGE_SPEED,
     has_drum,
     integrator_of,
-    is_free,
     moves,
     turns,
 )
@@ -119,6 +130,23 @@ def border_in(system, k, time):
     return border_of(conditions, drum, chain, time, x, w), drum
 
 
+@kernel
+def put_border(border, numbers):
+    """Keep a `Border` for the stages of the step in the numbers of a drum (modified)."""
+    numbers[BORDER], numbers[BORDER + 1], numbers[BORDER + 2] = border.by_speed, border.by_length, border.damper
+    numbers[BORDER + 3] = border.rate
+    put_at(numbers, BORDER + 4, border.by_position)
+    put_at(numbers, BORDER + 7, border.direction)
+
+
+@kernel
+def border_at(numbers):
+    """`Border` that `put_border` has kept."""
+    by_position, direction = vector_at(numbers, BORDER + 4), vector_at(numbers, BORDER + 7)
+    by_speed, by_length, damper, rate = numbers[BORDER], numbers[BORDER + 1], numbers[BORDER + 2], numbers[BORDER + 3]
+    return Border(by_speed, by_length, by_position, damper, direction, rate)
+
+
 # --- the matrix
 
 
@@ -129,7 +157,7 @@ def sum_forces(system, points):
         if moves(system, k):
             n, w = segments_of(system, k), integrator_of(system, k).w
             for end in range(2):
-                if is_free(system, k, end):
+                if is_at_point(system, k, end):
                     add_at(points.right, point_at(system, k, end), get_node(n, n * end, w.force))
 
 
@@ -143,11 +171,11 @@ def form_column(system, k, d, points):
     for i in range(n + 1):
         mass, force = w.mass[i], get_node(n, i, w.force)
         end = 0 if i == 0 else 1
-        if (i == 0 or i == n) and is_free(system, k, end):
+        if (i == 0 or i == n) and is_at_point(system, k, end):
             point = point_at(system, k, end)
             mass, force = points.mass[point], get(points.right, point)
         put_in_column(chain, i, d, mass, force, room.drum)
-    condensed.reduce(n, w.matrix, room.drum.column)
+    condensed.reduce(rows_of(system, k), w.matrix, room.drum.column)
 
 
 @kernel
@@ -166,17 +194,16 @@ def place_border(system, k, time, d, points):
     """Pivot of the drum of line k, and its part of the matrix of the points (modified); False if it has no solution."""
     n, room = segments_of(system, k), integrator_of(system, k)
     border, drum = border_in(system, k, time)
-    response = get(room.drum.column, 1) if n > 1 else ZERO_VECTOR
-    pivot = pivot_of(drum, border, d, response)
+    pivot = pivot_of(drum, border, d, condensed.first_difference(rows_of(system, k), room.drum.column))
     room.numbers[PIVOT] = pivot
+    put_border(border, room.numbers)
     if not 0.0 < pivot < inf:
         return False
     for row_end in range(2):
-        row = point_at(system, k, row_end)
         column_of_drum = scale(1.0 / pivot, get(room.drum.column, n * row_end))
         for column_end in range(2):
-            column = point_at(system, k, column_end)
-            if row != places.DRIVEN and column != places.DRIVEN:
+            if is_at_point(system, k, row_end) and is_at_point(system, k, column_end):
+                row, column = point_at(system, k, row_end), point_at(system, k, column_end)
                 block = outer(column_of_drum, row_of(system, k, column_end, border, d))
                 add_to_block(*size_of_blocks(system), row, column, block, points.matrix)
     return True
@@ -205,33 +232,33 @@ def place_drums(system, time, h):
 def reduce_line_with_drum(system, k, stage, time, h, points):
     """Right-hand side of a stage of line k, whose drum turns, condensed, and what is left in `points.right` (modified)."""
     n, conditions, room = segments_of(system, k), conditions_of(system, k), integrator_of(system, k)
-    border, drum = border_in(system, k, time)
+    border, drum = border_at(room.numbers), drum_at(conditions)
     numbers, w, now = room.numbers, room.w, time + ALPHA[stage] * h
     _, speed = length_of(system, k)
     drum_step.reduced_side(conditions, stage, h, stage_rest(stage, speed, room.drum), room.drum)
-    condensed.reduce(n, w.matrix, w.q)
+    rows = rows_of(system, k)
+    condensed.reduce(rows, w.matrix, w.q)
     chain = chain_with(conditions, numbers[STAGE_LENGTH], numbers[STAGE_SPEED])
     right = drum_step.drum_side(chain, drum, numbers[DIRECTION], border, stage, now, h, speed, room.drum)
-    if n > 1:
-        right += pull_of(border, GAMMA * h, get(w.q, 1))
+    right += pull_of(border, GAMMA * h, condensed.first_difference(rows, w.q))
     numbers[SOLUTION] = right / numbers[PIVOT]
     for end in range(2):
-        point = point_at(system, k, end)
-        if point != places.DRIVEN:
-            add_at(points.right, point, add_scaled(get(w.q, n * end), numbers[SOLUTION], get(room.drum.column, n * end)))
+        if is_at_point(system, k, end):
+            left = add_scaled(get(w.q, n * end), numbers[SOLUTION], get(room.drum.column, n * end))
+            add_at(points.right, point_at(system, k, end), left)
 
 
 @kernel
-def turn_drum(system, k, stage, time, h):
+def turn_drum(system, k, stage, h):
     """Solution of a stage for the drum of line k, whose ends have theirs in w.q; that of the inner nodes gets its part."""
     n, room = segments_of(system, k), integrator_of(system, k)
-    border, _ = border_in(system, k, time)
+    border = border_at(room.numbers)
     numbers, q, d = room.numbers, room.w.q, GAMMA * h
-    p = numbers[SOLUTION]
+    p, rows = numbers[SOLUTION], rows_of(system, k)
     for end in range(2):
-        if is_free(system, k, end):
+        if is_at_point(system, k, end):
             p -= dot(row_of(system, k, end, border, d), get(q, n * end)) / numbers[PIVOT]
-    for i in range(3, 3 * n):
+    for i in range(3 * rows.first, 3 * rows.last + 3):
         q[i] += p * room.drum.column[i]
     _, speed = length_of(system, k)
     increment = p - stage_rest(stage, speed, room.drum)

@@ -1,0 +1,48 @@
+"""The equations of motion of a chain: v' = F/m, one segment after the other. The first file for who wants to know the model.
+
+    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i + N_i + load at the kite end
+
+with the weight f_i and the force N_i of the ground. `segment.py`, `node_loads.py` and `ground.py` have the laws. A driven
+end moves as it is driven, whatever acts on it.
+
+Nothing that flies calls this file: the solvers need derivatives, too, and find the same forces from both ends of the chain
+at once (`assembly.py`). Tests compare them with this one. Theory: docs/models/theory.md, "The chain".
+"""
+
+from ..compilation import kernel
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, sub
+from . import ground, node_loads, segment
+from .assembly import node_masses
+from .ground import ground_of, has_ground
+
+
+@kernel
+def accelerations(chain, x, v, load, mass, a):
+    """Accelerations v' [m/s2] of all nodes, as if all were free, into `a`, and masses [kg] into `mass` (both modified).
+
+    chain : `Chain` at an instant.  x, v : positions [m] and velocities [m/s].  load : on the kite end [N].
+    x, v and a are flat arrays of 3 (n + 1) numbers, mass has n + 1.
+    """
+    n = chain.n
+    node_masses(chain, mass)
+    force = a  # one array for both
+    for i in range(n + 1):
+        put(force, i, node_loads.load(chain, mass[i], get(x, i), get(v, i), None))
+    put(force, n, add(get(force, n), load))
+    for s in range(n):
+        p, q = s, s + 1
+        pull, drag, _ = segment.forces(chain, s, get(x, p), get(x, q), get(v, p), get(v, q))
+        put(force, p, add(get(force, p), add(drag, pull)))
+        put(force, q, add(get(force, q), sub(drag, pull)))
+    for i in range(n + 1):
+        put(a, i, add_scaled(of_ground(chain, get(x, i), get(v, i)), 1.0 / mass[i], get(force, i)))
+
+
+@kernel
+def of_ground(chain, x, v):
+    """What the ground does to a node at x [m] with the velocity v [m/s]: [m/s2]."""
+    if has_ground(chain.parameters):
+        below = ground_of(chain.parameters)
+        if ground.touches(below, x, v):
+            return ground.acceleration(below, x, v)
+    return ZERO_VECTOR

@@ -1,0 +1,90 @@
+"""The motion of lines within a communication step, of one or of many: with steps of the solver, fixed ones, or both.
+
+A step that the adaptive solver gives up is done anew with fixed steps of order 2; the next one is again one of the adaptive
+solver, see `step_control.is_given_up`.
+"""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
+
+from ..arrays import state_size
+from ..compilation import kernel
+from ..equations.boundary import place_ends
+from ..equations.lines import System, conditions_of, lines_of, motion_of, parameters_of, segments_of, state_of
+from ..equations.properties import chain_of
+from ..equilibrium import compressed_chain, end_tensions
+from ..line import step_control
+from ..line.backward_euler import FixedSteps, given_steps
+from ..motion import adaptive_steps, fixed_steps
+from ..points import system_fixed_room, system_room
+from ..step.plausibility import note_stiff_and_slack, note_unconverged, note_unresolved
+
+
+@kernel
+def line_work_size(n):
+    """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
+    return max(system_room.line_work_size(n), system_fixed_room.line_work_size(n))
+
+
+@kernel
+def move(system, steps, step):
+    """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
+    if steps.size == 0.0:
+        status = adaptive_steps.integrate(system, step)
+        for k in range(lines_of(system)):
+            if status == OK:
+                n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
+                note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
+        return status
+    status = fixed_steps.integrate(system, steps, step)
+    for k in range(lines_of(system)):
+        note_unconverged(system_fixed_room.scratch_of(system, k).unconverged[0], steps.size, state_of(system, k))
+    return status
+
+
+@kernel
+def go_back(system, before):
+    """Put the nodes and the drums of all lines (modified) back to the states of before."""
+    old = System(system.plan, system.parameters, system.inputs, before, system.work)
+    for k in range(lines_of(system)):
+        n, state, first = segments_of(system, k), state_of(system, k), state_of(old, k)
+        for i in range(at.STATE_HEADER, state_size(n)):
+            state[i] = first[i]
+        if system_room.has_drum(system, k):
+            state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
+
+
+@kernel
+def move_coarsely(system, step, before):
+    """As `move`, from the start of a communication step [s] that the adaptive solver has given up: with fixed steps."""
+    h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
+    go_back(system, before)
+    status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
+    memory = state_of(system, 0)
+    memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
+    note_unresolved(h, memory)
+    return status
+
+
+@kernel
+def advance(system, step, before):
+    """Advance all lines (modified) over a communication step [s], from their states `before`; a status.
+
+    Where nothing moves freely, ends and lengths are where they are prescribed, and no steps are taken.
+    """
+    if not system_room.does_any_move(system):
+        return OK
+    status = move(system, given_steps(parameters_of(system, 0)), step)
+    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
+        return OK
+    return status
+
+
+@kernel
+def end_line(system, k, step):
+    """Put line k (modified) in its state at the end of a communication step [s]."""
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    x, v = motion_of(system, k)
+    place_ends(conditions_of(system, k), step, x, v)
+    end_tensions.forget(state)
+    compressed_chain.leave(chain_of(n, parameters, state), x, v)
