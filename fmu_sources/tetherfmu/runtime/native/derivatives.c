@@ -11,7 +11,7 @@
 static Status check_derivative(Instance *instance, unsigned reference, int32_t order, double value)
 {
     if (!(kind_of(reference, REAL) & INPUT))
-        return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", reference), name_of(reference)));
+        return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(VARIABLE(reference)));
     Fact name = word("name", INPUT_NAME[reference]);
     if (instance->phase == TERMINATED) return say(instance, ERROR, NOT_AFTER_THE_END, FACTS(name, real("value", value)));
     if (order != 1) return say(instance, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
@@ -158,11 +158,10 @@ static Status read_direction(
 {
     for (size_t i = 0; i < count; i++)
         if (!(kind_of(unknowns[i], REAL) & OUTPUT))
-            return say(
-                instance, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(whole("reference", unknowns[i]), name_of(unknowns[i])));
+            return say(instance, ERROR, NO_CONTINUOUS_OUTPUT, FACTS(VARIABLE(unknowns[i])));
     for (size_t i = 0; i < known_count; i++)
         if (!(kind_of(knowns[i], REAL) & INPUT))
-            return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(whole("reference", knowns[i]), name_of(knowns[i])));
+            return say(instance, ERROR, NO_CONTINUOUS_INPUT, FACTS(VARIABLE(knowns[i])));
     if (check_count(instance, unknowns, count, room) != OK) return ERROR;
     if (check_count(instance, knowns, known_count, seeds) != OK) return ERROR;
     for (size_t i = 0, k = 0; i < known_count; i++)

@@ -176,7 +176,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     if (!vr) return refuse_null(instance, "vr");
     if (!value) return refuse_null(instance, "value");
     Fact text = word("value", value[0] ? value[0] : "NULL");
-    return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", vr[0]), name_of(vr[0]), text));
+    return say(instance, ERROR, CANNOT_BE_SET, FACTS(VARIABLE(vr[0]), text));
 }
 
 /* --- derivatives */
@@ -253,12 +253,17 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
 
 /* --- status of the last step: never pending; a refused step has got nowhere, and the next one can be done */
 
+static Status refuse_status(Instance *instance)
+{
+    return say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status")));
+}
+
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     Instance *instance = entered(c, __func__);
     if (!instance) return fmi2Error;
     if (!value) return refuse_null(instance, "value");
-    if (s != fmi2LastSuccessfulTime) return say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status")));
+    if (s != fmi2LastSuccessfulTime) return refuse_status(instance);
     *value = last_successful_time(instance);
     return fmi2OK;
 }
@@ -268,7 +273,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
     Instance *instance = entered(c, __func__);
     if (!instance) return fmi2Error;
     if (!value) return refuse_null(instance, "value");
-    if (s != fmi2Terminated) return say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status")));
+    if (s != fmi2Terminated) return refuse_status(instance);
     *value = fmi2False;
     return fmi2OK;
 }
@@ -277,7 +282,7 @@ static Status no_status(fmi2Component c, const char *call, const void *value)
 {
     Instance *instance = entered(c, call);
     if (!instance) return ERROR;
-    return value ? say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status"))) : refuse_null(instance, "value");
+    return value ? refuse_status(instance) : refuse_null(instance, "value");
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)

@@ -56,8 +56,9 @@ fmi3Instance fmi3InstantiateCoSimulation(
     fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     const char *what = eventModeUsed ? "eventModeUsed" : nRequiredIntermediateVariables ? "requiredIntermediateVariables" : "";
+    const char *refusal = *what ? NOT_OFFERED : NULL;
     return instantiated(
-        __func__, instanceName, instantiationToken, instanceEnvironment, logMessage, loggingOn, *what ? NOT_OFFERED : NULL, what);
+        __func__, instanceName, instantiationToken, instanceEnvironment, logMessage, loggingOn, refusal, what);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(
@@ -164,7 +165,7 @@ static Status refuse_type(ARGUMENTS, const char *call, const char *sentence)
     if (!instance) return ERROR;
     if (!count) return OK;
     if (!references) return refuse_null(instance, "valueReferences");
-    return say(instance, ERROR, sentence, FACTS(whole("reference", references[0]), name_of(references[0]), word("value", "such a value")));
+    return say(instance, ERROR, sentence, FACTS(VARIABLE(references[0]), word("value", "such a value")));
 }
 
 fmi3Status fmi3GetFloat64(ARGUMENTS, fmi3Float64 values[], size_t nValues)

@@ -142,11 +142,12 @@ Status terminate(Instance *instance)
 /* Say that a diameter was probably given in millimetres. */
 static void warn_of_diameter(Instance *instance)
 {
-    int k = 0;
-    while (k < LINES && !(instance->values[DIAMETER_AT[k]] > THICK)) k++;
-    if (k == LINES) return;
-    double diameter = instance->values[DIAMETER_AT[k]];
-    say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
+    for (int k = 0; k < LINES; k++) {
+        double diameter = instance->values[DIAMETER_AT[k]];
+        if (!(diameter > THICK)) continue;
+        say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
+        return;
+    }
 }
 
 /* Say what has been implausible since the start in a line, each once. */
@@ -293,8 +294,7 @@ static Status check_readable(Instance *instance, unsigned kinds, const unsigned 
     bool outputs = false;
     for (size_t i = 0; i < count; i++) {
         unsigned kind = kind_of(references[i], kinds);
-        if (!kind)
-            return say(instance, ERROR, CANNOT_BE_READ, FACTS(whole("reference", references[i]), name_of(references[i])));
+        if (!kind) return say(instance, ERROR, CANNOT_BE_READ, FACTS(VARIABLE(references[i])));
         outputs = outputs || kind & OUTPUT;
     }
     if (check_count(instance, references, count, room) != OK) return ERROR;
@@ -341,7 +341,7 @@ static Status check_settable(Instance *instance, Type type, unsigned kinds, unsi
     unsigned kind = kind_of(reference, kinds);
     Fact fact = type == FLOAT64 ? real("value", value) : whole("value", value);
     if (!(kind & (INPUT | PARAMETER_KIND)))
-        return say(instance, ERROR, CANNOT_BE_SET, FACTS(whole("reference", reference), name_of(reference), fact));
+        return say(instance, ERROR, CANNOT_BE_SET, FACTS(VARIABLE(reference), fact));
     if (kind & PARAMETER_KIND && instance->phase >= STEPPING)
         return say(instance, ERROR, IS_FIXED, FACTS(word("name", PARAMETER[reference - PARAMETERS_AT].name), fact));
     if (kind & INPUT && instance->phase == TERMINATED)

@@ -64,6 +64,7 @@ double last_successful_time(const Instance *instance);
 
 unsigned kind_of(unsigned reference, unsigned kinds);
 Fact name_of(unsigned reference);
+#define VARIABLE(reference) whole("reference", reference), name_of(reference) /* facts of sentences about one */
 Status check_count(Instance *instance, const unsigned *references, size_t count, size_t room);
 Status get_values(
     Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
