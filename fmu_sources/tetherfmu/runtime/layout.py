@@ -94,9 +94,7 @@ WIND = 2  # wind of the last step [m/s]
 SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before the first
 SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule; `step_control.UNRESOLVED` if there was none
 LAST_STEP = 7  # last communication step [s], 0 before the first
-LAST_KITE_VELOCITY = (
-    8  # of the end, given or derived, at the start of the last communication step; see `lines.places_of_load`
-)
+LAST_KITE_VELOCITY = 8  # of the end at the start of the last communication step; of a free one see `lines.places_of_load`
 LAST_GROUND_VELOCITY = 11
 STEPS = 14  # internal steps accepted since the start
 REJECTIONS = 15  # internal steps rejected since the start
