@@ -17,6 +17,7 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from ..flat_arrays import every_second
 from ..linear_algebra.both_ends import (
     get_interleaved,
     get_matrix_of_pairs,
@@ -157,8 +158,7 @@ def end_force(chain, kite_end, x, v, mass):
 def record_of(s, n, records):
     """Derivatives of the forces of segment s: a view of `records`, where those of mirror segments stand as pairs."""
     outer = min(s, n - 1 - s)
-    start = 2 * segment.RECORD * outer + (1 if s > outer else 0)
-    return records[start : 2 * segment.RECORD * (outer + 1) : 2]
+    return every_second(records, 2 * segment.RECORD * outer + (1 if s > outer else 0), segment.RECORD)
 
 
 @kernel

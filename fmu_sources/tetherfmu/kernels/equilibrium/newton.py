@@ -26,10 +26,11 @@ from math import inf, sqrt
 from tetherfmu.runtime import layout as at
 
 from ..arrays import behind, copy, node_arrays, parameters_size, shared_arrays, shared_size
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, node_loads, segment
 from ..equations.ground import carries
 from ..equations.properties import property_of, rest_length
+from ..flat_arrays import part
 from ..linear_algebra import block_tridiagonal
 from ..linear_algebra.both_ends import get_two
 from ..linear_algebra.matrices import add_to_diagonal, get_matrix, multiply, outer, put_matrix, subtract

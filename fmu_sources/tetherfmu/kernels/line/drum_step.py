@@ -17,13 +17,14 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 
 from ..arrays import copy
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, segment
 from ..equations.boundary import BoundaryConditions
 from ..equations.drum import balance
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import chain_at, point_mass, property_of, sees_reeling
+from ..flat_arrays import part
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first

@@ -17,12 +17,13 @@ docs/models/numerics.md, "Rosenbrock step".
 from collections import namedtuple
 
 from ..arrays import behind, copy, shared_arrays, shared_size, split
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, winch
 from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import point_mass
+from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.both_ends import (
     deinterleave,

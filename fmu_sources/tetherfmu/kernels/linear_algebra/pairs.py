@@ -18,6 +18,8 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
+from ..flat_arrays import fields
+
 _TWO_DOUBLES = ir.VectorType(ir.DoubleType(), 2)
 _PLACES = [ir.Constant(ir.IntType(32), k) for k in range(2)]
 
@@ -99,7 +101,7 @@ first, second = _number(0), _number(1)
 
 def _place_of_two(context, builder, kind, array, place):
     """Code for the address of two neighbours in a flat array."""
-    data = context.make_array(kind)(context, builder, array).data
+    data = fields(context, builder, kind, array).data
     return builder.bitcast(builder.gep(data, [place]), ir.PointerType(_TWO_DOUBLES))
 
 

@@ -5,8 +5,9 @@ from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_KITE, OK
 
 from ..arrays import behind, copy, outputs_size, positions_and_velocities
-from ..compilation import kernel, part
+from ..compilation import kernel
 from ..equations.lines import System, points_size
+from ..flat_arrays import part
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, put_at, vector_at
 from . import resting_line, resting_points
 

@@ -31,7 +31,7 @@ from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN, OK
 
 from ..arrays import behind, copy, split
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations.ground import has_ground
 from ..equations.lines import (
     add_at,
@@ -48,6 +48,7 @@ from ..equations.lines import (
     state_of,
 )
 from ..equilibrium.rigid_body import GIVE
+from ..flat_arrays import part
 from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, row_size, solve_band
 from ..linear_algebra.vectors import dot, get, norm, put, put_at
 from ..step import transaction

@@ -8,7 +8,7 @@ from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
-from ..compilation import kernel, part
+from ..compilation import kernel
 from ..equations.boundary import conditions_of_chain, inputs_of_step
 from ..equations.lines import (
     System,
@@ -28,6 +28,7 @@ from ..equations.lines import (
     take_load_rates,
 )
 from ..equations.properties import chain_of
+from ..flat_arrays import part
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_fixed_room
