@@ -1,4 +1,4 @@
-"""How kernels are compiled: by numba, without exceptions or allocation. What numba cannot say: `by_kind`, `power`; `flat_arrays`.
+"""How kernels are compiled: by numba, without exceptions or allocation. What numba lacks: `by_kind`, `power`, `flat_arrays`.
 
 Rules of a kernel, so that its machine code can stand alone without Python: arguments are numbers, tuples and flat
 arrays; work space comes from the caller; a failure is a status code; other kernels are called by name only. Nothing
@@ -41,14 +41,14 @@ class KernelCompiler(CompilerBase):
 
 
 def kernel(function):
-    """Compile a function for other kernels (and for tests) at its first call."""
+    """Compile a function for other kernels (and for tests) at its first call, once for all constants of a kind."""
     compiled = njit(pipeline_class=KernelCompiler, **OPTIONS)(function)
-    template = compiled.get_call_template
+    template_for = compiled.get_call_template
 
-    def of_kinds(args, kws):
-        return template(tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()})
+    def template_for_any_constant(args, kws):
+        return template_for(tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()})
 
-    compiled.get_call_template = of_kinds
+    compiled.get_call_template = template_for_any_constant
     return compiled
 
 
