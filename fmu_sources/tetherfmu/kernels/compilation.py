@@ -11,8 +11,7 @@ from numba.core import cgutils
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.extending import intrinsic, overload
 
-# `entry_point` has a wrapper all the same; references to arrays are not counted, as kernels own none
-OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
+OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}  # which `entry_point` has all the same
 WITHOUT = {  # passes of numba for what no kernel has: closures, inlined functions, expressions of whole arrays
     "WithLifting",
     "InlineClosureLikes",

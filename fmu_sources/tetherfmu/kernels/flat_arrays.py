@@ -9,6 +9,7 @@ import operator
 
 from numba import types
 from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 from numba.np.arrayobj import make_view
@@ -68,7 +69,8 @@ def part(typing, array, start, size):
         if isinstance(kind, FlatArray):
             return _made(context, builder, kind, first, values[2])
         strides = cgutils.unpack_tuple(builder, whole.strides)
-        return make_view(context, builder, kind, whole, kind, first, values[2:], strides)._getvalue()
+        view = make_view(context, builder, kind, whole, kind, first, values[2:], strides)
+        return impl_ret_borrowed(context, builder, kind, view._getvalue())
 
     return array(array, types.intp, types.intp), code
 

@@ -106,7 +106,7 @@ def code_of(variant, fast):
     """`Code` of the entry points of a variant; fast : whether `write_only` was called in this process."""
     from tetherfmu.kernels import compilation
 
-    compilation.OPTIONS["no_cpython_wrapper"] = True  # nobody calls these kernels from Python
+    compilation.OPTIONS |= {"no_cpython_wrapper": True, "_nrt": False}  # Python calls none of these, and they own no arrays
     functions = import_module("tetherfmu.libraries.just_in_time").compiled(variant)
     texts = {}  # without repetition, callees first
     for function in functions.values():
