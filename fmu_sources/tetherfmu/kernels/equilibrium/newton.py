@@ -286,3 +286,19 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
         motion = apply_step(body, w)
         pseudo_damping = changed_damping(pseudo_damping, motion, least, load_stiffness)
     return False, most
+
+
+@kernel
+def relax_kept(body, compliant_first, pseudo_transient, load_stiffness, w):
+    """`relax` from what `keep` kept, with the stiffnesses and with the compliances, until one succeeds.
+
+    compliant_first : in which order.  Returns whether one has, and the iterations of both.
+    """
+    iterations = 0
+    for compliant in (compliant_first, not compliant_first):
+        restore(body, w)
+        found, more = relax(body, compliant, pseudo_transient, load_stiffness, w)
+        iterations += more
+        if found:
+            return True, iterations
+    return False, iterations
