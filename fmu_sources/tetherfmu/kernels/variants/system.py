@@ -35,7 +35,7 @@ from ..points import system_fixed_room
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_damping_of_steps
-from . import dynamic_chain, moving_lines, resting_line, resting_points
+from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
 
 # --- the plan
 
@@ -64,7 +64,7 @@ def complete_plan(plan):
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.POINTS_WORK] = work
     points, band = plan[places.FREE_POINTS], plan[places.BAND]
-    work += points_size(points, band) + resting_points.search_size(points, band)
+    work += points_size(points, band) + resting_forces.search_size(points, band)
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
     plan[places.INPUTS_SIZE] = at.INPUTS * plan[places.LINES] + 3 * plan[places.FREE_POINTS]
