@@ -11,6 +11,7 @@ import gc
 from contextlib import contextmanager
 
 from numba.core import ccallback, codegen, cpu, dispatcher, registry
+from numba.core.runtime.context import NRTContext
 from numba.core.runtime.nrt import rtsys
 
 from tetherfmu.libraries.intermediate_code import keep_texts, texts_below
@@ -40,6 +41,7 @@ def make_code_late():
     rtsys.initialize(registry.cpu_target.target_context)
     rtsys.library._ensure_finalized()  # numba's own functions are compiled as ever
     keep_texts()
+    NRTContext.incref = NRTContext.decref = lambda self, builder, kind, value: None
     codegen.JITCodeLibrary.get_pointer_to_function = _get_pointer_to_function
     codegen.JITCPUCodegen.set_env = _where_code_is(codegen.JITCPUCodegen.set_env)
     cpu.CPUContext.create_cpython_wrapper = _where_python_calls(cpu.CPUContext.create_cpython_wrapper)

@@ -8,7 +8,8 @@ from itertools import accumulate
 
 from tetherfmu.runtime import layout as at
 
-from .compilation import kernel, part, view
+from .compilation import kernel, view
+from .flat_arrays import part
 
 parameters_size = kernel(at.parameters_size)
 inputs_size = kernel(at.inputs_size)

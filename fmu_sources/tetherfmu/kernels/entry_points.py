@@ -9,7 +9,7 @@ advance(n, parameters, given, before, state, work), outputs_of(n, parameters, st
 the view velocities_of(n, parameters, state, work).
 """
 
-from numba import carray, types
+from numba import types
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import Kernels
@@ -18,9 +18,10 @@ from tetherfmu.runtime.variants import BY_NAME
 
 from . import packing
 from .arrays import copy, inputs_size, outputs_size, parameters_size, positions_and_velocities, state_size
-from .compilation import kernel, part, view
+from .compilation import kernel, view
 from .equations import wind_points
 from .equations.boundary import inputs_of_step
+from .flat_arrays import flat, part
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance, transaction
 from .step.outputs import complete
@@ -47,18 +48,18 @@ def entry_points(variant):
     @view
     def chain_arrays(n, parameters, state, work):
         """The parameters, the state and the work as arrays."""
-        p = carray(parameters, parameters_size(n))
-        return p, state_array(n, p, state), carray(work, variant.work_size(n))
+        p = flat(parameters, parameters_size(n))
+        return p, state_array(n, p, state), flat(work, variant.work_size(n))
 
     @view
     def state_array(n, p, state):
         """A state as an array."""
-        return carray(state, state_size(n, wind_points.count_of(p)))
+        return flat(state, state_size(n, wind_points.count_of(p)))
 
     @view
     def inputs_array(p, inputs):
         """The inputs as an array."""
-        return carray(inputs, inputs_size(wind_points.count_of(p)))
+        return flat(inputs, inputs_size(wind_points.count_of(p)))
 
     @kernel
     def take_outputs(n, p, s, shape_points, outputs, w):
@@ -100,12 +101,12 @@ def entry_points(variant):
 
     def segments(tethers, quantities):
         """Number of segments of tethers in series with these quantities, see `packing`; 0 if it cannot be told."""
-        return packing.count_segments(tethers, carray(quantities, packing.count_of_quantities(tethers, 0)), has_nodes)
+        return packing.count_segments(tethers, flat(quantities, packing.count_of_quantities(tethers, 0)), has_nodes)
 
     def pack(tethers, kites, quantities, tolerance, parameters):
         """Parameters (modified) of as many segments as `segments` says; a status, and nothing is done on any but OK."""
-        given = carray(quantities, packing.count_of_quantities(tethers, kites))
-        p = carray(parameters, parameters_size(packing.count_segments(tethers, given, has_nodes)))
+        given = flat(quantities, packing.count_of_quantities(tethers, kites))
+        p = flat(parameters, parameters_size(packing.count_segments(tethers, given, has_nodes)))
         return packing.pack(tethers, kites, given, tolerance, has_nodes, has_waves, p)
 
     def work_size(n):
@@ -121,7 +122,7 @@ def entry_points(variant):
             status = variant.initialize(n, p, i, s, w)
         status = transaction.commit_start(n, p, status, s)
         if status == OK:
-            status = take_outputs(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
+            status = take_outputs(n, p, s, shape_points, flat(outputs, outputs_size(shape_points)), w)
         return status
 
     def advance(n, parameters, inputs, step, state, before, shape_points, outputs, work):
@@ -130,13 +131,13 @@ def entry_points(variant):
         before (modified) : room for a state; after a step that was done, the state of before it.
         """
         p, s, w = chain_arrays(n, parameters, state, work)
-        i, old, o = inputs_array(p, inputs), state_array(n, p, before), carray(outputs, outputs_size(shape_points))
+        i, old, o = inputs_array(p, inputs), state_array(n, p, before), flat(outputs, outputs_size(shape_points))
         return take_step_with_outputs(n, p, i, step, s, old, shape_points, o, w)
 
     def outputs(n, parameters, state, shape_points, outputs, work):
         """Outputs (modified) that belong to a state."""
         p, s, w = chain_arrays(n, parameters, state, work)
-        return take_outputs(n, p, s, shape_points, carray(outputs, outputs_size(shape_points)), w)
+        return take_outputs(n, p, s, shape_points, flat(outputs, outputs_size(shape_points)), w)
 
     def fly(n, parameters, inputs, steps, step, every, outputs, state, before, shape_points, rows, work):
         """Do `steps` communication steps, until one is refused; returns how many were done. The state is modified.
@@ -149,11 +150,11 @@ def entry_points(variant):
         p, s, w = chain_arrays(n, parameters, state, work)
         x, _ = positions_and_velocities(n, s)
         old, size_of_row = state_array(n, p, before), inputs_size(wind_points.count_of(p))
-        flight = carray(inputs, steps * size_of_row)
+        flight = flat(inputs, steps * size_of_row)
         size, nodes = outputs_size(shape_points), 3 * (n + 1)
         observed = size + 1 if outputs != at.NEVER else 0
         width = observed + nodes
-        kept = carray(rows, width * (steps // every + 1 if every > 0 else 1))
+        kept = flat(rows, width * (steps // every + 1 if every > 0 else 1))
         largest, row = 0.0, 0
         for k in range(steps):
             keep = every > 0 and (k + 1) % every == 0
@@ -177,6 +178,6 @@ def entry_points(variant):
         p, s, w = chain_arrays(n, parameters, state, work)
         wind_points.take_from_state(n, p, s)
         v = variant.velocities_of(n, p, s, w)
-        return power_balance.balance(n, p, s, v, carray(inputs, at.INPUTS), carray(energies, power_balance.size(n)), w)
+        return power_balance.balance(n, p, s, v, flat(inputs, at.INPUTS), flat(energies, power_balance.size(n)), w)
 
     return Kernels(segments, pack, work_size, initialize, advance, outputs, fly, energy)

@@ -6,7 +6,7 @@ STATUS_LINE; INPUT_NOT_FINITE about ALL_LINES carries the number of a free point
 NO_EQUILIBRIUM_OF_POINT that of the point.
 """
 
-from numba import carray, types
+from numba import types
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
@@ -15,9 +15,10 @@ from tetherfmu.runtime.status import OK
 
 from . import packing
 from .arrays import copy, parameters_size
-from .compilation import kernel, part, view
+from .compilation import kernel, view
 from .equations.lines import System
 from .equations.properties import put_point_mass
+from .flat_arrays import flat, part
 from .variants import system as variant
 
 plan_size = kernel(places.plan_size)
@@ -38,20 +39,20 @@ SIGNATURES = SystemKernels(
 @view
 def plan_at(plan):
     """The plan as an array."""
-    lines = carray(plan, places.PLAN_HEADER)[places.LINES]
-    return carray(plan, plan_size(lines))
+    lines = flat(plan, places.PLAN_HEADER)[places.LINES]
+    return flat(plan, plan_size(lines))
 
 
 @view
 def states_at(plan, state):
     """States of all lines as an array."""
-    return carray(state, plan[places.STATE_SIZE])
+    return flat(state, plan[places.STATE_SIZE])
 
 
 @view
 def outputs_at(plan, outputs):
     """Outputs of all lines as an array."""
-    return carray(outputs, plan[places.OUTPUTS_SIZE])
+    return flat(outputs, plan[places.OUTPUTS_SIZE])
 
 
 @view
@@ -59,16 +60,16 @@ def system_at(plan, parameters, inputs, state, work):
     """`System` of these arrays; inputs : an array already."""
     return System(
         plan,
-        carray(parameters, plan[places.PARAMETERS_SIZE]),
+        flat(parameters, plan[places.PARAMETERS_SIZE]),
         inputs,
         states_at(plan, state),
-        carray(work, plan[places.WORK_SIZE]),
+        flat(work, plan[places.WORK_SIZE]),
     )
 
 
 def segments(tethers, quantities):
     """Number of segments of a line of tethers in series with these quantities, see `packing`; 0 if it cannot be told."""
-    return packing.count_segments(tethers, carray(quantities, packing.count_of_quantities(tethers, 0)), True)
+    return packing.count_segments(tethers, flat(quantities, packing.count_of_quantities(tethers, 0)), True)
 
 
 def pack(tethers, quantities, tolerance, start_is_free, end_is_free, start_mass, end_mass, parameters):
@@ -77,9 +78,9 @@ def pack(tethers, quantities, tolerance, start_is_free, end_is_free, start_mass,
     start_is_free, end_is_free : 1 if its start, or its end, is a free point, else 0.  start_mass, end_mass : of these
     points [kg], as far as this line carries it: all of it in the first line at a point, 0 in the others.
     """
-    given = carray(quantities, packing.count_of_quantities(tethers, 0))
+    given = flat(quantities, packing.count_of_quantities(tethers, 0))
     n = packing.count_segments(tethers, given, True)
-    p = carray(parameters, parameters_size(n))
+    p = flat(parameters, parameters_size(n))
     status = packing.pack(tethers, 0, given, tolerance, True, True, p)
     if status == OK:
         p[at.GROUND_IS_FREE], p[at.KITE_IS_FREE] = float(start_is_free), float(end_is_free)
@@ -101,7 +102,7 @@ def initialize(plan, parameters, inputs, state, before, outputs, work):
     position is found and written there (inputs modified).  before (modified) : room for all states.
     """
     p = plan_at(plan)
-    system = system_at(p, parameters, carray(inputs, p[places.INPUTS_SIZE]), state, work)
+    system = system_at(p, parameters, flat(inputs, p[places.INPUTS_SIZE]), state, work)
     return variant.initialize(system, states_at(p, before), outputs_at(p, outputs))
 
 
@@ -111,14 +112,14 @@ def advance(plan, parameters, inputs, step, state, before, outputs, work):
     before (modified) : room for all states; after a step that was done, those of before it.
     """
     p = plan_at(plan)
-    system = system_at(p, parameters, carray(inputs, p[places.INPUTS_SIZE]), state, work)
+    system = system_at(p, parameters, flat(inputs, p[places.INPUTS_SIZE]), state, work)
     return variant.advance_with_outputs(system, step, states_at(p, before), outputs_at(p, outputs))
 
 
 def outputs(plan, parameters, state, outputs, work):
     """Outputs of all lines (modified) that belong to their states, left as they were on any status but OK."""
     p = plan_at(plan)
-    none = carray(state, 0)
+    none = flat(state, 0)
     return variant.take_outputs(system_at(p, parameters, none, state, work), outputs_at(p, outputs))
 
 
@@ -130,8 +131,8 @@ def fly(plan, parameters, inputs, steps, step, every, state, before, rows, work)
     """
     p = plan_at(plan)
     size, width = p[places.INPUTS_SIZE], p[places.STATE_SIZE]
-    flight, old = carray(inputs, steps * size), states_at(p, before)
-    kept = carray(rows, width * (steps // every if every > 0 else 0))
+    flight, old = flat(inputs, steps * size), states_at(p, before)
+    kept = flat(rows, width * (steps // every if every > 0 else 0))
     for k in range(steps):
         system = system_at(p, parameters, part(flight, k * size, size), state, work)
         if variant.advance(system, step, old) != OK:

@@ -61,7 +61,7 @@ def _second_round(plain, architecture, cpu, exported):
     target = next(each for platform, each in TARGETS.items() if platform.startswith(architecture) and each.cpu == cpu)
     machine = machine_of(target)
     module = for_target(plain, target, machine)
-    optimize(module, machine, level=3, vectors=True)
+    optimize(module, machine, level=3)
     check_names(module, exported)
     return processors.for_both_kinds(module, exported) if architecture == processors.ARCHITECTURE else module
 

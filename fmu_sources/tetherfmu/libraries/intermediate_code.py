@@ -4,7 +4,7 @@ numba's own way optimizes each function with all that it calls, makes machine co
 two thirds of the time. The fast way keeps the text of each function, written once; all texts are linked and optimized once
 at the end (`ahead_of_time.py`). Both are for a process of their own: nothing that is compiled there can be called.
 
-Source of the internals: `codegen`, `cpu`, `runtime.context`, `types.functions` and `typing.templates` of numba.core, of
+Source of the internals: `codegen`, `cpu`, `types.functions` and `typing.templates` of numba.core, of
 the versions in `ready.TESTED`.
 """
 
@@ -37,7 +37,6 @@ def write_only():
 def keep_texts():
     """Let the libraries of numba in this process keep the text of their functions, and nothing else, until it is linked."""
     from numba.core import cgutils, codegen
-    from numba.core.runtime.context import NRTContext
 
     def start(self, owner, name):
         codegen.CodeLibrary.__init__(self, owner, name)
@@ -54,9 +53,6 @@ def keep_texts():
     library.__init__ = start
     library.add_ir_module = add_ir_module
     library.finalize = finalize
-    # no array of a kernel has an owner (`carray`, and views of it): there is nothing to count
-    NRTContext.incref = lambda self, builder, kind, value: None
-    NRTContext.decref = lambda self, builder, kind, value: None
     _remember_operators()
     _forget_callers()
 
@@ -110,7 +106,7 @@ def code_of(variant, fast):
     """`Code` of the entry points of a variant; fast : whether `write_only` was called in this process."""
     from tetherfmu.kernels import compilation
 
-    compilation.OPTIONS["no_cpython_wrapper"] = True  # nobody calls these kernels from Python
+    compilation.OPTIONS |= {"no_cpython_wrapper": True, "_nrt": False}  # Python calls none of these, and they own no arrays
     functions = import_module("tetherfmu.libraries.just_in_time").compiled(variant)
     texts = {}  # without repetition, callees first
     for function in functions.values():

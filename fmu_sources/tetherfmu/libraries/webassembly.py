@@ -93,7 +93,7 @@ def object_file(text, exported, features=FEATURES):
         cpu=TARGET.cpu, features=features, opt=3, reloc="static", codemodel="default"
     )
     module = llvm_modules.for_target(_with_instructions(text), TARGET, machine)
-    llvm_modules.optimize(module, machine, level=3, vectors=LANES in features)
+    llvm_modules.optimize(module, machine, level=3)
     llvm_modules.check_names(module, exported)
     return machine.emit_object(llvm.parse_assembly(_without_large_products(str(module))))
 

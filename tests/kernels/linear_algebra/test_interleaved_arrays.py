@@ -6,7 +6,7 @@ from numba import njit
 
 from kernels.interleaved import interleaved
 from tetherfmu.kernels.arrays import copy
-from tetherfmu.kernels.compilation import part
+from tetherfmu.kernels.flat_arrays import part
 from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, next_interleaved
 from tetherfmu.kernels.linear_algebra.pairs import first, larger, pair, second
 from tetherfmu.kernels.step.transaction import check_state

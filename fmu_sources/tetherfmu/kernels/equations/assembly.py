@@ -12,11 +12,10 @@ has n + 1.
 Theory: docs/models/theory.md, "The chain".
 """
 
-import numpy as np
-
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from ..flat_arrays import every_second
 from ..linear_algebra.both_ends import (
     get_interleaved,
     get_matrix_of_pairs,
@@ -89,9 +88,7 @@ def find_segments(n, x, upwards, segments):
 @kernel
 def found_segment(segments, s):
     """Length [m] and direction of segment s and of its mirror image, from `find_segments`."""
-    return load_pair(segments, np.uint64(DIRECTION_AND_LENGTH * s + 6)), get_vector_of_pairs(
-        segments, DIRECTION_AND_LENGTH * s
-    )
+    return load_pair(segments, DIRECTION_AND_LENGTH * s + 6), get_vector_of_pairs(segments, DIRECTION_AND_LENGTH * s)
 
 
 @kernel
@@ -157,8 +154,7 @@ def end_force(chain, kite_end, x, v, mass):
 def record_of(s, n, records):
     """Derivatives of the forces of segment s: a view of `records`, where those of mirror segments stand as pairs."""
     outer = min(s, n - 1 - s)
-    start = 2 * segment.RECORD * outer + (1 if s > outer else 0)
-    return records[start : 2 * segment.RECORD * (outer + 1) : 2]
+    return every_second(records, 2 * segment.RECORD * outer + (1 if s > outer else 0), segment.RECORD)
 
 
 @kernel
@@ -293,7 +289,7 @@ def step_blocks(start, damping_factor, stiffness_factor, records):
 
     stiffness_factor K + damping_factor c e e, stiffness_factor G, and (stiffness_factor a e_z - damping_factor A)/2.
     """
-    damper = damping_factor * load_pair(records, np.uint64(start + 2 * segment.DAMPER))
+    damper = damping_factor * load_pair(records, start + 2 * segment.DAMPER)
     along_e = symmetric(damper, get_vector_of_pairs(records, start + 2 * segment.DIRECTION))
     axial = add_matrices(scale_matrix(stiffness_factor, get_matrix_of_pairs(records, start + 2 * segment.K)), along_e)
     drag = scale_matrix(stiffness_factor, get_matrix_of_pairs(records, start + 2 * segment.G))
@@ -310,7 +306,7 @@ def damping_product(s, sign, u_p, u_q, records):
     """
     record = 2 * segment.RECORD * s
     e = get_vector_of_pairs(records, record + 2 * segment.DIRECTION)
-    damper = sign * load_pair(records, np.uint64(record + 2 * segment.DAMPER))
+    damper = sign * load_pair(records, record + 2 * segment.DAMPER)
     axial = scale(damper * dot(e, sub(u_q, u_p)), e)
     drag_by_velocity = get_matrix_of_pairs(records, record + 2 * segment.A)
     return axial, scale(-0.5 * sign, apply(drag_by_velocity, add(u_p, u_q)))

@@ -9,7 +9,8 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 
 from ..arrays import behind, outputs_size, parameters_size, places_of, positions_and_velocities, split, state_size
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
+from ..flat_arrays import part
 from ..linear_algebra.condensed import Rows
 from ..linear_algebra.point_blocks import width_of
 from ..linear_algebra.points import row_size

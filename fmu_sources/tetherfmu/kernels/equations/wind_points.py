@@ -15,7 +15,8 @@ Theory: docs/models/theory.md, "Wind at points".
 from tetherfmu.runtime import layout as at
 
 from ..arrays import copy, state_size
-from ..compilation import kernel, part
+from ..compilation import kernel
+from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
 from .properties import put_node_wind, share_of
 

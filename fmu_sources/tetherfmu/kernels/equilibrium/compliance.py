@@ -32,7 +32,7 @@ from ..linear_algebra.matrices import (
     subtract,
     symmetric,
 )
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, vector_at
 from .rigid_body import support_stiffness
 
 
@@ -46,7 +46,7 @@ def of_segment(e, distance, stiffness, tension):
 @kernel
 def drag_slopes(record):
     """G + H and H [N/m] of a segment from its record, see `newton.linearize`."""
-    a, b, c = get(record[segment.HEIGHT :], 0)
+    a, b, c = vector_at(record, segment.HEIGHT)
     by_height = (0.0, 0.0, a, 0.0, 0.0, b, 0.0, 0.0, c)
     h = scale_matrix(0.5, subtract(by_height, get_matrix(record, segment.A)))
     return add_matrices(get_matrix(record, segment.G), h), h
@@ -61,7 +61,7 @@ def gather(body, pseudo_damping, w):
     for s in range(n):
         record = record_of(s, n, w.records)
         own = get_matrix(record, segment.K)
-        closing = scale(-record[segment.DAMPER], get(record[segment.DIRECTION :], 0))
+        closing = scale(-record[segment.DAMPER], vector_at(record, segment.DIRECTION))
         slope, h = drag_slopes(record)
         blown = apply(slope, closing)
         felt = multiply(slope, own)
@@ -105,7 +105,7 @@ def solve(body, pseudo_damping, w):
     for k in range(n):
         s = n - 1 - k
         record = record_of(s, n, w.records)
-        e = get(record[segment.DIRECTION :], 0)
+        e = vector_at(record, segment.DIRECTION)
         p = add(get(w.share, s), apply(get_matrix(w.transfer, 9 * s), load))
         w.change[s] = dot(p, e)
         dx = add(get(w.offset, s), apply(get_matrix(w.response, 9 * s), p))

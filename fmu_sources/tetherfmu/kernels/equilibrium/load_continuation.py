@@ -36,19 +36,6 @@ def at_level(body, level, w):
 
 
 @kernel
-def relax_kept(body, w):
-    """Newton's method from w.kept and w.kept_tension with the stiffnesses, then the compliances: (found, iterations)."""
-    iterations = 0
-    for compliant in (False, True):
-        newton.restore(body, w)
-        found, more = newton.relax(body, compliant, False, 0.0, w)
-        iterations += more
-        if found:
-            return True, iterations
-    return False, iterations
-
-
-@kernel
 def put_end_velocities(body, level, ground, kite):
     """Put `level` times the velocities of the ground end and of the kite [m/s] into the body (modified)."""
     put(body.v, 0, scale(level, ground))
@@ -67,7 +54,7 @@ def raise_level(body, level, ground, kite, w):
     for _ in range(MOST_LEVELS):
         higher = min(1.0, (1.0 + rise) * level)
         put_end_velocities(body, higher, ground, kite)
-        found, more = relax_kept(at_level(body, higher, w), w)
+        found, more = newton.relax_kept(at_level(body, higher, w), False, False, 0.0, w)
         iterations += more
         if found:
             level = higher

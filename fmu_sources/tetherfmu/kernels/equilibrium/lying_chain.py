@@ -75,7 +75,7 @@ def by_ground_continuation(body, w):
     level = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))  # stiffness over that of the ground
     reached, factor, iterations = 0.0, FIRST_STEP, 0
     for _ in range(MOST_GROUNDS):
-        found, more = load_continuation.relax_kept(on(body, softer(body.ground, level)), w)
+        found, more = newton.relax_kept(on(body, softer(body.ground, level)), False, False, 0.0, w)
         iterations += more
         if found:
             if level == 1.0:

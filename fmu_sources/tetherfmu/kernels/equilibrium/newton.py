@@ -26,10 +26,11 @@ from math import inf, sqrt
 from tetherfmu.runtime import layout as at
 
 from ..arrays import behind, copy, node_arrays, parameters_size, shared_arrays, shared_size
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, node_loads, segment
 from ..equations.ground import carries
 from ..equations.properties import property_of, rest_length
+from ..flat_arrays import part
 from ..linear_algebra import block_tridiagonal
 from ..linear_algebra.both_ends import get_two
 from ..linear_algebra.matrices import add_to_diagonal, get_matrix, multiply, outer, put_matrix, subtract
@@ -285,3 +286,19 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
         motion = apply_step(body, w)
         pseudo_damping = changed_damping(pseudo_damping, motion, least, load_stiffness)
     return False, most
+
+
+@kernel
+def relax_kept(body, compliant_first, pseudo_transient, load_stiffness, w):
+    """`relax` from what `keep` kept, with the stiffnesses and with the compliances, until one succeeds.
+
+    compliant_first : in which order.  Returns whether one has, and the iterations of both.
+    """
+    iterations = 0
+    for compliant in (compliant_first, not compliant_first):
+        restore(body, w)
+        found, more = relax(body, compliant, pseudo_transient, load_stiffness, w)
+        iterations += more
+        if found:
+            return True, iterations
+    return False, iterations

@@ -43,24 +43,6 @@ def softened(body, factor, w):
 
 
 @kernel
-def relax(body, factor, pseudo_transient, load, w):
-    """Equilibrium near that in w.kept and w.kept_tension, with this factor on all EA: (found, iterations).
-
-    By Newton's method or by pseudo-transient continuation.  load : mean load per unstretched length [N/m]. Positions of the
-    body [m] and w.tension [N] are modified.
-    """
-    other = softened(body, factor, w)
-    iterations = 0
-    for compliant in (pseudo_transient, not pseudo_transient):  # what succeeds more often comes first
-        newton.restore(body, w)
-        found, more = newton.relax(other, compliant, pseudo_transient, load, w)
-        iterations += more
-        if found:
-            return True, iterations
-    return False, iterations
-
-
-@kernel
 def stiffen(body, factor, load, most, w):
     """Lead the equilibrium with a factor on all EA, in the body and in w.tension (both modified), to that with the given EA.
 
@@ -74,10 +56,11 @@ def stiffen(body, factor, load, most, w):
         if factor >= 1.0 or rise < SMALLEST_RISE or iterations >= most:
             break
         stiffer = min(1.0, rise * factor)
-        found, more = relax(body, stiffer, False, load, w)
+        other = softened(body, stiffer, w)
+        found, more = newton.relax_kept(other, False, False, load, w)
         iterations += more
-        if not found and rise < SNAPPING_RISE:
-            found, more = relax(body, stiffer, True, load, w)
+        if not found and rise < SNAPPING_RISE:  # with compliances first, which succeed more often
+            found, more = newton.relax_kept(other, True, True, load, w)
             iterations += more
         if found:
             factor = stiffer

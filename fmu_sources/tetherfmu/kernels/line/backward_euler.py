@@ -17,11 +17,12 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import FINEST, LEAST_REMAINDER, PARTS, STIFF
 
 from ..arrays import behind, copy, node_arrays, shared_arrays, shared_size
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import node_loads, segment
 from ..equations.assembly import node_masses
 from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.properties import property_of, rest_length, stiffest
+from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, sub

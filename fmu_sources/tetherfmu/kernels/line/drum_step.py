@@ -12,36 +12,23 @@ docs/models/numerics.md, "A drum in the same system".
 
 from collections import namedtuple
 
-import numpy as np
-
 from tetherfmu.runtime import layout as at
 
 from ..arrays import copy
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, segment
 from ..equations.boundary import BoundaryConditions
 from ..equations.drum import balance
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import chain_at, point_mass, property_of, sees_reeling
+from ..flat_arrays import part
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
 from . import contact, rosenbrock
-from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
-
-
-def _by_stage(rows, first_row):
-    """Rows of factors of different lengths as one array (STAGES, STAGES), 0 elsewhere."""
-    found = np.zeros((STAGES, STAGES))
-    for i, row in enumerate(rows, start=first_row):
-        found[i, : len(row)] = row
-    return found
-
-
-IN_LENGTH, IN_SPEED = _by_stage(P, 1), _by_stage(A_ROWS, 1)  # of the stages 1 to 4
-IN_R, IN_INERTIA = _by_stage(R_BY_GAMMA, 1), _by_stage(INERTIA, 1)  # of the stages 1 to 5
+from .rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 
 Workspace = namedtuple("Workspace", "chain column by_length by_speed speeds")
 Workspace.__doc__ = """Scratch arrays of a step.
@@ -195,15 +182,15 @@ def motion_at_stage(stage, h, length, speed, last, b):
     """
     length_i, speed_i, p, increment = last
     if stage < STAGES - 1:
-        length_i = length + h * added_up(ALPHA[stage] * speed, IN_LENGTH, stage, b)
-        return length_i, added_up(speed, IN_SPEED, stage, b)
+        length_i = length + h * added_up(ALPHA[stage] * speed, P, stage, b)
+        return length_i, added_up(speed, A, stage, b)
     return length_i + GAMMA * h * p, speed_i + increment
 
 
 @kernel
 def stage_rest(stage, speed, b):
     """r_i of the drum at a stage [m/s]."""
-    return added_up(GAMMA_I[stage] / GAMMA * speed, IN_R, stage, b)
+    return added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, b)
 
 
 @kernel
@@ -234,7 +221,7 @@ def drum_side(chain, drum, direction, border, stage, now, h, speed, b):
     chain : with L_i and u_i.
     """
     w, gamma, r = b.chain, GAMMA_I[stage] / GAMMA, stage_rest(stage, speed, b)
-    inertia = added_up(gamma * speed / GAMMA, IN_INERTIA, stage, b)
+    inertia = added_up(gamma * speed / GAMMA, INERTIA, stage, b)
     r_p, r_q = assembly.lower_and_upper(chain.n, 0, w.r)
     still = dot(border.direction, sub(first(r_q), first(r_p)))
     tension = stage_tension(chain.n, chain, w.stage_x, w.stage_v, w)

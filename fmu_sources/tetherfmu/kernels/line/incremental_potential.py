@@ -131,15 +131,19 @@ def potential(attempt, x, w):
 
 
 @kernel
+def inertia(attempt, i, x, w):
+    """What the mass of node i adds to the matrix of the iteration and to minus the gradient of Phi."""
+    m = w.mass[i] / (attempt.h * attempt.h)
+    return add_to_diagonal(ZERO_MATRIX, m), scale(m, sub(get(w.free, i), get(x, i)))
+
+
+@kernel
 def linearize(attempt, x, w):
     """Matrix of the iteration into w.matrix, minus the gradient of Phi into w.move (both modified)."""
     n = attempt.chain.n
     h, b = attempt.h, shrinkage(attempt)
     diagonal, lower, upper = w.matrix
-    for i in range(n + 1):
-        m = w.mass[i] / (h * h)
-        put_matrix(diagonal, 9 * i, add_to_diagonal(ZERO_MATRIX, m))
-        put(w.move, i, scale(m, sub(get(w.free, i), get(x, i))))
+    block, force = inertia(attempt, 0, x, w)
     for s in range(n):
         length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
         w.held[s] = length - rest
@@ -148,13 +152,16 @@ def linearize(attempt, x, w):
         across = max(spring + c * rate, 0.0) / length
         air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
         pull = add(scale(spring, e), scale(c * rate, slant))
-        put(w.move, s, add(get(w.move, s), add(air, pull)))
-        put(w.move, s + 1, add(get(w.move, s + 1), sub(air, pull)))
         stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(b * c / h, slant)), across)
         both = scale_matrix(0.5 / h, get_matrix(w.slope, 9 * s))
         put_matrix(upper, 9 * s, subtract(both, stiff))
         put_matrix(lower, 9 * s + 9, subtract(both, stiff))
-        for i in (s, s + 1):
-            put_matrix(diagonal, 9 * i, add_matrices(get_matrix(diagonal, 9 * i), add_matrices(stiff, both)))
+        own = add_matrices(stiff, both)
+        put_matrix(diagonal, 9 * s, add_matrices(block, own))
+        put(w.move, s, add(force, add(air, pull)))
+        block, force = inertia(attempt, s + 1, x, w)
+        block, force = add_matrices(block, own), add(force, sub(air, pull))
+    put_matrix(diagonal, 9 * n, block)
+    put(w.move, n, force)
     if ground.has_ground(attempt.chain.parameters):
         add_ground(attempt, x, w)

@@ -35,22 +35,35 @@ C = np.array(  # c_ij
         (34.62605830930532, 15.30084976114473, 56.99955578662667, 18.40807009793095, -5.714285714285717),
     )
 )
-P = (  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 = v_4 + V_4
-    (0.75,),
-    (0.45775919837168977, 0.12387959918584487),
-    (0.6840395424985646, 0.003483796012626717, -0.2941996904581955),
-    (-1.150635276145604, -1.318155133423187, -5.061696550612639, -0.26550101102785023),
+
+
+def _by_stage(rows, first):
+    """Rows of factors of different lengths as one array, 0 elsewhere; first : stage of the first row."""
+    found = np.zeros((STAGES, STAGES))
+    for i, row in enumerate(rows, start=first):
+        found[i, : len(row)] = row
+    return found
+
+
+P = _by_stage(  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 = v_4 + V_4
+    (
+        (0.75,),
+        (0.45775919837168977, 0.12387959918584487),
+        (0.6840395424985646, 0.003483796012626717, -0.2941996904581955),
+        (-1.150635276145604, -1.318155133423187, -5.061696550612639, -0.26550101102785023),
+    ),
+    first=1,
 )
-R_BY_GAMMA = (  # R_ij/gamma of the stages 1 to 5
-    (0.0,),
-    (-0.36691199999999974, -0.056448),
-    (3.216965637533963, 1.3668989638916995, 3.706916099773243),
-    (7.743495620908387, 3.1987837164992916, 10.499408840403428, 2.478009436259934),
-    (0.0, 0.0, 0.0, 0.0, -0.42857142857142927),
+R_BY_GAMMA = _by_stage(  # R_ij/gamma of the stages 1 to 5
+    (
+        (0.0,),
+        (-0.36691199999999974, -0.056448),
+        (3.216965637533963, 1.3668989638916995, 3.706916099773243),
+        (7.743495620908387, 3.1987837164992916, 10.499408840403428, 2.478009436259934),
+        (0.0, 0.0, 0.0, 0.0, -0.42857142857142927),
+    ),
+    first=1,
 )
 ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))  # alpha_i: times of the stages
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))  # gamma_i: factors of df/dt
-
-# factors of V_j in v_i (stages 1 to 4) and in the inertia sum_j c_ij V_j + r_i/gamma (stages 1 to 5)
-A_ROWS = tuple(tuple(A[i, :i]) for i in range(1, STAGES - 1))
-INERTIA = tuple(tuple(c + r / GAMMA for c, r in zip(C[i], R_BY_GAMMA[i - 1], strict=False)) for i in range(1, STAGES))
+INERTIA = _by_stage(C, first=0) + R_BY_GAMMA / GAMMA  # factors of V_j in sum_j c_ij V_j + r_i/gamma

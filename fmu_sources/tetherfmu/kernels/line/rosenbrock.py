@@ -17,12 +17,13 @@ docs/models/numerics.md, "Rosenbrock step".
 from collections import namedtuple
 
 from ..arrays import behind, copy, shared_arrays, shared_size, split
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, winch
 from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import point_mass
+from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.both_ends import (
     deinterleave,
@@ -37,7 +38,7 @@ from ..linear_algebra.both_ends import (
 from ..linear_algebra.pairs import first, number_at, pair, second, select
 from ..linear_algebra.vectors import NEUTRAL_VECTOR, ZERO_VECTOR, add, add_scaled, get, put, scale, sub
 from . import contact
-from .rodas4p import A_ROWS, ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, P
+from .rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 
 Workspace = namedtuple(
     "Workspace",
@@ -163,35 +164,12 @@ def take_force_rate(conditions, time, w):
         put_interleaved(w.force_rate, k, sub(get_interleaved(w.force_rate, k), scale(rate, get_interleaved(w.force, k))))
 
 
-@kernel
-def add_up(start, factors, k, w):
-    """start + sum_j factors_j V_j of the nodes k and n - k, as pairs."""
-    for j in range(len(factors)):
-        start = add_scaled(start, factors[j], get_interleaved(w.velocities, STAGES * k + j))
+@view
+def add_up(start, factors, stage, k, w):
+    """start + sum_j factors[stage, j] V_j of the nodes k and n - k, as pairs."""
+    for j in range(stage):
+        start = add_scaled(start, factors[stage, j], get_interleaved(w.velocities, STAGES * k + j))
     return start
-
-
-@kernel
-def place_argument(in_position, in_velocity, alpha, h, w):
-    """x_i and v_i of a stage into w.stage_x, w.stage_v (modified): factors of V_j in both, alpha_i."""
-    for k in range(len(w.r) // 6):
-        start = get_interleaved(w.start_v, k)
-        put_interleaved(
-            w.stage_x, k, add_scaled(get_interleaved(w.start_x, k), h, add_up(scale(alpha, start), in_position, k, w))
-        )
-        put_interleaved(w.stage_v, k, add_up(start, in_velocity, k, w))
-
-
-@kernel
-def place_right(in_r, in_inertia, gamma, w):
-    """r_i and the inertia velocity of a stage into w.r, w.inertia_velocity (modified).
-
-    in_r, in_inertia : factors of V_j in both.  gamma : gamma_i/gamma of the stage.
-    """
-    for k in range(len(w.r) // 6):
-        start = scale(gamma, get_interleaved(w.start_v, k))
-        put_interleaved(w.r, k, add_up(start, in_r, k, w))
-        put_interleaved(w.inertia_velocity, k, add_up(scale(1.0 / GAMMA, start), in_inertia, k, w))
 
 
 @kernel
@@ -200,29 +178,15 @@ def combine(stage, h, w):
 
     The last stage finds its argument in w.stage_x, w.stage_v, where `add_stage` has put U of the one before.
     """
-    alpha = ALPHA[stage]
-    gamma = GAMMA_I[stage] / GAMMA
-    if stage == 0:
-        for k in range(len(w.r) // 6):
-            start = get_interleaved(w.start_v, k)
-            put_interleaved(w.stage_x, k, get_interleaved(w.start_x, k))
-            put_interleaved(w.stage_v, k, start)
-            put_interleaved(w.r, k, start)
-            put_interleaved(w.inertia_velocity, k, (start[0] / GAMMA, start[1] / GAMMA, start[2] / GAMMA))
-    elif stage == 1:
-        place_argument(P[0], A_ROWS[0], alpha, h, w)
-        place_right(R_BY_GAMMA[0], INERTIA[0], gamma, w)
-    elif stage == 2:
-        place_argument(P[1], A_ROWS[1], alpha, h, w)
-        place_right(R_BY_GAMMA[1], INERTIA[1], gamma, w)
-    elif stage == 3:
-        place_argument(P[2], A_ROWS[2], alpha, h, w)
-        place_right(R_BY_GAMMA[2], INERTIA[2], gamma, w)
-    elif stage == 4:
-        place_argument(P[3], A_ROWS[3], alpha, h, w)
-        place_right(R_BY_GAMMA[3], INERTIA[3], gamma, w)
-    else:
-        place_right(R_BY_GAMMA[4], INERTIA[4], gamma, w)
+    alpha, gamma = ALPHA[stage], GAMMA_I[stage] / GAMMA
+    for k in range(len(w.r) // 6):
+        start = get_interleaved(w.start_v, k)
+        if stage < STAGES - 1:
+            move = add_up(scale(alpha, start), P, stage, k, w)
+            put_interleaved(w.stage_x, k, add_scaled(get_interleaved(w.start_x, k), h, move))
+            put_interleaved(w.stage_v, k, add_up(start, A, stage, k, w))
+        put_interleaved(w.r, k, add_up(scale(gamma, start), R_BY_GAMMA, stage, k, w))
+        put_interleaved(w.inertia_velocity, k, add_up(scale(gamma / GAMMA, start), INERTIA, stage, k, w))
 
 
 @kernel

@@ -33,10 +33,11 @@ Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See
 from collections import namedtuple
 
 from ..arrays import behind, split
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import ground, node_loads, segment
 from ..equations.boundary import chain_during, load_during
 from ..equations.properties import rest_length
+from ..flat_arrays import part
 from ..linear_algebra.vectors import dot, get, norm, sub
 from . import backward_euler
 

@@ -7,56 +7,47 @@ A interleaved array holds the vectors of n + 1 nodes as pairs, those of node k a
 The node in the middle of an even n stands there twice. A flat array holds one vector after the other.
 """
 
-import numpy as np
-
 from ..compilation import kernel
 from .pairs import first, load_pair, pair, second, store_pair, swapped, unzip
-
-TWO, FOUR, SIX, EIGHT = np.uint64(2), np.uint64(4), np.uint64(6), np.uint64(8)
 
 
 @kernel
 def get_two(array, i, j):
     """Three-vectors number i and j of a flat array, as pairs."""
-    p = np.uint64(3 * i)
-    q = np.uint64(3 * j)
+    p, q = 3 * i, 3 * j
     x, y = unzip(load_pair(array, p), load_pair(array, q))
-    return x, y, pair(array[p + TWO], array[q + TWO])
+    return x, y, pair(array[p + 2], array[q + 2])
 
 
 @kernel
 def put_two(array, i, j, a):
     """Write a vector of pairs to the three-vectors number i and j of a flat array (modified)."""
-    p = np.uint64(3 * i)
-    q = np.uint64(3 * j)
+    p, q = 3 * i, 3 * j
     at_i, at_j = unzip(a[0], a[1])
     store_pair(array, p, at_i)
     store_pair(array, q, at_j)
-    array[p + TWO] = first(a[2])
-    array[q + TWO] = second(a[2])
+    array[p + 2] = first(a[2])
+    array[q + 2] = second(a[2])
 
 
 @kernel
 def get_vector_of_pairs(array, place):
     """Three-vector of pairs from a place of a flat array on."""
-    k = np.uint64(place)
-    return load_pair(array, k), load_pair(array, k + TWO), load_pair(array, k + np.uint64(4))
+    return load_pair(array, place), load_pair(array, place + 2), load_pair(array, place + 4)
 
 
 @kernel
 def get_matrix_of_pairs(array, place):
     """3x3 matrix of pairs, row by row, from a place of a flat array on."""
-    k = np.uint64(place)
-    rows = get_vector_of_pairs(array, k) + get_vector_of_pairs(array, k + np.uint64(6))
-    return rows + get_vector_of_pairs(array, k + np.uint64(12))
+    rows = get_vector_of_pairs(array, place) + get_vector_of_pairs(array, place + 6)
+    return rows + get_vector_of_pairs(array, place + 12)
 
 
 @kernel
 def put_pairs(array, place, pairs):
     """Write a tuple of pairs from a place of a flat array on (modified)."""
-    k = np.uint64(place)
     for i in range(len(pairs)):
-        store_pair(array, k + np.uint64(2 * i), pairs[i])
+        store_pair(array, place + 2 * i, pairs[i])
 
 
 @kernel
@@ -119,14 +110,12 @@ def deinterleave(n, interleaved, flat):
 @kernel
 def put_side_by_side(a, p, b, q, numbers):
     """Write a tuple of pairs: the first numbers to an array from place p on, the second ones to another (both modified)."""
-    p = np.uint64(p)
-    q = np.uint64(q)
     for k in range(0, len(numbers) - 1, 2):
         at_p, at_q = unzip(numbers[k], numbers[k + 1])
-        store_pair(a, p + np.uint64(k), at_p)
-        store_pair(b, q + np.uint64(k), at_q)
+        store_pair(a, p + k, at_p)
+        store_pair(b, q + k, at_q)
     if len(numbers) % 2 == 1:
-        last = np.uint64(len(numbers) - 1)
+        last = len(numbers) - 1
         a[p + last] = first(numbers[-1])
         b[q + last] = second(numbers[-1])
 
@@ -134,18 +123,17 @@ def put_side_by_side(a, p, b, q, numbers):
 @kernel
 def four_pairs(array, k):
     """Four pairs from place k of a flat array on."""
-    return load_pair(array, k), load_pair(array, k + TWO), load_pair(array, k + FOUR), load_pair(array, k + SIX)
+    return load_pair(array, k), load_pair(array, k + 2), load_pair(array, k + 4), load_pair(array, k + 6)
 
 
 @kernel
 def get_blocks(a, i, b, j):
     """Block i of an array and block j of another one, as pairs."""
-    p = np.uint64(9 * i)
-    q = np.uint64(9 * j)
+    p, q = 9 * i, 9 * j
     x = four_pairs(a, p)
     y = four_pairs(b, q)
     both = unzip(x[0], y[0]) + unzip(x[1], y[1]) + unzip(x[2], y[2]) + unzip(x[3], y[3])
-    return (*both, pair(a[p + EIGHT], b[q + EIGHT]))
+    return (*both, pair(a[p + 8], b[q + 8]))
 
 
 @kernel
@@ -154,18 +142,16 @@ def pack_blocks(a, i, b, j, m):
 
     The two numbers of the ninth pair stand at the ends of the blocks.
     """
-    p = np.uint64(9 * i)
-    q = np.uint64(9 * j)
+    p, q = 9 * i, 9 * j
     for k in range(4):
-        store_pair(a, p + np.uint64(2 * k), m[k])
-        store_pair(b, q + np.uint64(2 * k), m[k + 4])
-    a[p + EIGHT] = first(m[8])
-    b[q + EIGHT] = second(m[8])
+        store_pair(a, p + 2 * k, m[k])
+        store_pair(b, q + 2 * k, m[k + 4])
+    a[p + 8] = first(m[8])
+    b[q + 8] = second(m[8])
 
 
 @kernel
 def get_packed_blocks(a, i, b, j):
     """Matrix of pairs that `pack_blocks` wrote."""
-    p = np.uint64(9 * i)
-    q = np.uint64(9 * j)
-    return (*four_pairs(a, p), *four_pairs(b, q), pair(a[p + EIGHT], b[q + EIGHT]))
+    p, q = 9 * i, 9 * j
+    return (*four_pairs(a, p), *four_pairs(b, q), pair(a[p + 8], b[q + 8]))

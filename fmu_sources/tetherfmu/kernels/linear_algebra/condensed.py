@@ -18,7 +18,8 @@ meets no other one may be an inner row as well, and nothing is left of such a li
 
 from collections import namedtuple
 
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
+from ..flat_arrays import part
 from .block_tridiagonal import factorize, solve
 from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
 from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract

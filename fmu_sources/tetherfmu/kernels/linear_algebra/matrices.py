@@ -1,9 +1,7 @@
 """3x3 matrices as tuples of nine numbers, or pairs, row by row."""
 
-import numpy as np
-
 from ..compilation import kernel
-from .vectors import THREE, add, dot, neighbours, scale, sub
+from .vectors import add, dot, scale, sub, vector_at
 
 ZERO_MATRIX = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -12,16 +10,14 @@ IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 @kernel
 def get_matrix(array, first):
     """3x3 matrix, row by row, from place `first` of a flat array."""
-    k = np.uint64(first)
-    return neighbours(array, k) + neighbours(array, k + THREE) + neighbours(array, k + np.uint64(6))
+    return vector_at(array, first) + vector_at(array, first + 3) + vector_at(array, first + 6)
 
 
 @kernel
 def put_matrix(array, first, m):
     """Write a 3x3 matrix, row by row, to place `first` of a flat array (modified)."""
-    k = np.uint64(first)
     for i in range(9):
-        array[k + np.uint64(i)] = m[i]
+        array[first + i] = m[i]
 
 
 @kernel

@@ -10,7 +10,8 @@ Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 3.2.10 (block
 """
 
 from ..arrays import copy
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
+from ..flat_arrays import part
 from . import block_tridiagonal
 from .block_tridiagonal import inverse, is_regular, minus_product
 from .matrices import add_matrices, apply, get_matrix, multiply, put_matrix, subtract

@@ -2,41 +2,29 @@
 
 from math import sqrt
 
-import numpy as np
-
 from ..compilation import kernel
 
-ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 ZERO_VECTOR = (0.0, 0.0, 0.0)
 NEUTRAL = -0.0  # to add -0 changes nothing, not even the sign of a zero
 NEUTRAL_VECTOR = (NEUTRAL, NEUTRAL, NEUTRAL)
 
 
 @kernel
-def neighbours(array, k):
-    """Three-vector from place k (unsigned: numba then leaves out the look at negative places) of a flat array."""
-    return array[k], array[k + ONE], array[k + TWO]
-
-
-@kernel
 def get(array, index):
     """Three-vector number `index` of a flat array."""
-    return neighbours(array, np.uint64(3 * index))
+    return vector_at(array, 3 * index)
 
 
 @kernel
 def put(array, index, a):
     """Write three-vector number `index` of a flat array (modified)."""
-    k = np.uint64(3 * index)
-    array[k] = a[0]
-    array[k + ONE] = a[1]
-    array[k + TWO] = a[2]
+    put_at(array, 3 * index, a)
 
 
 @kernel
 def vector_at(array, first):
     """Three-vector from place `first` of a flat array."""
-    return neighbours(array, np.uint64(first))
+    return array[first], array[first + 1], array[first + 2]
 
 
 @kernel

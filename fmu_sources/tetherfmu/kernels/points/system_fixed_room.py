@@ -7,9 +7,10 @@ those of the state of its line.
 from collections import namedtuple
 
 from ..arrays import behind
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations.lines import CONDITIONS, conditions_of, lines_of, motion_of, room_of, segments_of
 from ..equations.winch import length_at, rate_at
+from ..flat_arrays import part
 from ..line import incremental_potential, second_order
 from ..line.drum_in_backward_euler import Trial
 from ..line.drum_step import chain_with

@@ -6,10 +6,11 @@ What a drum does in a step stands in `Room.numbers`, at the places below.
 from collections import namedtuple
 
 from ..arrays import behind, places_of
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.drum import HELD
 from ..equations.lines import CONDITIONS, conditions_of, lines_of, parameters_of, room_of, segments_of
+from ..flat_arrays import part
 from ..line import drum_step, rosenbrock
 from ..linear_algebra import condensed
 

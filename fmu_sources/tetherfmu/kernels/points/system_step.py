@@ -188,52 +188,20 @@ def end_stage(n, w, stage, h):
 
 
 @kernel
-def pass_line(system, k, stage, time, h, points):
-    """End the last stage of line k, and begin this one, up to its right-hand side in that of the points (modified)."""
-    conditions, room = conditions_in_step(system, k), integrator_of(system, k)
-    if stage > 0:
-        expand_line(system, k, conditions.n, room, points)
-        end_stage(conditions.n, room.w, stage - 1, h)
-    start_stage(conditions, room.w, stage, time, h)
-    reduce_line(system, k, conditions, room.w, stage, h, points)
-
-
-@kernel
 def solve_stages(system, time, h):
-    """All stages of lines whose lengths do not change; False if the matrix of the points is singular.
+    """All stages; False if the matrix of the points is singular or a drum has no length.
 
-    No line waits for another one but for the solution of the points: each stage goes over the lines once.
+    Where lines reel, the masses of the points at a stage are known once all lines have begun it, and so are the forces.
     """
-    points = points_of(system)
-    if not factorize(system, time, h):
-        return False
-    for stage in range(STAGES):
-        place_loads(system, stage, False, time, h, points)
-        for k in range(lines_of(system)):
-            if moves(system, k):
-                pass_line(system, k, stage, time, h, points)
-        solve_points(system, points)
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            n, room = segments_of(system, k), integrator_of(system, k)
-            expand_line(system, k, n, room, points)
-            end_stage(n, room.w, STAGES - 1, h)
-    return True
-
-
-@kernel
-def solve_stages_in_turn(system, time, h):
-    """All stages where lines reel: False if the matrix of the points is singular or a drum has no length.
-
-    The masses of the points at a stage are known once all lines have begun it, and so are forces, for drums that turn.
-    """
+    reels = is_any_reeling(system)
     for stage in range(STAGES):
         if not start_stages(system, stage, time, h):
             return False
-        stage_masses(system, stage)
+        if reels:
+            stage_masses(system, stage)
         if stage == 0 and not factorize(system, time, h):
             return False
-        solve_stage(system, stage, time, h)
+        solve_stage(system, stage, reels, time, h)
     return True
 
 
@@ -291,10 +259,10 @@ def stage_masses(system, stage):
 
 
 @kernel
-def solve_stage(system, stage, time, h):
-    """Solve a stage of all lines whose forces are known, in a system that reels; the velocities go to their places."""
+def solve_stage(system, stage, reels, time, h):
+    """Solve a stage of all lines whose forces are known; velocities go to their places. reels : whether any line does."""
     points = points_of(system)
-    place_loads(system, stage, True, time, h, points)
+    place_loads(system, stage, reels, time, h, points)
     for k in range(lines_of(system)):
         if turns(system, k):
             system_drums.reduce_line_with_drum(system, k, stage, time, h, points)
@@ -317,12 +285,7 @@ def step(system, time, h):
     The results stand in the scratch space of the lines: x and v, with their error estimates U_x/d in q and U_v in
     velocity_error.
     """
-    if not prepare(system, time, h):
-        return False
-    if is_any_reeling(system):
-        if not solve_stages_in_turn(system, time, h):
-            return False
-    elif not solve_stages(system, time, h):
+    if not prepare(system, time, h) or not solve_stages(system, time, h):
         return False
     for k in range(lines_of(system)):
         if moves(system, k):

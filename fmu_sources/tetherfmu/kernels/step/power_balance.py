@@ -4,13 +4,14 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import copy, positions_and_velocities, shared_arrays
-from ..compilation import kernel, part
+from ..compilation import kernel
 from ..equations import node_loads, segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.boundary import wind_of
 from ..equations.drum import drum_of
 from ..equations.properties import chain_at, point_mass, rest_length
 from ..equations.winch import follows_force
+from ..flat_arrays import part
 from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
 
 # the fields of `tetherfmu.energy.Energy`, in their order; behind them the tensions of the segments [N], then the velocities

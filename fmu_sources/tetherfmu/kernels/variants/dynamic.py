@@ -7,11 +7,12 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations.boundary import conditions_of_chain
 from ..equations.lines import System, store_conditions
 from ..equations.plan import OneLine
 from ..equations.properties import chain_of
+from ..flat_arrays import part
 from ..motion import iteration_limit
 from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_kite

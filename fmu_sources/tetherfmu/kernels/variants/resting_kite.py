@@ -5,10 +5,11 @@ from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_KITE, OK
 
 from ..arrays import behind, copy, outputs_size, positions_and_velocities
-from ..compilation import kernel, part
+from ..compilation import kernel
 from ..equations.lines import System, points_size
+from ..flat_arrays import part
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, put_at, vector_at
-from . import resting_line, resting_points
+from . import resting_forces, resting_line, resting_points
 
 PLAN = places.plan_size(1)
 INPUTS = places.inputs_size(1, 1)
@@ -25,7 +26,7 @@ def line_work_size(n):
 @kernel
 def points_work_size():
     """Length of what the point needs of `work`."""
-    return points_size(1, BAND) + resting_points.search_size(1, BAND)
+    return points_size(1, BAND) + resting_forces.search_size(1, BAND)
 
 
 @kernel

@@ -9,7 +9,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import OK
 
-from ..compilation import kernel, part, view
+from ..compilation import kernel, view
 from ..equations import assembly, segment
 from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
@@ -30,6 +30,7 @@ from ..equations.lines import (
 from ..equations.properties import chain_of, property_of
 from ..equilibrium import end_tensions, newton
 from ..equilibrium.rigid_body import Body
+from ..flat_arrays import part
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.points import add_block, place_in

@@ -21,7 +21,6 @@ then it is sought without friction, and from there with it.
 Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
 """
 
-from collections import namedtuple
 from math import inf
 
 import numpy as np
@@ -30,45 +29,29 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN, OK
 
-from ..arrays import behind, copy, split
-from ..compilation import kernel, part, view
+from ..arrays import copy
+from ..compilation import kernel
 from ..equations.ground import has_ground
 from ..equations.lines import (
-    add_at,
     band_of,
-    clear,
     free_points,
     inputs_of,
     lines_of,
     parameters_of,
     point_at,
     points_of,
-    points_size,
     segments_of,
     state_of,
 )
-from ..equilibrium.rigid_body import GIVE
-from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, row_size, solve_band
-from ..linear_algebra.vectors import dot, get, norm, put, put_at
+from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, solve_band
+from ..linear_algebra.vectors import dot, get, norm, put_at
 from ..step import transaction
+from .resting_forces import find_residual, find_slopes, largest_residual, least_balanced, search_of
 from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, set_off, shortest_line
-from .resting_line import (
-    add_slopes,
-    add_support,
-    count_sought,
-    fill_others,
-    first_sought,
-    force_at,
-    is_any_sought,
-    is_sought,
-    rest_line,
-    rounding_at,
-)
+from .resting_line import count_sought, first_sought, is_any_sought, is_sought
 
 ITERATIONS = 300
 BUDGET = 150000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
-ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
-ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
 STALLED = 0.5  # residual over that of the iteration before, above which it stalls
 HARDER, SOFTER = 2.0, 0.2  # factor of the damping after a part of a move; after a whole one
 LARGEST_DAMPING = 60  # doublings of the damping
@@ -80,126 +63,6 @@ SLIDE_PART = 0.5  # the same without friction
 ALONG, SLOWLY, SLIDING, WAYS = 0, 1, 2, 3  # ways to search
 AIR = np.array((0.0, 0.25, 0.5, 0.75, 1.0))  # density over the given one, from one equilibrium to the next
 DENSEST = 0.25  # of these, in which the first equilibrium is sought
-
-Search = namedtuple("Search", "slopes factors x trial residual held move outer size rounding grip spent slides kept")
-Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
-
-slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
-residual : R [N], m, without friction if the points slide.  held : R with friction [N], m.  move : dX [m], m.
-outer : load and weight of the points [N], m.
-size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
-grip : friction of the ground at the points [N], F.  spent : Newton iterations for the shapes of all lines, one number.
-slides : 1 in a search without friction, else 0.  kept : an equilibrium to continue from [m], m.
-"""
-
-
-@kernel
-def search_size(points, band):
-    """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 24 * points + 2
-
-
-@view
-def search_of(system):
-    """`Search` of a system, behind its `Points`."""
-    count, band = free_points(system), band_of(system)
-    room = behind(int(system.plan[places.POINTS_WORK]) + points_size(count, band), system.work)
-    m = 3 * count
-    size = m * row_size(band)
-    slopes, factors, room = part(room, 0, size), part(room, size, size), behind(2 * size, room)
-    x, trial, residual, room = split(m, room)
-    held, move, outer, room = split(m, room)
-    sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    numbers, kept = (part(room, 3 * count, 1), part(room, 3 * count + 1, 1)), part(room, 3 * count + 2, m)
-    return Search(slopes, factors, x, trial, residual, held, move, outer, *sizes, *numbers, kept)
-
-
-# --- all of them
-
-
-@kernel
-def find_residual(system, x, search):
-    """R and its sizes with the sought points at x [m] into `search` (modified); False if a line has no equilibrium."""
-    copy(search.outer, search.residual)
-    clear(search.rounding)
-    clear(search.grip)
-    for point in range(free_points(system)):
-        search.size[point] = norm(get(search.outer, point))
-    for k in range(lines_of(system)):
-        if is_any_sought(system, k):
-            status = rest_line(system, k, x)
-            search.spent[0] += state_of(system, k)[at.ITERATIONS]
-            if status != OK:
-                return False
-            both = norm(force_at(system, k, 0)) + norm(force_at(system, k, 1))
-            for end in range(2):
-                if is_sought(system, k, end):
-                    point = point_at(system, k, end)
-                    add_at(search.residual, point, force_at(system, k, end))
-                    search.size[point] += both
-                    search.rounding[point] += rounding_at(system, k, end)
-                    add_support(system, k, end, search)
-    for point in range(free_points(system)):
-        hold(point, search)
-    if search.slides[0] == 0.0:
-        copy(search.held, search.residual)
-    return True
-
-
-@kernel
-def hold(point, search):
-    """R of a point without what friction holds, into `search` (modified)."""
-    x, y, z = get(search.residual, point)
-    sideways = norm((x, y, 0.0))
-    left = 1.0 - search.grip[point] / sideways if sideways > search.grip[point] else 0.0
-    put(search.held, point, (left * x, left * y, z) if search.grip[point] > 0.0 else (x, y, z))
-
-
-@kernel
-def find_slopes(system, search):
-    """S [N/m] into `search` (modified), where the lines are after `find_residual`; False if a line is singular."""
-    clear(search.slopes)
-    for k in range(lines_of(system)):
-        if is_any_sought(system, k) and not add_slopes(system, k, search):
-            return False
-    fill_others(system, search.slopes)
-    for point in range(free_points(system)):
-        x, y, _ = get(search.residual, point)
-        if search.grip[point] > 0.0 and x == 0.0 and y == 0.0:
-            for axis in range(2):
-                place = place_in(band_of(system), 3 * point + axis, 3 * point + axis)
-                search.slopes[place] += search.grip[point] / GIVE
-    return True
-
-
-@kernel
-def largest_residual(search):
-    """Largest residual of a point [N]."""
-    largest = 0.0
-    for point in range(len(search.size)):
-        largest = max(largest, norm(get(search.residual, point)))
-    return largest
-
-
-@kernel
-def least_balanced(stalled, search):
-    """Number of the point that is farthest from its balance, and its residual over what is as good as zero.
-
-    stalled : whether the residual falls no more.
-    """
-    worst, most = 0, 0.0
-    for point in range(len(search.size)):
-        allowed = ACCURATE * search.size[point]
-        if stalled:
-            allowed = BALANCED * search.size[point] + ROUNDED * search.rounding[point]
-        residual = norm(get(search.held, point))
-        over = residual / allowed if residual > 0.0 else 0.0
-        if not over <= most:
-            worst, most = point, over
-    return worst, most
-
-
-# --- the search
 
 
 @kernel

@@ -8,7 +8,7 @@ from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
-from ..compilation import kernel, part
+from ..compilation import kernel
 from ..equations.boundary import conditions_of_chain, inputs_of_step
 from ..equations.lines import (
     System,
@@ -28,13 +28,14 @@ from ..equations.lines import (
     take_load_rates,
 )
 from ..equations.properties import chain_of
+from ..flat_arrays import part
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_fixed_room
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_damping_of_steps
-from . import dynamic_chain, moving_lines, resting_line, resting_points
+from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
 
 # --- the plan
 
@@ -63,7 +64,7 @@ def complete_plan(plan):
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.POINTS_WORK] = work
     points, band = plan[places.FREE_POINTS], plan[places.BAND]
-    work += points_size(points, band) + resting_points.search_size(points, band)
+    work += points_size(points, band) + resting_forces.search_size(points, band)
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
     plan[places.INPUTS_SIZE] = at.INPUTS * plan[places.LINES] + 3 * plan[places.FREE_POINTS]
