@@ -13,10 +13,11 @@ import operator
 from math import sqrt
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
+from ..compilation import kernel
 from ..flat_arrays import fields
 
 _TWO_DOUBLES = ir.VectorType(ir.DoubleType(), 2)
@@ -266,7 +267,7 @@ def lanewise(function):
 
     It returns a tuple of numbers, and for a pair a tuple of pairs.
     """
-    of_number = njit(error_model="numpy")(function)
+    of_number = kernel(function)
 
     @overload(function)
     def overloaded(number, array):
