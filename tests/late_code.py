@@ -40,9 +40,8 @@ def make_code_late():
     """Change numba in this process, before it compiles any kernel."""
     rtsys.initialize(registry.cpu_target.target_context)
     rtsys.library._ensure_finalized()  # numba's own functions are compiled as ever
-    keep_texts()
+    keep_texts().get_pointer_to_function = _get_pointer_to_function
     NRTContext.incref = NRTContext.decref = lambda self, builder, kind, value: None
-    codegen.JITCodeLibrary.get_pointer_to_function = _get_pointer_to_function
     codegen.JITCPUCodegen.set_env = _where_code_is(codegen.JITCPUCodegen.set_env)
     cpu.CPUContext.create_cpython_wrapper = _where_python_calls(cpu.CPUContext.create_cpython_wrapper)
     ccallback.CFunc.address = property(_address)

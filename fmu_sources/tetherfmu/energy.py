@@ -48,8 +48,8 @@ class Energy:
     drag_loss : float
         Heat in the air, drag force . (wind - tether velocity); at least 0.
     drum : float
-        Kinetic energy of a drum that is told a force. This and the following are no part of `total` and `power`, and 0 of
-        any other winch.
+        Kinetic energy of a drum that is controlled by force. This and the following are no part of `total` and `power`,
+        and 0 of any other winch.
     drum_power : float
         What the tension of the first segment puts into the drum, tension . speed.
     motor_power : float
@@ -184,6 +184,6 @@ class EnergyAudit:
 
     @property
     def drum_residual(self) -> float:
-        """The same of the drum of a winch that is told a force [J]: what its powers do not explain."""
+        """The same of the drum of a winch that is controlled by force [J]: what its powers do not explain."""
         gains = self.work["drum_power"] + self.work["motor_power"] - self.work["friction_loss"]
         return self.now.drum - self.start.drum - gains

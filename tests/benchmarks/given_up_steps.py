@@ -16,7 +16,7 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import COARSE_WORK
 from tetherfmu.runtime.plausibility import UNRESOLVED, kinds
-from tetherfmu.study.stability.flight import model_of, told
+from tetherfmu.study.stability.flight import model_of, winch_input
 from tetherfmu.study.stability.points import CALLS, kite, point
 
 
@@ -25,7 +25,7 @@ def inputs(p, start, time):
     position, velocity = kite(p, time)
     wind = p.wind * np.array((np.cos(p.wind_azimuth), np.sin(p.wind_azimuth), 0.0))
     given = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
-    return given | {"reel_out_speed": p.reel_out_speed} | told(p, start, time)
+    return given | {"reel_out_speed": p.reel_out_speed} | winch_input(p, start, time)
 
 
 def first_given_up(p):

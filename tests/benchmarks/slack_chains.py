@@ -41,7 +41,7 @@ def main():
     parser.add_argument("--segments", type=int, nargs="+", default=[20, 60, 120, 300])
     warnings.simplefilter("ignore")
     for segments in parser.parse_args().segments:
-        for kind in winch_evidence.TOLD:
+        for kind in winch_evidence.GIVEN:
             x, tension = flight(kind, segments, FINEST)
             elsewhere, _ = flight(kind, segments, FINEST, MOVED)
             print(f"{segments} segments, by {kind}: {np.abs(elsewhere - x).max() / MOVED:.2g} times as far apart")

@@ -38,7 +38,7 @@ def columns(text):
 def test_files_obey_the_rules_of_the_cross_check(fmu_folder, name):
     """Names, at most 10 outputs, quoted names in the first line, time first and rising, below 1 MB, all inputs, options."""
     found = files(fmu_folder / f"{name}.fmu")
-    kinds = [name, *(f"{name}_{kind}" for kind in winch_evidence.TOLD)]
+    kinds = [name, *(f"{name}_{kind}" for kind in winch_evidence.GIVEN)]
     assert sorted(found) == sorted(["README.txt", *(f"{each}_{end}" for each in kinds for end in ENDS)])
     variables = {each.name: each for each in read_model_description(str(fmu_folder / f"{name}.fmu")).modelVariables}
     for kind in kinds:
@@ -132,7 +132,7 @@ def test_digits_hide_the_last_bit_of_a_zero():
     assert evidence.text_of(123.456789012, 8) == "123.45679"
 
 
-@pytest.mark.parametrize("kind", list(winch_evidence.TOLD))
+@pytest.mark.parametrize("kind", list(winch_evidence.GIVEN))
 @dynamic
 def test_the_reference_of_a_winch_is_far_better_than_what_is_allowed(model, kind):
     """A tolerance ten times tighter moves it by less than 1e-2 of the allowed deviation, the drum's stops included."""

@@ -1,6 +1,6 @@
 """The folder `sources` of a native FMU: the C shell and the kernels as C, to be compiled for any processor.
 
-One file, `fmu.c`, takes in all others, so that a compiler needs to be told no more than its name.
+One file, `fmu.c`, takes in all others, so that a compiler needs no more than its name.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""Evidence sets of the winch inside a tether, beside the one of `evidence.py` in which it is told a speed.
+"""Evidence sets of the winch inside a tether, controlled by force or length; `evidence.py` has the set with a speed.
 
     force    A drum with mass and dry friction. It holds still until its force exceeds the friction, breaks away, reels the
              tether taut, lets it go as the force falls, and is stopped at `longest_length` with the tether slack.
@@ -27,7 +27,7 @@ TOLERANCE, REFERENCE_TOLERANCE = 1e-6, 1e-8  # of the run: a drum remembers when
 # many, waves in the slack tether are so short that it leaves 1 to 6 %.
 SEGMENTS = range(2, 41)
 RECORDED = ("ground_tension", "kite_tension", "tether_length", "winch_speed")
-TOLD = {"force": "winch_force", "length": "winch_length"}  # kind of set: the input that changes
+GIVEN = {"force": "winch_force", "length": "winch_length"}  # kind of set: the input that changes
 
 # of the drum, in the weight of the tether, and its pull over time: stuck, taut, slack
 _MASS, _FRICTION, _STOP = 5.0, 0.5, 1.001  # [-], [-], [-] of `initial_length`
@@ -64,7 +64,7 @@ def length_at(time, first):
 
 
 def winch_set(kind, model, tether):
-    """`WinchSet` of a kind, a key of `TOLD`, for a class of the Python API and the `Tether` of the start values."""
+    """`WinchSet` of a kind, a key of `GIVEN`, for a class of the Python API and the `Tether` of the start values."""
     weight, load = weight_of(tether), {}
     mass, friction, stop = rounded(
         (_MASS * weight / Environment().gravity, _FRICTION * weight, _STOP * tether.initial_length)
@@ -74,8 +74,10 @@ def winch_set(kind, model, tether):
         winch = Winch(winch_control=kind, winch_mass=mass, winch_friction=friction, longest_length=stop)
     if BY_NAME[model.variant].kite_is_free:
         load = {"kite_load": _load_on(weight)}
-    told = (lambda time: pull_at(time, weight)) if kind == "force" else (lambda time: length_at(time, tether.initial_length))
-    return WinchSet(winch, [{TOLD[kind]: rounded(told(k * STEP)), **load} for k in range(STEPS + 1)])
+    value_at = (
+        (lambda time: pull_at(time, weight)) if kind == "force" else (lambda time: length_at(time, tether.initial_length))
+    )
+    return WinchSet(winch, [{GIVEN[kind]: rounded(value_at(k * STEP)), **load} for k in range(STEPS + 1)])
 
 
 def _load_on(weight):
@@ -95,7 +97,7 @@ def files(name, tether, arrays=False):
     if BY_NAME[model.variant].has_waves and tether.segments not in SEGMENTS:
         return texts, options
     of_inputs = names_of(variables(model.variant, 0), INPUT)
-    for kind in TOLD:
+    for kind in GIVEN:
         given = winch_set(kind, model, tether)
         inputs = [each for each in of_inputs if each.partition("[")[0] in given.scene[0]]
         rows = reference(model, tether, given)

@@ -9,6 +9,7 @@ from llvmlite import ir
 from numba import cfunc, njit, types
 from numba.core import cgutils
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.targetconfig import ConfigStack
 from numba.extending import intrinsic, overload
 
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}  # which `entry_point` has all the same
@@ -33,7 +34,13 @@ class KernelCompiler(CompilerBase):
     """numba's compiler without the passes that change nothing in a kernel: an eighth of the time."""
 
     def define_pipelines(self):
-        """Passes of numba, in a list of one pipeline."""
+        """Passes of numba, in a list of one pipeline.
+
+        What a kernel calls inherits options that it does not set from its first caller, and an overload, such as `max`, is
+        compiled for each set of options that its callers have. That a `view` is inlined is hidden from what it calls, so
+        that the code of a function does not depend on what was compiled before.
+        """
+        ConfigStack.top_or_none().forceinline = False
         pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
         pipeline.passes = [each for each in pipeline.passes if each[0].__name__ not in WITHOUT]
         pipeline.finalize()

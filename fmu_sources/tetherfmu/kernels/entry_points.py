@@ -100,7 +100,7 @@ def entry_points(variant):
         return status
 
     def segments(tethers, quantities):
-        """Number of segments of tethers in series with these quantities, see `packing`; 0 if it cannot be told."""
+        """Number of segments of tethers in series with these quantities, see `packing`; 0 if it is unknown."""
         return packing.count_segments(tethers, flat(quantities, packing.count_of_quantities(tethers, 0)), has_nodes)
 
     def pack(tethers, kites, quantities, tolerance, parameters):

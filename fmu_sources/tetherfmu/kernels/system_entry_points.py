@@ -68,7 +68,7 @@ def system_at(plan, parameters, inputs, state, work):
 
 
 def segments(tethers, quantities):
-    """Number of segments of a line of tethers in series with these quantities, see `packing`; 0 if it cannot be told."""
+    """Number of segments of a line of tethers in series with these quantities, see `packing`; 0 if it is unknown."""
     return packing.count_segments(tethers, flat(quantities, packing.count_of_quantities(tethers, 0)), True)
 
 

@@ -1,11 +1,21 @@
-"""The intermediate code of the entry points: numba's own way, and a fast one that changes numba's internals.
+"""The intermediate code of the entry points: numba's own way, and a fast one, `write_only`, that replaces numba's internals.
 
-numba's own way optimizes each function with all that it calls, makes machine code of it, and does that again for its caller:
-two thirds of the time. The fast way keeps the text of each function, written once; all texts are linked and optimized once
-at the end (`ahead_of_time.py`). Both are for a process of their own: nothing that is compiled there can be called.
+By default numba makes machine code of each function as soon as it is compiled, since Python may call it at once: it links
+the function with copies of all that it calls and optimizes the whole, and does that again for each caller. That is two
+thirds of the time, and none of it is used: Python calls none of these functions, and `ahead_of_time.py` links and optimizes
+all of them once, at the end. The fast way replaces
 
-Source of the internals: `codegen`, `cpu`, `types.functions` and `typing.templates` of numba.core, of
-the versions in `ready.TESTED`.
+- `JITCPUCodegen._library_class`, what a function is compiled to: it keeps the text of the function and remembers what that
+  calls, and links, optimizes and compiles nothing;
+- `JITCPUCodegen.set_env`, which writes an address into machine code: there is none;
+- `Function.get_call_type`: numba works out anew at each place what an operator or function of plain numbers returns; asking
+  once saves a fifth of the time.
+
+It also stops the garbage collector, as nearly all objects live until the end.
+
+Both ways are for a process of their own: nothing that is compiled there can be called. The internals are those of
+numba.core, `codegen` and `types.functions`, of the versions in `ready.TESTED`. `compilation.KernelCompiler` sees to it that
+the code of a function does not depend on what was compiled before.
 """
 
 import gc
@@ -27,79 +37,39 @@ def write_only():
     from numba.core import codegen
 
     keep_texts()
-    library = codegen.JITCodeLibrary
-    library.enable_object_caching = lambda self: None
-    library.get_pointer_to_function = lambda self, name: 0
     codegen.JITCPUCodegen.set_env = lambda self, name, environment: None
-    gc.disable()  # nearly all lives until the end
+    gc.disable()
 
 
 def keep_texts():
-    """Let the libraries of numba in this process keep the text of their functions, and nothing else, until it is linked."""
-    from numba.core import cgutils, codegen
-
-    def start(self, owner, name):
-        codegen.CodeLibrary.__init__(self, owner, name)
-        self._linking_libraries = []
-        self.texts = []
-
-    def add_ir_module(self, module):
-        self.texts.append(cgutils.normalize_ir_text(str(module)))
-
-    def finalize(self):
-        self._finalized = True
-
-    library = codegen.JITCodeLibrary
-    library.__init__ = start
-    library.add_ir_module = add_ir_module
-    library.finalize = finalize
-    _remember_operators()
-    _forget_callers()
-
-
-def _forget_callers():
-    """Let the code of a function not depend on its first caller, and so on what was compiled before.
-
-    numba inlines a function by force if its first caller is inlined so, and compiles an overload, such as `min`, once for
-    each set of flags that its callers have; all of them then call the latest.
-    """
-    from numba.core.cpu import CPUTargetOptions
-    from numba.core.typing.templates import _OverloadFunctionTemplate
-
-    finalize = CPUTargetOptions.finalize
-
-    def finalize_alone(self, flags, options):
-        if not flags.is_set("forceinline"):
-            flags.forceinline = False
-        finalize(self, flags, options)
-
-    def get_impl(self, args, kws):
-        key = self.context, tuple(args), tuple(kws.items())
-        return self._impl_cache[key] if key in self._impl_cache else self._build_impl(key, args, kws)
-
-    CPUTargetOptions.finalize = finalize_alone
-    _OverloadFunctionTemplate._get_impl = get_impl
-
-
-def _remember_operators():
-    """Ask numba once, not each time, what an operator or function of plain numbers returns: a fifth of the time."""
-    from numba.core import types
+    """Let numba in this process keep the texts of functions; returns the class of its libraries, which have no addresses."""
+    from numba.core import cgutils, codegen, types
     from numba.core.types.functions import Function
 
-    ask, known = Function.get_call_type, {}
+    class Library(codegen.JITCodeLibrary):
+        def __init__(self, owner, name):
+            codegen.CodeLibrary.__init__(self, owner, name)
+            self._linking_libraries, self.texts = [], []
 
-    def is_plain(kind):
-        return isinstance(kind, types.Number | types.Boolean) and not isinstance(kind, types.Literal)
+        def add_ir_module(self, module):
+            self.texts.append(cgutils.normalize_ir_text(str(module)))
+
+        def finalize(self):
+            self._finalized = True
+
+        def get_pointer_to_function(self, name):
+            return 0
+
+    ask = Function.get_call_type
+    known = cache(lambda function, context, args: ask(function, context, args, {}))
 
     def get_call_type(self, context, args, kws):
-        if kws or not all(map(is_plain, args)):
-            return ask(self, context, args, kws)
-        key = (self, tuple(args))
-        if key not in known:
-            known[key] = ask(self, context, args, kws)
-        return known[key]
+        plain = (isinstance(each, types.Number | types.Boolean) and not isinstance(each, types.Literal) for each in args)
+        return ask(self, context, args, kws) if kws or not all(plain) else known(self, context, tuple(args))
 
+    codegen.JITCPUCodegen._library_class = Library
     Function.get_call_type = get_call_type
+    return Library
 
 
 def code_of(variant, fast):
@@ -119,11 +89,11 @@ def texts_below(library):
     """Texts of a library of numba and of all that it calls, callees first; without those of numba's own runtime."""
     from numba.core.runtime.nrt import rtsys
 
-    seen, found = {id(rtsys._library)}, []
+    seen, found = {rtsys._library}, []
 
     def visit(each):
-        if id(each) not in seen:
-            seen.add(id(each))
+        if each not in seen:
+            seen.add(each)
             for callee in each._linking_libraries:
                 visit(callee)
             found.extend(each.texts)

@@ -27,14 +27,14 @@ FINEST = PARTS**2  # parts of the finest kind in a step
 WORST_SUBDIVIDED = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # iterations of a step and of all its parts
 STAGES = 3  # of a step of order 2
 WORST_WORK = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED  # factorizations for one fixed step: of stages that were left, too
-# the same of a chain with the drum of a winch that is told a force: where the finest parts do not converge with it, the
-# chain takes them alone, see `kernels/line/drum_in_backward_euler.py`
+# the same of a chain with the drum of a winch that is controlled by force: where the finest parts do not converge with it,
+# the chain takes them alone, see `kernels/line/drum_in_backward_euler.py`
 WORST_SUBDIVIDED_WITH_DRUM = WORST_SUBDIVIDED + LAST_ITERATIONS * FINEST
 WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED_WITH_DRUM
 
 
 def most_of_a_step(has_one_stage, has_drum):
-    """Factorizations at most [-] for one fixed step: of backward Euler alone or not, with a winch told a force or not."""
+    """Factorizations at most [-] for one fixed step: of backward Euler alone or not, with a drum or not."""
     if has_one_stage:
         return WORST_SUBDIVIDED_WITH_DRUM if has_drum else WORST_SUBDIVIDED
     return WORST_WORK_WITH_DRUM if has_drum else WORST_WORK

@@ -97,7 +97,7 @@ class Line:
     reel_out_speed : float
         Rate of the unstretched length [m/s] at the start; positive pays out.
     winch : Winch
-        What the winch at the start of the line is told, and its drum.
+        How the winch at the start of the line is controlled, and its drum.
 
     Examples
     --------

@@ -136,11 +136,11 @@ class TetherSystem:
         loads : dict of str to (3,) array
             External force [N] on free points; 0 where none is given.
         reel_out_speeds : dict of str to float
-            Other reel-out speeds [m/s] of lines than those of their records; winches that are told a force or a length start
-            with them.
+            Other reel-out speeds [m/s] of lines than those of their records; winches that are controlled by force or
+            length start with them.
         winch_forces, winch_lengths : dict of str to float
             Forces [N] with which winches pull, from the first step on, and unstretched lengths [m] that they have paid out,
-            of lines that are told these (`Winch.winch_control`); 0 where none is given: a length of 0 is `initial_length`.
+            of lines with this `Winch.winch_control`; 0 where none is given: a length of 0 is `initial_length`.
 
         Returns
         -------
@@ -200,8 +200,8 @@ class TetherSystem:
         wind_velocity : (3,) array
             Wind [m/s] at `wind_reference_height`.
         winch_forces, winch_lengths : dict of str to float
-            Of lines whose winches are told these, by name: forces with which they pull [N], unstretched lengths that they
-            should have paid out [m].
+            Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], unstretched lengths that
+            they should have paid out [m].
 
         Returns
         -------

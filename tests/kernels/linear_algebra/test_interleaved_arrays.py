@@ -8,7 +8,7 @@ from kernels.interleaved import interleaved
 from tetherfmu.kernels.arrays import copy
 from tetherfmu.kernels.flat_arrays import part
 from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, next_interleaved
-from tetherfmu.kernels.linear_algebra.pairs import first, larger, pair, second
+from tetherfmu.kernels.linear_algebra.pairs import first, pair, second
 from tetherfmu.kernels.step.transaction import check_state
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, STATE_NOT_FINITE
@@ -23,14 +23,14 @@ def vectors_of_next(n, k, array):
 
 
 @njit
-def larger_of_pairs(a, b):
-    found = larger(pair(a[0], a[1]), pair(b[0], b[1]))
+def max_of_pairs(a, b):
+    found = max(pair(a[0], a[1]), pair(b[0], b[1]))
     return first(found), second(found)
 
 
 @njit
-def larger_numbers(a, b):
-    return larger(a[0], b[0]), larger(a[1], b[1])
+def max_of_numbers(a, b):
+    return max(a[0], b[0]), max(a[1], b[1])
 
 
 @njit
@@ -65,11 +65,11 @@ def test_the_next_vectors_towards_the_middle_and_one_beyond(n):
         np.testing.assert_array_equal(vectors_of_next(n, k, interleaved(flat(n))), (nodes[k + 1], nodes[n - k - 1]))
 
 
-@pytest.mark.parametrize("function", [larger_of_pairs, larger_numbers])
-def test_the_larger_number_and_the_second_one_beside_a_nan(function):
-    """As `select(a - b, a, b)`, also for what is no number."""
-    assert function((1.0, -2.0), (0.5, 3.0)) == (1.0, 3.0)
-    assert function((np.nan, np.inf), (0.5, 3.0)) == (0.5, np.inf)
+@pytest.mark.parametrize("function", [max_of_pairs, max_of_numbers])
+def test_max_takes_the_first_number_beside_a_nan(function):
+    """As `max` of Python, in pairs and of numbers."""
+    for a, b in (((1.0, -2.0), (0.5, 3.0)), ((np.nan, np.inf), (0.5, 3.0)), ((0.5, 3.0), (np.nan, np.inf))):
+        np.testing.assert_array_equal(function(a, b), tuple(map(max, a, b)))
 
 
 def test_a_part_is_a_view():

@@ -93,7 +93,14 @@ def found_segment(segments, s):
 
 @kernel
 def node_forces(chain, modes, x, v, mass, segments, force):
-    """Forces of tension, drag and loads on all nodes [N] into `force` (modified), from both ends at once.
+    """Forces of tension, drag and loads on all nodes [N] into `force` (modified).
+
+        F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i
+
+    `motion.accelerations` has this sum in plain lines. Here the loop goes from both ends inwards: it takes segment s and its
+    mirror image n - 1 - s, node s and node n - s, side by side as pairs of numbers, because the processor calculates with
+    both numbers of a pair at once (`linear_algebra.pairs`). In both halves p is the outer node, q the inner one, and e
+    points from p to q. A segment looks the same from both sides: p feels T e + F, q feels -T e + F.
 
     Mode of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
     [kg]. x, v and force are interleaved; `segments` is modified, see `find_segments`.
@@ -107,30 +114,30 @@ def node_forces(chain, modes, x, v, mass, segments, force):
 
 @view
 def sum_forces(chain, in_air, modes, x, v, mass, segments, force):
-    """What `node_forces` does once `segments` are found.
+    """The loop of `node_forces` once `segments` are found.
 
     in_air : `has_drag`, as a constant: the loop is compiled for both, so that a chain without drag takes a tenth less time.
     """
     n = chain.n
-    from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
+    of_outer_segment = pair(ZERO_VECTOR, ZERO_VECTOR)  # its force on p: none at the ends
     x_p, v_p = get_interleaved(x, 0), get_interleaved(v, 0)
-    for s in range((n + 1) // 2):  # p is the outer node, q the inner one; a segment in the middle is met twice
+    for s in range((n + 1) // 2):  # of an odd n the middle segment is its own mirror image, and p each of its two nodes
         x_q, v_q = next_interleaved(n, s, x), next_interleaved(n, s, v)
         both = (s, n - 1 - s)
         length, e = found_segment(segments, s)
-        mode, rate = number_at(modes, 0, both), dot(e, sub(v_q, v_p))
-        pull = scale(segment.tension_of(chain, both, mode, length, rate), e)
+        mode, length_rate = number_at(modes, 0, both), dot(e, sub(v_q, v_p))
+        pull = scale(segment.tension_of(chain, both, mode, length, length_rate), e)
         drag = broadcast(ZERO_VECTOR, length)
         if in_air:
             drag = segment.half_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q)
         load = node_loads.load(chain, number_at(mass, 0, (s, n - s)), x_p, v_p, None)
-        put_interleaved(force, s, add(add(add(from_outside, pull), drag), load))
-        from_outside = sub(drag, pull)
+        put_interleaved(force, s, add(add(add(of_outer_segment, pull), drag), load))
+        of_outer_segment = sub(drag, pull)
         x_p, v_p = x_q, v_q
-    if n % 2 == 0:
+    if n % 2 == 0:  # the middle node is its own mirror image, and has two outer segments
         middle = n // 2
         load = node_loads.load(chain, mass[middle], first(x_p), first(v_p), None)
-        total = add(add(first(from_outside), second(from_outside)), load)
+        total = add(add(first(of_outer_segment), second(of_outer_segment)), load)
         put_interleaved(force, middle, pair(total, total))
 
 

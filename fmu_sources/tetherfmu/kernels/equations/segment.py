@@ -27,7 +27,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import SEGMENT_RECORD
 from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
-from ..linear_algebra.pairs import broadcast, larger, select
+from ..linear_algebra.pairs import broadcast, select
 from ..linear_algebra.vectors import add, add_scaled, cross, dot, scale, sub
 from .air import varying_air, varying_density
 from .properties import has_node_winds, node_wind, property_of, rest_length
@@ -51,8 +51,7 @@ STILLEST = 1e-20  # added to |w|^2 [m2/s2], so that the derivative of |w| w exis
 @kernel
 def geometry(r):
     """Length [m] and direction of a segment from the vector [m] between its nodes."""
-    length = sqrt(dot(r, r))
-    length = larger(length, SHORTEST)
+    length = max(sqrt(dot(r, r)), SHORTEST)
     return length, scale(1.0 / length, r)
 
 

@@ -38,7 +38,7 @@ from .pieces import accept_drums, begin_drums, error_of_drum, part_to_event, pro
 
 @kernel
 def larger_error(a, b):
-    """The larger one of two errors; NaN if one of them is (`pairs.larger` would take the other one)."""
+    """The larger one of two errors; NaN if one of them is (`max(a, b)` is NaN only if a is)."""
     if a >= b:
         return a
     return b if b > a else nan

@@ -102,7 +102,7 @@ def winch_control(scene):
 
 
 def winch(scene):
-    """Parameters of the winch of a scene by name: what it is told, and its drum."""
+    """Parameters of the winch of a scene by name: how it is controlled, and its drum."""
     return asdict(scene.winch) | {"winch_control": winch_control(scene)}
 
 

@@ -19,7 +19,7 @@ FEWEST = 100  # rows of a taut tether
 ROUNDS = 6  # of Gauss and Newton, at most
 SMALL = 0.05  # of the half width of its interval: a step of a number after which it is found
 LONGEST_DELAY = 2.0  # s
-LARGEST = 0.9999  # correlation of two columns, from which on they cannot be told apart
+LARGEST = 0.9999  # correlation of two columns, from which on they cannot be distinguished
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A flight that is ready to be flown: smooth motion of the end of the tether at the kite, and what the winch was told."""
+"""A flight that is ready to be flown: smooth motion of the end of the tether at the kite, and what the winch follows."""
 
 from dataclasses import dataclass, replace
 
@@ -17,7 +17,7 @@ SHORTEST = 5.0  # s, a flight
 EVERY = 0.1  # s between two rows of the results
 TAUT = 0.01  # length over distance, minus 1, below which a tether is taut
 STEP = 0.02  # communication step of the tethers [s]
-LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and what the winch is then told
+LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and how the winch is then controlled
 MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "reel_out_speed"}
 
 
@@ -127,8 +127,8 @@ def prepare(log, start=None, end=None):
     start, end = part_of(log, first if start is None else start, last if end is None else end)
     position, velocity = at_end_of_tether(log)
     refuse_gaps(log, position, start, end)
-    told = log.map.smoothing
-    noise = Noise(told.position_noise, told.velocity_noise, told.acceleration_change)
+    assumed = log.map.smoothing
+    noise = Noise(assumed.position_noise, assumed.velocity_noise, assumed.acceleration_change)
     motion = smooth(log.time, position, velocity, noise)
     rough = np.sqrt(np.nanmean((position - motion.position) ** 2))
     also = f" and velocities (noise {noise.velocity:g} m/s)" if log.of(VELOCITY) is not None else ""

@@ -72,17 +72,17 @@ def first_length(flight, rows, lead):
 def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
     """`Flown` of a tether along a `Flight`.
 
-    variant : a key of `TETHERS`.  lead : "tension", "length" or "speed", what the winch is told.  quantities : others than
+    variant : a key of `TETHERS`.  lead : "tension", "length" or "speed", what the winch follows.  quantities : others than
     those of the map of the log, by name.  LogError if the log cannot lead it, or the tether cannot start.
     """
     if not flight.has(lead):
         raise LogError(f"the log has no {lead} that could lead the winch")
     rows, found = flight.inputs(lead), flight.log.map
     start = by_name(rows[0])
-    told = {"winch_control": LEADS[lead], "segments": segments, "initial_shape": "quasi_steady"}  # the kite is in flight
+    given = {"winch_control": LEADS[lead], "segments": segments, "initial_shape": "quasi_steady"}  # the kite is in flight
     with warnings.catch_warnings(action="ignore", category=PlausibilityWarning):
-        told["initial_length"] = first_length(flight, rows, lead)
-        tether = TETHERS[variant](found.tether, found.environment, ground=found.ground, **told | quantities)
+        given["initial_length"] = first_length(flight, rows, lead)
+        tether = TETHERS[variant](found.tether, found.environment, ground=found.ground, **given | quantities)
         try:
             tether.initialize(**{name: start[name] for name in ("kite_position", "kite_velocity", "wind_velocity")})
         except StepRefused as refusal:

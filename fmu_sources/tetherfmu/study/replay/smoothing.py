@@ -15,7 +15,7 @@ LOST = 0.01  # of the noise of a position: mean residual, which is 0 without rou
 
 
 class Noise(NamedTuple):
-    """Standard deviations that the smoother is told."""
+    """Standard deviations that the smoother assumes."""
 
     position: float  # of a measured position [m]
     velocity: float  # of a measured velocity [m/s]

@@ -59,8 +59,8 @@ def problems(table, numbers):
         yield f"the column {name} is missing"
     if "ground_velocity" in given and "ground_position" not in given:
         yield "has columns of ground_velocity, but none of ground_position"
-    if len(told := [name for name in REELING if name in table]) > 1:
-        yield f"has the columns {' and '.join(told)}; it must have one of them"
+    if len(controls := [name for name in REELING if name in table]) > 1:
+        yield f"has the columns {' and '.join(controls)}; it must have one of them"
     if len(table) < FEWEST_ROWS:
         yield f"has {len(table)} rows; it must have at least {FEWEST_ROWS}"
     for row in np.flatnonzero(np.diff(numbers["time"]) <= 0.0):

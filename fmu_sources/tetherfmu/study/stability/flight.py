@@ -110,7 +110,7 @@ def model_of(point, refinement):
     return model(initial_length=point.length, shape_points=2, winch_control=point.control, **quantities, **refined)
 
 
-def told(point, start, time):
+def winch_input(point, start, time):
     """Input of the winch of a point at a time [s], by its name.
 
     start : tension at the ground at the start [N], 0 before it.
@@ -130,7 +130,7 @@ def load_of(point):
 
 
 def force_of(point, start):
-    """Force [N] that a winch is told, from the tension at the start [N]: no tether pulls much less than its weight."""
+    """Input `winch_force` [N], from the tension at the start [N]: no tether pulls much less than its weight."""
     return point.force_ratio * (max(start, 0.0) + LINE_DENSITY * point.length * point.gravity + 1.0)
 
 
@@ -183,7 +183,7 @@ def deepest(point, speed):
 def bounds(point, strain, end_speed, reeled=0.0, force=0.0):
     """Largest tension [N] and speed of a node [m/s] that the motion of the ends explains; see the head of this file.
 
-    reeled : largest reel-out speed of a winch that is told a force [N] (0 of another), at the calls [m/s].
+    reeled : largest reel-out speed of a winch that is controlled by force (0 of another), at the calls [m/s].
     """
     wave_speed = sqrt(point.axial_stiffness / LINE_DENSITY)
     fall = sqrt(2.0 * point.gravity * (point.length + point.distance))
@@ -242,7 +242,7 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
             try:
                 call = partial(model.step, step) if k else model.initialize
                 start = float(outputs[0].ground_tension) if k else 0.0
-                inputs |= told(point, start, max(0, k - 1) * step)
+                inputs |= winch_input(point, start, max(0, k - 1) * step)
                 outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
             except StepRefused as error:
                 refusal = REFUSALS[error.status]

@@ -66,7 +66,7 @@ AXES = {
     "gravity": ("linear", 0.0, 25.0, (0.05, 0.0), (0.3, 9.81)),
     "elevation": ("linear", pi / 18.0, pi / 3.0),  # of the axis of the circle
     "phase": ("linear", -pi, pi),
-    "winch_mass": ("log", 0.1, 1e4, (0.3, 0.0)),  # this and the following count where the winch is told a force
+    "winch_mass": ("log", 0.1, 1e4, (0.3, 0.0)),  # this and the following count where force controls the winch
     "winch_damping": ("log", 0.1, 1e3, (0.5, 0.0)),
     "winch_friction": ("log", 0.1, 1e3, (0.5, 0.0)),
     "force_ratio": ("log", 0.5, 5.0),  # of the force to the tension at the start plus the weight
@@ -79,7 +79,7 @@ AXES = {
 
 
 class MapPoint(namedtuple("MapPoint", ("seed", "number", "control", "ground", *AXES))):
-    """One flight. `number`, `seed`, `control`, what its winch is told (`winch_control`), and `ground` make it again.
+    """One flight. `number`, `seed`, `control` of its winch (`winch_control`), and `ground` make it again.
 
     ground : whether there is a ground (`ground_contact`).
     """
@@ -114,7 +114,7 @@ def draw(random, p, scale, low, high, *instead):
 
 
 def point(seed, number, control=WINCH_BY_SPEED, ground=False):
-    """Point `number` of the map with this seed; the same flight whatever the winch is told, and with ground or without."""
+    """Point `number` of the map with this seed; the same flight whatever controls the winch, with ground or without."""
     random = np.random.default_rng((seed, number))
     p = SimpleNamespace(seed=seed, number=number, control=control, ground=ground)
     for name, axis in AXES.items():

@@ -1,4 +1,4 @@
-"""What a point of the stability map asks for that no tether can do: told from the point alone, before it is flown.
+"""What a point of the stability map asks for that no tether can do: known from the point alone, before it is flown.
 
 Three requests, in this order:
 

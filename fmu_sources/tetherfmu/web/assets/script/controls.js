@@ -33,7 +33,7 @@ function scaleOf([low, high, logarithmic], whole) {
   return { part: (x) => Math.min(1, Math.max(0, free.part(x))), value: (p) => rounded(free.value(p)) };
 }
 
-/** A slider with a number beside it; changed(value) is told of allowed values. */
+/** A slider with a number beside it; changed(value) is called with allowed values. */
 function slider(declared, value, ignored, sentences, changed) {
   const id = `q-${declared.name}-${Math.random().toString(36).slice(2, 8)}`;
   const factor = declared.display?.[1] ?? 1;

@@ -17,7 +17,7 @@ const SNAP = 2; // tension over its mean of the last seconds, after slack, that 
 const SNAP_WEIGHTS = 5; // ... and weights of the tether that it exceeds that by
 const AFTER_SLACK = 1; // s
 const MEAN_TIME = 5; // s
-const SHOWN_FOR = 5; // s, how long a snap load is told
+const SHOWN_FOR = 5; // s, how long a snap load is shown
 
 /** One tether with what is known of it besides its state. */
 class Flown {

@@ -263,7 +263,7 @@ export class View {
     context.globalAlpha = 1;
   }
 
-  /** What the grid is and where the wind is told, in words. */
+  /** Width of the grid and speed of the wind, in words. */
   legend(simulation) {
     const wind = norm(simulation.given?.wind_velocity ?? simulation.settings.wind.velocity);
     return `grid ${short(this.spacing ?? 0, "m")}, wind ${wind.toFixed(1)} m/s`;
