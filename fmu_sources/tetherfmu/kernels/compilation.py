@@ -5,6 +5,8 @@ arrays; work space comes from the caller; a failure is a status code; other kern
 is allocated, raised or received as a function.
 """
 
+from functools import partial
+
 from llvmlite import ir
 from numba import cfunc, njit, types
 from numba.core import cgutils
@@ -50,13 +52,13 @@ class KernelCompiler(CompilerBase):
 def kernel(function):
     """Compile a function for other kernels (and for tests) at its first call, once for all constants of a kind."""
     compiled = njit(pipeline_class=KernelCompiler, **OPTIONS)(function)
-    template_for = compiled.get_call_template
-
-    def template_for_any_constant(args, kws):
-        return template_for(tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()})
-
-    compiled.get_call_template = template_for_any_constant
+    if compiled is not function:  # as it is where numba is switched off
+        compiled.get_call_template = partial(_template_for_any_constant, compiled.get_call_template)
     return compiled
+
+
+def _template_for_any_constant(template_for, args, kws):
+    return template_for(tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()})
 
 
 def view(function):

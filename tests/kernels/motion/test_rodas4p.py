@@ -48,10 +48,10 @@ def test_positions_follow_from_velocities():
     alpha, gamma, _, _ = usual_form()
     a = square(rodas4p.A) + np.eye(6)
     for stage in range(1, 6):
-        found = rodas4p.R_BY_GAMMA[stage - 1]
+        found = rodas4p.R_BY_GAMMA[stage, :stage]
         np.testing.assert_allclose(found, (gamma @ a)[stage, :stage] / rodas4p.GAMMA, atol=ROUNDING)
     for stage in range(1, 5):
-        np.testing.assert_allclose(rodas4p.P[stage - 1], (alpha @ a)[stage, :stage], atol=ROUNDING)
+        np.testing.assert_allclose(rodas4p.P[stage, :stage], (alpha @ a)[stage, :stage], atol=ROUNDING)
     # the last stage: x_5 = x_4 + d (V_4 + r_4)
     np.testing.assert_allclose((alpha @ a)[5] - (alpha @ a)[4], (gamma @ a)[4], atol=ROUNDING)
 
