@@ -119,7 +119,7 @@ def sum_forces(chain, in_air, modes, x, v, mass, segments, force):
     in_air : `has_drag`, as a constant: the loop is compiled for both, so that a chain without drag takes a tenth less time.
     """
     n = chain.n
-    of_outer_segment = pair(ZERO_VECTOR, ZERO_VECTOR)  # its force on p: none at the ends
+    from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)  # force of the outer segment on p: none at the ends
     x_p, v_p = get_interleaved(x, 0), get_interleaved(v, 0)
     for s in range((n + 1) // 2):  # of an odd n the middle segment is its own mirror image, and p each of its two nodes
         x_q, v_q = next_interleaved(n, s, x), next_interleaved(n, s, v)
@@ -131,13 +131,13 @@ def sum_forces(chain, in_air, modes, x, v, mass, segments, force):
         if in_air:
             drag = segment.half_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q)
         load = node_loads.load(chain, number_at(mass, 0, (s, n - s)), x_p, v_p, None)
-        put_interleaved(force, s, add(add(add(of_outer_segment, pull), drag), load))
-        of_outer_segment = sub(drag, pull)
+        put_interleaved(force, s, add(add(add(from_outside, pull), drag), load))
+        from_outside = sub(drag, pull)
         x_p, v_p = x_q, v_q
     if n % 2 == 0:  # the middle node is its own mirror image, and has two outer segments
         middle = n // 2
         load = node_loads.load(chain, mass[middle], first(x_p), first(v_p), None)
-        total = add(add(first(of_outer_segment), second(of_outer_segment)), load)
+        total = add(add(first(from_outside), second(from_outside)), load)
         put_interleaved(force, middle, pair(total, total))
 
 
