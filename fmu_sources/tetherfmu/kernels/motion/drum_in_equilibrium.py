@@ -13,6 +13,7 @@ drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.
 Source: R. Alexander, Diagonally implicit Runge-Kutta methods for stiff ODEs, SIAM J. Numer. Anal. 14 (1977) 1006.
 """
 
+from collections import namedtuple
 from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
@@ -26,6 +27,7 @@ from ..equations.properties import chain_of, property_of
 from ..line.drum_events import SHORTEST_PART, SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
 from . import secant
 
+NOTHING, AT_END, WITHIN, AT_STOP, TURNED_BACK = range(5)  # events of a piece; the first two need no shorter one
 STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
 TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
 MOST_PIECES = 100_000  # of a communication step
@@ -39,6 +41,138 @@ LONGEST = 1e7  # [m], beyond which no length is sought for
 SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
 MOST_SHORT = 8  # pieces in a row that end before an event, until the next one is at least twice as long as the last
 
+Step = namedtuple("Step", "n parameters ground kite drum most")
+Step.__doc__ = """A communication step.
+
+n, parameters : number of segments and flat array.  ground, kite : prescribed motion of the ends, see `StepInputs`.
+drum : `Drum`.  most : iterations since the start, where the search for equilibria is given up.
+"""
+Instant = namedtuple("Instant", "time length speed pull")
+Instant.__doc__ = """The drum at a time [s] of the communication step: length L [m], speed u [m/s], tension T [N]."""
+Piece = namedtuple("Piece", "direction start h end")
+Piece.__doc__ = """A piece of a communication step, in which the drum turns in a direction or is held.
+
+start : `Instant`.  h : its length [s].  end : its end [s], exactly that of the communication step in the last piece.
+"""
+Stage = namedtuple("Stage", "direction time h length speed")
+Stage.__doc__ = """A stage of a piece that ends at a time [s].
+
+h : gamma times the length of the piece, or all of it without mass and damping [s].  length, speed : L* [m], u* [m/s].
+"""
+EventSearch = namedtuple("EventSearch", "h weight beyond short least")
+EventSearch.__doc__ = """The search for the next event.
+
+h : length of the piece to try next [s], inf without an event.  weight : of the way to it, below 1 where the last piece was
+too long.  beyond : time at which it is known to be over [s], 0 without.  short : pieces in a row that ended before it.
+least : length of the next piece after more than `MOST_SHORT` of them [s].
+"""
+
+
+# --- stages
+
+
+@kernel
+def place(step, time, state):
+    """Put the ends of a state (modified) where they are at a time [s] of the communication step."""
+    put_ends(step.n, state, target(*step.ground, time), target(*step.kite, time))
+
+
+@kernel
+def residual_of(drum, stage, length, pull):
+    """Residual of the equation of a stage with a length [m] and its tension [N], and the inertial force in it [N]."""
+    speed = (length - stage.length) / stage.h
+    inertial = drum.mass * (speed - stage.speed) / stage.h
+    return inertial - balance(drum, stage.direction, pull, speed, stage.time), inertial
+
+
+@kernel
+def speed_with(drum, stage, pull):
+    """Speed [m/s] at a stage with this tension [N]: from the forces, as lengths in short pieces are rounded."""
+    free = balance(drum, stage.direction, pull, 0.0, stage.time)
+    return (drum.mass * stage.speed + stage.h * free) / (drum.mass + stage.h * drum.damping)
+
+
+# --- events
+
+
+@kernel
+def room_left(drum, direction, now):
+    """Force [N] that a held drum lacks to turn, or speed [m/s] of another until it rests; how far below 0 is 0."""
+    if direction == HELD:
+        return room_to_turn(drum, now.length, now.pull, now.time)
+    return now.speed * direction, SLOW * now.length
+
+
+@kernel
+def event_of(drum, piece, end):
+    """The event of a piece with an `Instant` at its end; and the room that is left until it, below 0 where it is over."""
+    start, direction, change = piece.start, piece.direction, end.length - piece.start.length
+    if drum.mass == 0.0 and drum.friction > 0.0 and change * direction < -ROUNDING * start.length:
+        return TURNED_BACK, 0.0
+    if end.length != start.length and is_at_stop(drum, end.length, OUTWARDS if end.length > start.length else INWARDS):
+        return AT_STOP, 0.0
+    if not (direction == HELD or (drum.friction > 0.0 and drum.mass > 0.0)):
+        return NOTHING, 0.0
+    room, margin = room_left(drum, direction, end)
+    if room < -margin:
+        return WITHIN, room
+    return AT_END if room < 0.0 else NOTHING, room
+
+
+@kernel
+def is_too_long(event, h, duration):
+    """Whether a piece of h [s] with this event is tried again, shorter.  duration : of the communication step [s]."""
+    if event == TURNED_BACK:
+        return h > SHORTEST_PART * duration
+    if event == AT_STOP:
+        return h > SHORTEST_ARRIVAL * duration
+    return event == WITHIN and h > SMALLEST_PIECE * duration
+
+
+@kernel
+def search_from(time, beyond, short, least):
+    """`EventSearch` from a time [s] on; other arguments as there."""
+    return EventSearch(beyond - time if beyond > time else inf, 1.0, beyond, short, least)
+
+
+@kernel
+def shorten(search, drum, piece, event, room):
+    """`EventSearch` after a piece that is too long; room : that is left at its end."""
+    weight, h, beyond = search.weight, 0.5 * piece.h, piece.end
+    if event == TURNED_BACK:
+        h, beyond = 0.25 * piece.h, search.beyond
+    elif event == WITHIN:
+        before, _ = room_left(drum, piece.direction, piece.start)
+        h = piece.h * part_of_piece(weight * before, room)
+        if search.short > MOST_SHORT:
+            h = max(h, min(search.least, 0.5 * piece.h))
+        weight *= 0.5
+    return EventSearch(h, weight, beyond, search.short, search.least)
+
+
+@kernel
+def search_after(search, piece, event):
+    """`EventSearch` after a piece that is accepted."""
+    if event != NOTHING or search.beyond <= piece.end:
+        return search_from(piece.end, 0.0, 0, 0.0)
+    return search_from(piece.end, search.beyond, search.short + 1, 2.0 * piece.h)
+
+
+@kernel
+def turn(drum, now, is_held):
+    """Direction in which the drum turns next, and the `Instant` from which it does; is_held : whether friction holds it."""
+    direction = HELD if is_held else direction_of(drum, now.length, now.speed, now.pull, now.time)
+    rests = direction == HELD or (drum.mass > 0.0 and now.speed * direction < 0.0)
+    return direction, Instant(now.time, now.length, 0.0 if rests else now.speed, now.pull)
+
+
+@kernel
+def come_to_rest(drum, direction, end, event):
+    """The `Instant` after an accepted piece, at rest at a stop or by friction; and whether friction then holds the drum."""
+    turned_round = drum.friction > 0.0 and end.speed * direction < 0.0
+    speed = 0.0 if event == AT_STOP or turned_round else end.speed
+    return Instant(end.time, end.length, speed, end.pull), turned_round and event != AT_STOP and drum.mass == 0.0
+
 
 def drum_at(settle, tension):
     """The kernel advance(n, parameters, given, state, work) of a variant, which returns a status.
@@ -48,33 +182,27 @@ def drum_at(settle, tension):
     """
 
     @kernel
-    def tension_with(n, parameters, length, state, work):
+    def tension_with(step, length, state, work):
         """A status, and the tension [N] with an unstretched length [m], which the state (modified) then has."""
         state[at.LENGTH] = length
-        status = settle(n, parameters, state, work)
-        return status, tension(n, parameters, state)
+        status = settle(step.n, step.parameters, state, work)
+        return status, tension(step.n, step.parameters, state)
 
     @kernel
-    def place(n, given, time, state):
-        """Put the ends of a state (modified) where they are at a time [s] of the communication step."""
-        put_ends(n, state, target(*given.ground, time), target(*given.kite, time))
+    def find(step, stage, guess, state, work):
+        """Length [m] of a stage, sought from a guess [m], and the tension with it [N]; and a status.
 
-    @kernel
-    def find(n, parameters, drum, direction, time, h, last_length, last_speed, guess, most, state, work):
-        """Length [m] of a stage and the tension with it [N]; and a status.
-
-        h : gamma times the length of the piece [s].  last_length, last_speed : L* [m], u* [m/s].  guess : a length [m].
-        most : iterations since the start, where the search is given up.
         The state (modified) has this length in the end. A length beyond a stop is that of the stop.
         """
+        drum, h = step.drum, stage.h
         inertia = drum.mass / (h * h) + drum.damping / h
-        stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
-        forces = abs(force_at(drum, time)) + drum.friction
+        stiffness = property_of(chain_of(step.n, step.parameters, state), 0, at.STIFFNESS)
+        forces = abs(force_at(drum, stage.time)) + drum.friction
         search, length = secant.begin(drum.shortest, min(drum.longest, LONGEST), guess, inertia + stiffness / guess)
         pull, failures = 0.0, 0
         for k in range(MOST_EVALUATIONS):
-            status, pull = tension_with(n, parameters, length, state, work)
-            if state[at.ITERATIONS] > most:
+            status, pull = tension_with(step, length, state, work)
+            if state[at.ITERATIONS] > step.most:
                 return length, pull, STEP_BUDGET_SPENT
             if status != OK:
                 failures += 1
@@ -82,10 +210,8 @@ def drum_at(settle, tension):
                     return length, 0.0, status
                 length = 0.5 * (length + search.last)
                 continue
-            speed = (length - last_length) / h
-            pushing = drum.mass * (speed - last_speed) / h
-            residual = pushing - balance(drum, direction, pull, speed, time)
-            if abs(residual) <= EXACT * (forces + abs(pushing)) + ROUNDING * (stiffness + inertia * length):
+            residual, inertial = residual_of(drum, stage, length, pull)
+            if abs(residual) <= EXACT * (forces + abs(inertial)) + ROUNDING * (stiffness + inertia * length):
                 return length, pull, OK
             if secant.is_at_limit(search, length, residual):
                 return length, pull, NO_LENGTH if length == LONGEST else OK
@@ -97,77 +223,62 @@ def drum_at(settle, tension):
         return search.last, pull, OK if is_found else NO_LENGTH
 
     @kernel
-    def speed_of(drum, direction, time, h, last_speed, pull):
-        """Speed [m/s] at a stage with this tension [N]: from the forces, as lengths in short pieces are rounded."""
-        free = balance(drum, direction, pull, 0.0, time)
-        return (drum.mass * last_speed + h * free) / (drum.mass + h * drum.damping)
+    def keep_balance(step, piece, state, work):
+        """A piece in which a drum without mass and damping turns: status, `Instant` at its end, error [-]."""
+        start, h = piece.start, piece.h
+        before = distance_of_ends(step.n, state)
+        stage = Stage(piece.direction, start.time + h, h, start.length, 0.0)
+        place(step, stage.time, state)
+        guess = start.length + distance_of_ends(step.n, state) - before
+        length, pull, status = find(step, stage, guess, state, work)
+        return status, Instant(piece.end, length, (length - start.length) / h, pull), 0.0
 
     @kernel
-    def piece_with(n, parameters, given, drum, direction, time, h, length, speed, most, state, work):
-        """A piece of h [s] from a length [m] and speed [m/s]: status, both at its end, tension [N], error [-]."""
-        end = time + h
-        if direction == HELD:
-            place(n, given, end, state)
-            status, pull = tension_with(n, parameters, length, state, work)
-            return status, length, 0.0, pull, 0.0
-        if drum.mass == 0.0 and drum.damping == 0.0:
-            before = distance_of_ends(n, state)
-            place(n, given, end, state)
-            guess = length + distance_of_ends(n, state) - before
-            found, pull, status = find(n, parameters, drum, direction, end, h, length, 0.0, guess, most, state, work)
-            return status, found, (found - length) / h, pull, 0.0
-        part = STAGE * h
-        place(n, given, time + part, state)
-        guess = length + part * speed
-        now = time + part
-        _, pull, status = find(n, parameters, drum, direction, now, part, length, speed, guess, most, state, work)
+    def integrate(step, piece, state, work):
+        """The same of any other drum that turns, in two stages."""
+        drum, direction, start, part = step.drum, piece.direction, piece.start, STAGE * piece.h
+        stage = Stage(direction, start.time + part, part, start.length, start.speed)
+        place(step, stage.time, state)
+        _, pull, status = find(step, stage, start.length + part * start.speed, state, work)
         if status != OK:
-            return status, length, speed, pull, inf
-        first_speed = speed_of(drum, direction, now, part, speed, pull)
-        rest = (1.0 - STAGE) * h
-        last_length, last_speed = length + rest * first_speed, speed + rest * (first_speed - speed) / part
-        place(n, given, end, state)
-        guess = last_length + part * first_speed
-        found, pull, status = find(
-            n, parameters, drum, direction, end, part, last_length, last_speed, guess, most, state, work
-        )
-        new_speed = speed_of(drum, direction, end, part, last_speed, pull)
-        error = part * abs(new_speed - first_speed) / (TOLERANCE * length)
-        return status, found, new_speed, pull, error
+            return status, start, inf
+        first = speed_with(drum, stage, pull)
+        rest = (1.0 - STAGE) * piece.h
+        last_length, last_speed = start.length + rest * first, start.speed + rest * (first - start.speed) / part
+        stage = Stage(direction, start.time + piece.h, part, last_length, last_speed)
+        place(step, stage.time, state)
+        length, pull, status = find(step, stage, last_length + part * first, state, work)
+        speed = speed_with(drum, stage, pull)
+        error = part * abs(speed - first) / (TOLERANCE * start.length)
+        return status, Instant(piece.end, length, speed, pull), error
 
     @kernel
-    def room_left(drum, direction, time, length, speed, pull):
-        """Force [N] that a held drum lacks to turn, or speed [m/s] of another until it rests; how far below 0 is 0."""
-        if direction == HELD:
-            return room_to_turn(drum, length, pull, time)
-        return speed * direction, SLOW * length
+    def attempt(step, piece, state, work):
+        """The same of any drum that turns or is held."""
+        if piece.direction == HELD:
+            place(step, piece.start.time + piece.h, state)
+            status, pull = tension_with(step, piece.start.length, state, work)
+            return status, Instant(piece.end, piece.start.length, 0.0, pull), 0.0
+        if step.drum.mass == 0.0 and step.drum.damping == 0.0:
+            return keep_balance(step, piece, state, work)
+        return integrate(step, piece, state, work)
 
     @kernel
     def advance(n, parameters, given, state, work):
         """Move a state (modified) over a communication step with `StepInputs`; returns a status."""
-        drum = drum_of(parameters, given.force, given.force_rate)
-        duration = given.step
-        length, speed, pull = state[at.LENGTH], state[at.REELING], tension(n, parameters, state)
-        time, h, piece, weight = 0.0, duration, inf, 1.0
-        direction = HELD
-        beyond = 0.0  # time at which the next event is known to be over, 0 without
-        is_new, is_held = True, False
-        short, least = 0, 0.0  # pieces in a row that ended before the event that is sought, and how long the next one is [s]
-        failures, most = 0, state[at.ITERATIONS] + SHARES * at.ITERATION_BUDGET // n
+        drum, duration, h, failures = drum_of(parameters, given.force, given.force_rate), given.step, given.step, 0
+        most = state[at.ITERATIONS] + SHARES * at.ITERATION_BUDGET // n
+        step = Step(n, parameters, given.ground, given.kite, drum, most)
+        now = Instant(0.0, state[at.LENGTH], state[at.REELING], tension(n, parameters, state))
+        direction, start = turn(drum, now, False)
+        search = search_from(0.0, 0.0, 0, 0.0)
         for _ in range(MOST_PIECES):
-            if is_new:
-                direction = HELD if is_held else direction_of(drum, length, speed, pull, time)
-                if direction == HELD or (drum.mass > 0.0 and speed * direction < 0.0):
-                    speed = 0.0
-                is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
             if state[at.ITERATIONS] > most:
                 return STEP_BUDGET_SPENT
-            rest = duration - time
-            h_now = min(h, piece, rest)
-            end = duration if h_now == rest else time + h_now
-            status, new_length, new_speed, new_pull, error = piece_with(
-                n, parameters, given, drum, direction, time, h_now, length, speed, most, state, work
-            )
+            rest = duration - start.time
+            h_now = min(h, search.h, rest)
+            piece = Piece(direction, start, h_now, duration if h_now == rest else start.time + h_now)
+            status, end, error = attempt(step, piece, state, work)
             if status != OK:
                 failures += 1
                 if drum.mass == 0.0 or failures > MOST_FAILURES or state[at.ITERATIONS] > most:
@@ -179,43 +290,20 @@ def drum_at(settle, tension):
                 if h < SMALLEST_PIECE * duration:
                     return STEP_TOO_SMALL
                 continue
-            back = (new_length - length) * direction < -ROUNDING * length
-            if drum.mass == 0.0 and drum.friction > 0.0 and back:  # it has turned round, and is held
-                if h_now > SHORTEST_PART * duration:
-                    piece = 0.25 * h_now
-                else:
-                    is_new, is_held = True, True
-                continue
-            way = OUTWARDS if new_length > length else INWARDS
-            arrived = new_length != length and is_at_stop(drum, new_length, way)
-            if arrived and h_now > SHORTEST_ARRIVAL * duration:
-                piece, beyond = 0.5 * h_now, end
-                continue
-            room, margin = 0.0, 0.0
-            if not arrived and (direction == HELD or (drum.friction > 0.0 and drum.mass > 0.0)):
-                room, margin = room_left(drum, direction, end, new_length, new_speed, new_pull)
-            if room < -margin and h_now > SMALLEST_PIECE * duration:
-                before, _ = room_left(drum, direction, time, length, speed, pull)
-                piece = h_now * part_of_piece(weight * before, room)
-                if short > MOST_SHORT:
-                    piece = max(piece, min(least, 0.5 * h_now))
-                weight *= 0.5
-                beyond = end
-                continue
-            if room < 0.0 or arrived:
-                beyond = 0.0
-            short, least = (short + 1, 2.0 * h_now) if beyond > end else (0, 0.0)
-            time, length, speed, pull = end, new_length, new_speed, new_pull
-            is_new, is_held = True, False
-            if direction != HELD:
-                if arrived:
-                    speed = 0.0
-                elif drum.friction > 0.0 and speed * direction < 0.0:
-                    speed, is_held = 0.0, drum.mass == 0.0
-            if time >= duration:
-                state[at.LENGTH], state[at.REELING] = length, speed
-                return OK
-            h = max(h, h_now * min(5.0, 0.9 / sqrt(max(error, 1e-4))))
+            event, room = event_of(drum, piece, end)
+            if is_too_long(event, h_now, duration):
+                search = shorten(search, drum, piece, event, room)
+            elif event == TURNED_BACK:  # at once: friction holds it
+                search = search_from(start.time, search.beyond, search.short, search.least)
+                direction, start = turn(drum, start, True)
+            else:
+                end, is_held = come_to_rest(drum, direction, end, event)
+                if end.time >= duration:
+                    state[at.LENGTH], state[at.REELING] = end.length, end.speed
+                    return OK
+                search = search_after(search, piece, event)
+                direction, start = turn(drum, end, is_held)
+                h = max(h, h_now * min(5.0, 0.9 / sqrt(max(error, 1e-4))))
         return STEP_BUDGET_SPENT
 
     return advance
