@@ -118,7 +118,7 @@ DYNAMIC = Variant(
     "dynamic",
     has_nodes=True,
     has_waves=True,
-    compile_seconds=14,
+    compile_seconds=25,
     colour="vermillion",
     evidence_deviation=5e-3,
 )
