@@ -110,3 +110,9 @@ print(tether.energy().elastic)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert all(float(line) > 0.0 for line in done.stdout.splitlines())
+
+
+def test_files_in_the_folder_of_the_user_are_not_taken_for_modules_of_python(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "gzip.py").write_text("raise ImportError('a file of the user')")
+    ready.run("ahead_of_time", ["fast", this_platform()], tmp_path / "libraries")

@@ -125,7 +125,8 @@ def _compile(folders, platforms, way, browser):
 def run(module, arguments, root):
     """Run a module beside this one, which compiles below the folder `root` and writes a line for what is done."""
     began = monotonic()
-    command = [sys.executable, "-m", f"tetherfmu.libraries.{module}", *arguments]
+    # -P: a file of the user with the name of a module that numba imports is not imported
+    command = [sys.executable, "-P", "-m", f"tetherfmu.libraries.{module}", *arguments]
     path = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]  # the child compiles this very package
     root.mkdir(parents=True, exist_ok=True)
     with (
