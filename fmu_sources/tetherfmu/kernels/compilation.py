@@ -62,9 +62,7 @@ def _template_for_any_constant(template_for, args, kws):
 
 
 def view(function):
-    """Compile a kernel that is always inlined: one that returns arrays, as views or in a record, so that no reference is
-    counted, or one that is compiled anew for each constant that it is called with.
-    """
+    """Compile a kernel that is always inlined, anew for each constant that it is called with, and may return arrays."""
     return njit(pipeline_class=KernelCompiler, forceinline=True, **OPTIONS)(function)
 
 
