@@ -1,7 +1,8 @@
-"""Many communication steps in one call of compiled code: what `TetherModel.fly` does."""
+"""Many communication steps in one call of compiled code: what `fly` of a tether and of a system does."""
 
 from array import array
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,18 +10,29 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.status import code
 
-from .results import Flown, Refusal
+from .results import Refusal
 
 ON_REFUSAL = ("raise", "stop", "skip")
 SPAN = 1000  # steps, about, whose rows are all kept at a time where refused steps are skipped
 
 
-def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
-    """Fly an `Instance` (modified) until all steps are done or one is refused; returns the `Flown`.
+class Rows(NamedTuple):
+    """What was kept of a flight, a row for each kept step.
 
-    inputs : contiguous array (steps, INPUTS), with wind points three numbers more for each of them.  step : communication
-    step [s], or an array of them.  every : a row is kept after every so many steps; 0 for none.
-    outputs : when they are computed, `layout.NEVER`, `AT_ROWS` or `ALWAYS`.
+    outputs, peaks : (rows, outputs) of all lines, and the largest |kite_force| of each line since the row before [N], (rows,
+    lines); None without them.  motion : of the nodes of each line [m], [m/s], a list of arrays (rows, 2, nodes, 3).
+    """
+
+    outputs: np.ndarray | None
+    peaks: np.ndarray | None
+    motion: list
+
+
+def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
+    """Fly an `Instance` (modified) until all steps are done or one is refused: `Rows`, wall time [s], tuple of `Refusal`.
+
+    inputs : contiguous array of a row for each step.  step : communication step [s], or an array of them.  every : a row is
+    kept after every so many steps; 0 for none.  outputs : when they are computed, `layout.NEVER`, `AT_ROWS` or `ALWAYS`.
     skip : leave refused steps out, with NaN in their rows, instead of stopping there.  winds : at the nodes [m/s], array
     (steps, segments + 1, 3), or None. The inputs of the instance become those of the last step done.
     """
@@ -36,28 +48,37 @@ def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
     end = min(skipped) if skipped and not skip else len(inputs)
     last = next((k for k in reversed(range(end)) if k not in skipped), None)
     instance.values[: instance.outputs_at] = before if last is None else array("d", inputs[last])
-    size = _observed(instance, outputs)
-    positions = rows[:, size:].reshape(len(rows), instance.segments + 1, 3)
+    return _cut(instance, rows, outputs), seconds, refusals
+
+
+def _places(instance, outputs):
+    """First places of the peaks, of the motion of each line, and the end of a row."""
+    size, lines = instance.parameters_at - instance.outputs_at, len(instance.lines)
+    peaks, motion = (size, size + lines) if outputs != at.NEVER else (0, 0)
+    return peaks, [*np.cumsum([motion, *(6 * (segments + 1) for segments in instance.counts)]).tolist()]
+
+
+def _cut(instance, rows, outputs):
+    """`Rows` of an array of them."""
+    peaks, places = _places(instance, outputs)
+    motion = [
+        rows[:, first:end].reshape(len(rows), 2, segments + 1, 3)
+        for first, end, segments in zip(places[:-1], places[1:], instance.counts, strict=True)
+    ]
     if outputs == at.NEVER:
-        return Flown(None, None, positions, seconds, refusals)
-    return Flown(np.ascontiguousarray(rows[:, : size - 1]), rows[:, size - 1].copy(), positions, seconds, refusals)
-
-
-def _observed(instance, outputs):
-    """Numbers of a row before the node positions: outputs and peak, if there are any."""
-    return at.outputs_size(instance.points) + 1 if outputs != at.NEVER else 0
+        return Rows(None, None, motion)
+    return Rows(np.ascontiguousarray(rows[:, :peaks]), rows[:, peaks : places[0]].copy(), motion)
 
 
 def _run(instance, inputs, step, every, outputs):
     """How many steps were done until one was refused, and the rows until then, array (rows, numbers)."""
-    width = _observed(instance, outputs) + 3 * (instance.segments + 1)
-    rows = np.zeros((len(inputs) // every + 1 if every else 1, width))  # the last one is for scratch
-    arrays = instance.parameters, instance.state, instance.before, instance.work
-    parameters, state, before, work = map(address, arrays)
+    rows = np.zeros(
+        (len(inputs) // every + 1 if every else 1, _places(instance, outputs)[1][-1])
+    )  # the last one for scratch
+    arrays = instance.plan, instance.parameters, instance.state, instance.before, instance.work
+    plan, parameters, state, before, work = map(address, arrays)
     flight = inputs.ctypes.data, len(inputs), step, every, outputs
-    done = instance.kernels.fly(
-        instance.segments, parameters, *flight, state, before, instance.points, rows.ctypes.data, work
-    )
+    done = instance.kernels.fly(plan, parameters, *flight, state, before, rows.ctypes.data, work)
     return done, rows[: done // every if every else 0]
 
 
@@ -76,7 +97,7 @@ def _until_refused(instance, inputs, step, every, outputs):
 def _skipping(instance, inputs, step, every, outputs):
     """Rows, and a tuple of the `Refusal` of each step that was left out."""
     span, refusals = max(every, SPAN - SPAN % every) if every else len(inputs), []
-    width = _observed(instance, outputs) + 3 * (instance.segments + 1)
+    width = _places(instance, outputs)[1][-1]
     kept = [np.zeros((0, width))]
     for first in range(0, len(inputs), max(1, span)):
         part = inputs[first : first + span]
@@ -87,14 +108,13 @@ def _skipping(instance, inputs, step, every, outputs):
             k += done + 1
             if k <= len(part):
                 refusals.append(_refusal(instance, inputs, step, first + k - 1))
-        kept.append(_every(rows, every, width - 3 * (instance.segments + 1), outputs) if every else rows)
+        kept.append(_every(instance, rows, every, outputs))
     return np.concatenate(kept), tuple(refusals)
 
 
 def _row_by_row(instance, inputs, steps, winds, every, outputs, skip):
     """Rows, and a tuple of the `Refusal` of each refused step, of steps [s] that differ or with winds at the nodes."""
-    width = _observed(instance, outputs) + 3 * (instance.segments + 1)
-    rows, refusals = np.full((len(inputs) if every else 0, width), np.nan), []
+    rows, refusals = np.full((len(inputs) if every else 0, _places(instance, outputs)[1][-1]), np.nan), []
     for k in range(len(inputs)):
         parameters = instance.parameters[:]
         if winds is not None:
@@ -108,21 +128,22 @@ def _row_by_row(instance, inputs, steps, winds, every, outputs, skip):
             if not skip:
                 rows = rows[:k]
                 break
-    if not every:
-        return rows, tuple(refusals)
-    return _every(rows, every, width - 3 * (instance.segments + 1), outputs), tuple(refusals)
+    return _every(instance, rows, every, outputs), tuple(refusals)
 
 
 def put_node_winds(instance, winds):
-    """Give an `Instance` (modified) the wind at each node [m/s], array (segments + 1, 3)."""
+    """Give an `Instance` (modified) of one line the wind at each node [m/s], array (segments + 1, 3)."""
     instance.parameters[-winds.size :] = array("d", winds.T.ravel())
     instance.parameters[at.WIND_PROFILE] = at.AT_NODES
 
 
-def _every(rows, every, size, outputs):
-    """Of the rows of all steps those after every so many, with the largest peak since the row before."""
+def _every(instance, rows, every, outputs):
+    """Of the rows of all steps those after every so many, with the largest peaks since the row before."""
+    if not every:
+        return rows
     kept = rows[every - 1 :: every].copy()
     if outputs == at.ALWAYS:
-        peaks = rows[: len(kept) * every, size - 1].reshape(len(kept), every)
-        kept[:, size - 1] = np.where(np.isnan(peaks[:, -1]), np.nan, np.fmax.reduce(peaks, axis=1))
+        first, (end, *_) = _places(instance, outputs)
+        peaks = rows[: len(kept) * every, first:end].reshape(len(kept), every, end - first)
+        kept[:, first:end] = np.where(np.isnan(peaks[:, -1]), np.nan, np.fmax.reduce(peaks, axis=1))
     return kept

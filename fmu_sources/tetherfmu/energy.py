@@ -117,8 +117,8 @@ def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None, w
         columns["winch_force"][:] = winch_force
     places = np.cumsum((len(fields(Energy)), instance.segments))
     found = np.zeros(places[-1] + 3 * (instance.segments + 1))
-    arrays = (address(each) for each in (instance.parameters, instance.state))
-    instance.kernels.energy(instance.segments, *arrays, inputs.ctypes.data, found.ctypes.data, address(instance.work))
+    plan, parameters, state_at, work = map(address, (instance.plan, instance.parameters, instance.state, instance.work))
+    instance.kernels.energy(plan, parameters, inputs.ctypes.data, 0, state_at, found.ctypes.data, work)
     energies, tensions, velocities = np.split(found, places)
     return Energy(*energies.tolist()), tensions, velocities.reshape(-1, 3)
 

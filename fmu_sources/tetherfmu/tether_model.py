@@ -13,21 +13,21 @@ from numpy.typing import ArrayLike, NDArray
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
-from tetherfmu.runtime.instance import Instance
+from tetherfmu.runtime.instance import Instance, Line
 from tetherfmu.runtime.kernel_library import Kernels
-from tetherfmu.runtime.limits import most_of_a_step
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
-from tetherfmu.runtime.plausibility import sentences
+from tetherfmu.runtime.variables import input_names
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
-from . import arguments, compiled_flight, energy, given_inputs, states
+from . import arguments, energy, given_inputs, states
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
+from .running import Running
 
 _MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_receiver")  # anew in a copy
 
 
-class TetherModel:
+class TetherModel(Running):
     """What all tethers share. Use one of the classes in `models`.
 
     Parameters
@@ -98,16 +98,16 @@ class TetherModel:
         self._records = tethers, *records
         self._more = {"point_masses": tuple(masses.items()), "free_ends": _free_ends}
         self._more["kite_start"] = _kite.kite_start if _kite else 0
-        self._runs = False
         self._make()
 
     def _make(self):
         """Make the arrays, and what leads into them."""
         self._variant = BY_NAME[self.variant]
         kernels = self._kernels or ready.kernels(library_of(self.variant))
-        self._instance = instance = Instance(kernels, self._points, wind_points=self.wind_points)
-        instance.set_up(*pack_records(kernels, *self._records, **self._more))
-        self.segments: int = instance.segments
+        line = Line("", input_names(self.wind_points), self._points, self.wind_points)
+        self._instance = instance = Instance(kernels, (line,))
+        self.segments, parameters = pack_records(kernels, *self._records, **self._more)
+        instance.set_up((self.segments,), parameters)
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))
         self._inputs, self._outputs = np.split(values, (instance.outputs_at,))
         name, profile = type(self).__name__, self._records[1].wind_profile
@@ -380,14 +380,7 @@ class TetherModel:
         step = arguments.steps("step", step, len(inputs)) if np.ndim(step) else arguments.number("step", step, "s")
         winds = given_inputs.node_winds(self._receiver, node_winds, len(inputs))
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER
-        arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
-        every = arguments.whole("every", every)
-        flown = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip", winds)
-        self._warn()
-        if flown.refusals and on_refusal == "raise":
-            ((place, problem, status),) = flown.refusals
-            raise StepRefused(f"step {place + 1} of {len(inputs)}: {problem}", status, flown)
-        return flown
+        return self._fly(inputs, step, every, when, on_refusal, flown_of, winds)
 
     def get_state(self) -> NDArray[np.float64]:
         """Copy of the whole state, one flat array: the state of `layout.py`, the inputs, and what tether it belongs to.
@@ -431,11 +424,6 @@ class TetherModel:
         return found
 
     @property
-    def implausible(self) -> list[str]:
-        """Sentences on what has been implausible since the start, each also a `PlausibilityWarning`."""
-        return sentences(self._state)
-
-    @property
     def positions(self) -> NDArray[np.float64]:
         """Node positions [m], array (segments + 1, 3)."""
         return self._motion()[0].copy()
@@ -460,19 +448,9 @@ class TetherModel:
         return tensions
 
     @property
-    def counters(self) -> dict[str, int]:
-        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
-        places = {"steps": at.STEPS, "rejections": at.REJECTIONS, "iterations": at.ITERATIONS}
-        return {name: int(self._state[place]) for name, place in places.items()}
-
-    @property
     def most_factorizations(self) -> int:
         """Bound on the factorizations for one fixed step, each of an iteration; 0 with adaptive steps, which have none."""
-        parameters = self._instance.parameters
-        if parameters[at.FIXED_STEP] == 0.0 or not self._variant.has_waves:
-            return 0
-        has_one_stage = parameters[at.FIXED_STEP_METHOD] == at.BACKWARD_EULER
-        return most_of_a_step(has_one_stage, parameters[at.WINCH_CONTROL] == at.WINCH_BY_FORCE)
+        return super().most_factorizations if self._variant.has_waves else 0
 
     def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
         """`Energy`, tensions [N] and velocities [m/s] of the present state, see `energy.account`."""
@@ -490,19 +468,12 @@ class TetherModel:
         """The same before the start."""
         return self._state[at.STATE_HEADER : at.state_size(self.segments)].reshape(2, -1, 3)
 
-    def _check_started(self):
-        """StepRefused before `initialize`."""
-        if not self._runs:
-            raise StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
-
-    def _warn(self, deeper=0):
-        """Warn the caller of a public method of what is implausible, each once since the start.
-
-        deeper : calls between that method and the one that calls this.
-        """
-        for sentence in self._instance.warnings():
-            warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
-
     def _present(self):
         """`Outputs` as they were computed last."""
         return outputs_of(self._outputs.copy())
+
+
+def flown_of(rows, seconds, refusals):
+    """`Flown` of the rows of one line, see `compiled_flight.fly`."""
+    peak = None if rows.peaks is None else rows.peaks[:, 0]
+    return Flown(rows.outputs, peak, rows.motion[0][:, 0], seconds, refusals)

@@ -22,7 +22,7 @@ from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
 from .build_options import BuildOptions
 from .documents import documents
 from .native_arrays import arrays_at, places_of
-from .native_tables import header, room_of_tether
+from .native_tables import header, room_of, wiring_of
 from .universal import universal
 
 HEADERS = Path(find_spec("fmpy").origin).with_name("c-code")  # FMI's own, under the 2-clause BSD licence
@@ -48,7 +48,8 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     texts = writers(name, variant, about, given, fmi, (native_sources.FILE,) if with_sources else ())
     token = complete(files, name, kernels, texts, fmi)
     if with_sources:
-        room = room_of_tether(ready.kernels(library_of(variant)), options.wind_points)
+        lines = wiring_of(variant, table_of(variant, given), given["shape_points"]).lines
+        room = room_of(ready.kernels(library_of(variant)), lines)
         files |= native_sources.sources(name, library_of(variant), texts[1](token), room, fmi, HEADERS)
     made = write(files, folder, name, options.purpose)
     if with_header:
@@ -58,17 +59,16 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     return made
 
 
-def complete(files, name, kernels, texts, fmi, is_system=False):
+def complete(files, name, kernels, texts, fmi):
     """Add model description and libraries to the files of an FMU (modified); returns its token.
 
     texts : functions of the token that give the model description and `tables.h`.  kernels : as of `kernels_of`.
-    is_system : whether it is that of a system of tethers.
     """
     describe, tabulate = texts
     shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
     token = guid_of(describe(""), {**files, **shell, **kernels, "tables.h": tabulate("").encode("utf-8")})
     files[DESCRIPTION] = describe(token).encode("utf-8")
-    files |= binaries(name, kernels, tabulate(token), fmi, is_system)
+    files |= binaries(name, kernels, tabulate(token), fmi)
     return token
 
 
@@ -87,7 +87,7 @@ def writers(name, variant, about, given, fmi, sources=()):
     places = places_of(table, shape_points)
     times = given["step"], given["stop"]
     describe = partial(writer_of(fmi).text, name, about, table, places, times, sources=sources)
-    return describe, partial(header, variant, table, shape_points, widths_of(table, places, fmi))
+    return describe, partial(header, wiring_of(variant, table, shape_points), widths_of(table, places, fmi))
 
 
 def writer_of(fmi):
@@ -102,17 +102,17 @@ def widths_of(table, places, fmi):
     return {array.reference: len(array.variables) for array in arrays_at(table, places)}
 
 
-def binaries(name, kernels, tables, fmi, is_system=False):
+def binaries(name, kernels, tables, fmi):
     """The libraries of an FMU: dict of path in the archive to bytes.
 
-    kernels : dict of platform to object file (bytes).  tables : text of `tables.h`.  is_system : as of `complete`.
+    kernels : dict of platform to object file (bytes).  tables : text of `tables.h`.
     """
     exported = functions_of(fmi)
     made = {}
     for platform, content in kernels.items():
         system = platform.partition("-")[2]
         file = f"{name}{SUFFIXES[system]}"
-        library = native_library(content, file, platform, tables, fmi, HEADERS, exported, is_system)
+        library = native_library(content, file, platform, tables, fmi, HEADERS, exported)
         path = f"binaries/{platform}/{file}"
         if fmi == 2 and (system == "darwin" or f"binaries/{SYSTEMS_OF_FMI2[system]}/{file}" not in made):
             path = f"binaries/{SYSTEMS_OF_FMI2[system]}/{file}"

@@ -7,8 +7,7 @@ import re
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.libraries.c_kernels import c_kernels
-from tetherfmu.libraries.native_shell import SHELL, parts_of
-from tetherfmu.runtime.kernel_library import SYSTEM
+from tetherfmu.libraries.native_shell import PARTS, SHELL
 from tetherfmu.runtime.limits import MAX_SEGMENTS
 
 from .documents import filled
@@ -24,11 +23,10 @@ PROTOTYPE = re.compile(r"^(?!static|typedef|extern)\w[\w *]*?(\w+)\([^;]*\);", r
 def sources(name, library, tables, room, fmi, headers):
     """Files of the folder: dict of path in the archive to bytes; RuntimeError if the kernels cannot be made.
 
-    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  room : text of `native_tables.most_room`.
+    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  room : text of `native_tables.room_of`.
     fmi : 2 or 3.  headers : folder with those of FMI.
     """
-    listed = (*parts_of(library == SYSTEM), f"fmi{fmi}")
-    parts = [NOT_IN_C.get(part, part) for part in listed if NOT_IN_C.get(part, part)]
+    parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]
     texts = {
         FILE: filled(
             FILE, name=name, fmi=fmi, segments=MAX_SEGMENTS, parts="\n".join(f'#include "{part}.c"' for part in parts)

@@ -4,56 +4,128 @@ Places in the flat arrays, variables, parameters with their ranges, sentences: w
 """
 
 import re
-from functools import partial
+from array import array
+from typing import NamedTuple
 
-from tetherfmu.runtime import inputs, layout, parameters, plausibility, refusals, saved_state, status
+from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
+from tetherfmu.runtime.instance import Line, address
 from tetherfmu.runtime.variables import PARAMETER, input_names, parameters_at, references, wind_points_in
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
 NUMBERS_IN_A_LINE = 12
-_SIZES = ("parameters_size", "state_size")  # linear in the number of segments
+STATUSES = ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE", "NO_EQUILIBRIUM_OF_POINT")  # looked at
+QUANTITIES = (  # that sentences on parameters may ask for
+    *("segments", "initial_length", "surface_roughness", "wind_reference_height"),
+    *("shortest_length", "longest_length"),
+)
+
+
+class Wiring(NamedTuple):
+    """What an FMU is, and where its variables stand in the arrays of the kernels (`plan_layout.py`).
+
+    References are value references; -1 is none.
+    """
+
+    name: str  # in saved states
+    library: str  # of its kernels
+    record: object  # `variants.Variant` of a tether alone, None for a system
+    table: tuple  # of `variables.Variable`
+    references: list  # of the table
+    ends: tuple  # number of inputs, of inputs and outputs, and of all values
+    lines: tuple  # `instance.Line` of each
+    plan: dict  # numbers that are given, by place
+    quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
+    of_lines: dict  # references of what each line has, by the name of the table in C
+    forces: list  # references of the forces whose smoothness counts in directional derivatives
+    inputs: list = ()  # (place, reference)
+    outputs: list = ()  # (reference, place)
+    motion: list = ()  # (reference, line, 1 at its end, component)
+    starts: list = ()  # (place in the plan, reference)
+    checked: list = ()  # variables of parameters that the kernel `pack` does not check
+    carried: list = ()  # of each line the references of the masses at its start and end
+    free: tuple = ()  # names of the free points
+
+
+def wiring_of(variant, table, shape_points):
+    """`Wiring` of a tether alone: the inputs and outputs of the kernels are the first of its values."""
+    points = wind_points_in(table)
+    given, first = layout.inputs_size(points), parameters_at(shape_points, points)
+    listed = [each for each in table if each.causality == PARAMETER]
+    own = {each.name: first + each.place for each in listed}
+    line = Line("", input_names(points), shape_points, points)
+    force_places = [layout.GROUND_FORCE, layout.KITE_FORCE]
+    return Wiring(
+        variant,
+        library_of(variant),
+        BY_NAME[variant],
+        table,
+        references(table, shape_points),
+        (given, first, first + len(listed)),
+        (line,),
+        given_plan((line,)),
+        [[(each.name, own[each.name], 0.0) for each in listed]],
+        {"DIAMETER_AT": [own["diameter"]], "SLACK_SEGMENTS_AT": [given + layout.SLACK_SEGMENTS]},
+        [given + place + i for place in force_places for i in range(3)],
+        [(place, place) for place in range(given)],
+    )
+
+
+def given_plan(lines, free=(), band=0):
+    """What is given of the plan of lines but for their segments: dict of place to number."""
+    plan = {plan_layout.LINES: len(lines), plan_layout.FREE_POINTS: len(free), plan_layout.BAND: band}
+    for k, line in enumerate(lines):
+        own = {
+            plan_layout.START_POINT: line.start_point,
+            plan_layout.END_POINT: line.end_point,
+            plan_layout.SHAPE_POINTS: line.shape_points,
+            plan_layout.WIND_POINTS: line.wind_points,
+        }
+        plan |= {row_of(k) + place: number for place, number in own.items()}
+    return plan
+
+
+def row_of(k):
+    """First place of line k in the plan."""
+    return plan_layout.PLAN_HEADER + plan_layout.LINE_NUMBERS * k
+
+
+def header(wiring, widths, token):
+    """Text of `tables.h` for one FMU.
+
+    token : guid of FMI 2, instantiation token of FMI 3.
+    widths : of FMI 3, which has arrays and the time: dict of value reference to number of values; None for FMI 2.
+    """
+    listed = [variable for variable in wiring.table if variable.causality == PARAMETER]
+    return "\n".join(
+        [
+            "/* Made by export/native_tables.py. */",
+            "#ifndef TABLES_H",
+            "#define TABLES_H",
+            *_constants(wiring, token),
+            *_sizes(wiring),
+            *_inputs(wiring),
+            *_parameters(wiring, listed),
+            *_lines(wiring),
+            *_maps(wiring),
+            *variable_texts(wiring.table, wiring.references, widths, wiring.ends[2]),
+            *sentence_texts(),
+            "#endif",
+            "",
+        ]
+    )
+
+
+def count_of_values(table, shape_points):
+    """Number of all values of a tether: inputs, outputs, parameters."""
+    return parameters_at(shape_points, wind_points_in(table)) + sum(each.causality == PARAMETER for each in table)
 
 
 def c_text(text):
     """A text as a C string."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
-
-
-def count_of_values(table, shape_points):
-    """Number of all values: inputs, outputs, parameters."""
-    return parameters_at(shape_points, wind_points_in(table)) + _count_of_parameters(table)
-
-
-def _count_of_parameters(table):
-    return sum(variable.causality == PARAMETER for variable in table)
-
-
-def header(variant, table, shape_points, widths, token):
-    """Text of `tables.h` for one FMU.
-
-    table : of `variables.Variable`.  token : guid of FMI 2, instantiation token of FMI 3.
-    widths : of FMI 3, which has arrays and the time: dict of value reference to number of values; None for FMI 2.
-    """
-    return "\n".join(
-        [
-            "/* Made by export/native_tables.py. */",
-            "#ifndef TABLES_H",
-            "#define TABLES_H",
-            *constants(variant, library_of(variant), token, BY_NAME[variant]),
-            *_inputs(wind_points_in(table)),
-            *_sizes(table, shape_points),
-            *_parameters(table),
-            *of_lines([""], ["PARAMETERS_AT + DIAMETER"], ["OUTPUTS_AT + AT_SLACK_SEGMENTS"]),
-            forces([f"OUTPUTS_AT + AT_{end}_FORCE + {i}" for end in ("GROUND", "KITE") for i in range(3)]),
-            *variable_texts(table, references(table, shape_points), widths, count_of_values(table, shape_points)),
-            *sentence_texts(),
-            "#endif",
-            "",
-        ]
-    )
 
 
 def c_enumeration(numbers):
@@ -66,29 +138,33 @@ def c_texts(name, texts):
     return f"static const char *const {name}[] = {{\n    " + ",\n    ".join(map(c_text, texts)) + "};"
 
 
-def constants(variant, library, token, record=None):
-    """Names of the layout with AT_ in front, and what this variant is; record : its `Variant`, None for a system."""
+def _constants(wiring, token):
+    """Names of the layout with AT_ in front, those of the plan with PLAN_, and what this FMU is."""
     places = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, int)}
     fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
+    plan = {name: value for name, value in vars(plan_layout).items() if name.isupper()}
+    record = wiring.record
     defined = {
         **fractions,
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
         "THICK": parameters.THICK,
-        "SYSTEM": int(record is None),
+        "DIRECT": int(record is not None),
         "FREE_KITE": int(record is not None and record.kite_is_free),
         "HAS_KINK": int(record is None or record.has_kink),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
         "FAST_WIND_SPEED": inputs.FAST_WIND_SPEED,
-        "VARIANT": c_text(variant),
+        "VARIANT": c_text(wiring.name),
         "MAGIC": c_text(saved_state.MAGIC.decode()),
         "TOKEN": c_text(token),
-        "KERNEL(verb)": f"{library}_##verb",
+        "KERNEL(verb)": f"{wiring.library}_##verb",
     }
     phases = ("BEFORE", "INITIALIZING", "STEPPING", "TERMINATED")
     kinds = {name.upper() if name != "parameter" else "PARAMETER_KIND": bit for name, bit in KINDS.items()}
     ranges = ",\n    ".join(f"{{{place}, {low!r}, {high!r}}}" for place, (low, high) in saved_state.STATE_RANGES.items())
     return [
         c_enumeration(places),
+        c_enumeration({f"PLAN_{name.removeprefix('PLAN_')}": value for name, value in plan.items()}),
+        c_enumeration({name: getattr(status, name) for name in STATUSES}),
         *(f"#define {name} {value}" for name, value in defined.items()),
         f"typedef {c_enumeration({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
         c_enumeration({**kinds, "INDEPENDENT": INDEPENDENT}),
@@ -96,49 +172,51 @@ def constants(variant, library, token, record=None):
     ]
 
 
-def _inputs(wind_points):
-    """Name and scale of each input by its place."""
-    listed = (*inputs.INPUT_TABLE, *(wind_points * (inputs.WIND_AT,)))
+def _sizes(wiring):
+    """Sizes of the arrays; that of the state is a macro of the number of segments in all lines."""
+    given, end, values = wiring.ends
+    sizes = {"INPUTS": given, "OUTPUTS_AT": given, "PARAMETERS_AT": end, "PARAMETERS": values - end, "VALUES": values}
+    sizes |= {"TIME": values, "LINES": len(wiring.lines), "WIND_POINTS": wiring.lines[0].wind_points}
+    empty = sum(layout.state_size(0, line.wind_points) for line in wiring.lines)
+    slope = layout.state_size(1) - layout.state_size(0)
     return [
-        *scales(listed),
-        c_texts("INPUT_NAME", input_names(wind_points)),
+        c_enumeration(sizes | {"PLAN_SIZE": plan_layout.plan_size(len(wiring.lines))}),
+        f"#define STATE_SIZE(segments) ({empty} + {slope} * (size_t)(segments))",
     ]
 
 
-def scales(listed):
-    """The scales of directional derivatives, and that of each of these inputs by its place."""
+def _inputs(wiring):
+    """Name of each input of the FMU by its place; of each line names and scales of its inputs."""
+    listed = (*inputs.INPUT_TABLE, *(wiring.lines[0].wind_points * (inputs.WIND_AT,)))
     numbers = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
+    names = [line.inputs for line in wiring.lines]
+    own = dict(zip(wiring.references, (each.name for each in wiring.table), strict=True))
+    if wiring.record:
+        own |= dict(enumerate(names[0]))  # also of what another tether has
+    rows = ",\n    ".join("{" + ", ".join(map(c_text, row)) + "}" for row in names)
     return [
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
         c_numbers("unsigned char INPUT_SCALE", numbers),
+        c_texts("INPUT_NAME", [own[place] for place in range(wiring.ends[0])]),
+        c_enumeration({"INPUT_NAMES": len(names[0])}),
+        f"static const char *const LINE_INPUT_NAME[][{len(names[0])}] = {{\n    {rows}}};",
     ]
 
 
-def _sizes(table, shape_points):
-    """Sizes of the arrays; the linear ones are macros of the number of segments."""
-    values = count_of_values(table, shape_points)
-    points = wind_points_in(table)
-    sizes = {"INPUTS": layout.inputs_size(points), "OUTPUTS_AT": layout.inputs_size(points), "WIND_POINTS": points}
-    sizes |= {"PARAMETERS_AT": parameters_at(shape_points, points)}
-    sizes |= {"PARAMETERS": _count_of_parameters(table), "SHAPE_POINTS": shape_points, "VALUES": values, "TIME": values}
-    lines = [c_enumeration(sizes)]
-    for name in _SIZES:
-        size = partial(layout.state_size, wind_points=points) if name == "state_size" else getattr(layout, name)
-        base = size(0)
-        slope = size(1) - base
-        lines.append(f"#define {name.upper()}(segments) ({base} + {slope} * (size_t)(segments))")
-    return lines
-
-
-def room_of_tether(kernels, wind_points):
-    """`most_room` for a tether; kernels : `Kernels` of its library.  wind_points : number of them."""
-    counts = range(1, layout.MAX_SEGMENTS + 1)
-    states = [layout.state_size(n, wind_points) for n in counts]
-    return most_room(states, [layout.parameters_size(n) + kernels.work_size(n) for n in counts])
-
-
-def most_room(states, others):
-    """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments."""
+def room_of(kernels, lines, free=(), band=0):
+    """Text that says how much room the arrays of lines with equal numbers of segments need at most."""
+    given = given_plan(lines, free, band)
+    beside = [plan_layout.PARAMETERS_SIZE, plan_layout.WORK_SIZE]
+    if free or lines[0].name:  # their inputs and outputs are not those of the FMU
+        beside += [plan_layout.INPUTS_SIZE, plan_layout.OUTPUTS_SIZE]
+    states, others = [], []
+    for n in range(1, layout.MAX_SEGMENTS + 1):
+        plan = array("q", [given.get(place, 0) for place in range(plan_layout.plan_size(len(lines)))])
+        for k in range(len(lines)):
+            plan[row_of(k) + plan_layout.SEGMENTS] = n
+        kernels.complete(address(plan))
+        states.append(plan[plan_layout.STATE_SIZE])
+        others.append(sum(plan[place] for place in beside))
     return "\n".join(
         [
             "#ifndef MAX_SEGMENTS",
@@ -158,41 +236,65 @@ def _most(name, sizes):
     return f"#define {name}(segments) ({base} + {slope} * (size_t)(segments))"
 
 
-def _parameters(table):
-    """Numbers of the parameters, their names and what is allowed."""
-    listed = [variable for variable in table if variable.causality == PARAMETER]
-    first = [each for each in listed if not each.name.endswith(("[2]", "[3]"))]
-    numbers = {each.name.removesuffix("[1]").upper(): each.place for each in first}
-    return [c_enumeration(numbers), *declared_texts(listed)]
-
-
-def declared_texts(listed):
-    """Names of the parameters, and what is allowed."""
-    rows = [f"    {{{c_text(each.name)}, {c_text(each.quantity.range())}, {KINDS[each.kind]}}}" for each in listed]
+def _parameters(wiring, listed):
+    """Names of the parameters and what is allowed; of each line where the quantities stand that the kernel `pack` takes."""
+    texts = [f"    {{{c_text(each.name)}, {c_text(each.quantity.range())}, {KINDS[each.kind]}}}" for each in listed]
+    first, *_ = wiring.quantities
+    names = [name for name, _, _ in first]
+    numbers = {f"QUANTITY_{name.upper()}": names.index(name) for name in QUANTITIES}
+    if wiring.record and wiring.record.kite_is_free:
+        numbers["INITIAL_KITE_POSITION"] = names.index("initial_kite_position[1]")
+    rows = ",\n    ".join("{" + ", ".join(str(each) for _, each, _ in row) + "}" for row in wiring.quantities)
     return [
         "typedef struct { const char *name, *range; int kind; } Parameter;",
-        "static const Parameter PARAMETER[] = {\n" + ",\n".join(rows) + "};",
+        "static const Parameter PARAMETER[] = {\n" + ",\n".join(texts) + "};",
+        c_enumeration({"QUANTITIES": len(first), **numbers}),
+        f"static const int QUANTITY_FROM[][{len(first)}] = {{\n    {rows}}};",
+        c_numbers("double QUANTITY_DEFAULT", [float(default) for _, _, default in first]),
     ]
 
 
-def of_lines(names, diameters, slack_segments):
-    """Names of the lines, of which a tether has one without a name; texts of value references of what each line has."""
+def _lines(wiring):
+    """Names of the lines, value references of what each has, and of forces."""
+    own = {**wiring.of_lines, "FORCE_AT": wiring.forces}
     return [
-        c_enumeration({"LINES": len(names)}),
-        c_texts("LINE_NAME", names),
-        _references("DIAMETER_AT", diameters),
-        _references("SLACK_SEGMENTS_AT", slack_segments),
+        c_texts("LINE_NAME", [line.name for line in wiring.lines]),
+        *(c_numbers(f"unsigned {name}", references) for name, references in own.items()),
     ]
 
 
-def forces(references):
-    """Value references of the forces whose smoothness counts in directional derivatives, texts."""
-    return _references("FORCE_AT", references)
+def _table(name, members, rows):
+    """An array of structures of integers; without rows it has one of zeros, which nobody reads."""
+    cells = ",\n    ".join("{" + ", ".join(map(str, row)) + "}" for row in rows) or "{0}"
+    return f"static const struct {{ int {', '.join(members)}; }} {name}[] = {{\n    {cells}}};"
 
 
-def _references(name, texts):
-    """An array of value references in C."""
-    return f"static const unsigned {name}[] = {{{', '.join(texts)}}};"
+def _maps(wiring):
+    """Where inputs, outputs, motion and masses stand in the arrays of the kernels, and the plan as it is given."""
+    counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": wiring.outputs, "MOTIONS": wiring.motion}
+    counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked}
+    limits = [(each.place, *map(repr, limits_of(each.quantity))) for each in wiring.checked]
+    rows = ",\n    ".join(f"{{{', '.join(map(str, row))}}}" for row in limits) or "{0, 0.0, 0.0}"
+    plan = [wiring.plan.get(place, 0) for place in range(plan_layout.plan_size(len(wiring.lines)))]
+    masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried or [(-1, -1)])
+    return [
+        c_enumeration({name: len(listed) for name, listed in counts.items()}),
+        _table("INPUT_FROM", ("place", "reference"), wiring.inputs),
+        _table("OUTPUT_FROM", ("reference", "place"), wiring.outputs),
+        _table("MOTION", ("reference", "line", "is_end", "component"), wiring.motion),
+        _table("START_FROM", ("place", "reference"), wiring.starts),
+        f"static const struct {{ int reference; double lowest, highest; }} CHECK[] = {{\n    {rows}}};",
+        f"static const int CARRIED[][2] = {{{masses}}};",
+        c_texts("FREE_POINT_NAME", wiring.free or ("",)),
+        c_numbers("int64_t GIVEN_PLAN", plan),
+    ]
+
+
+def limits_of(quantity):
+    """Smallest and largest number that a quantity allows, those of an enumeration without gaps; all here are finite."""
+    if quantity.choices:
+        return 1.0, float(len(quantity.choices))
+    return float(quantity.minimum), float(quantity.maximum)
 
 
 def variable_texts(table, at, widths, count):

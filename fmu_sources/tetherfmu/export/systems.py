@@ -14,6 +14,7 @@ from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+from tetherfmu.runtime.system_maps import lines_of
 from tetherfmu.runtime.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
@@ -23,6 +24,7 @@ from . import native_sources, native_system, osp, related_files, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
 from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
 from .native import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
+from .native_tables import header, room_of
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
@@ -63,10 +65,10 @@ def _native(structure, about, platforms, evidence, fmi, with_sources):
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
     listed = (native_sources.FILE,) if with_sources else ()
     describe = partial(writer_of(fmi).text, structure.name, about, table, places, TIMES, sources=listed)
-    tabulate = partial(native_system.header, structure, table, widths_of(table, places, fmi))
-    token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi, is_system=True)
+    tabulate = partial(header, native_system.wiring_of(structure, table), widths_of(table, places, fmi))
+    token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi)
     if with_sources:
-        room = native_system.room_of(structure, ready.kernels(SYSTEM))
+        room = room_of(ready.kernels(SYSTEM), lines_of(structure), structure.free, structure.band)
         made |= native_sources.sources(structure.name, SYSTEM, tabulate(token), room, fmi, HEADERS)
     return made
 

@@ -1,103 +1,85 @@
 """The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
 
-Each variant has seven: segments, pack, work_size, initialize, advance, outputs, fly; with nodes an eighth: energy.
-`runtime.kernel_library` has their signatures for callers, `layout.py` the arrays. They return statuses (`status.py`), `fly`
-the number of steps done.
-
-Of a variant they need the kernels work_size(n), initialize(n, parameters, inputs, state, work),
-advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work); with nodes
-the view velocities_of(n, parameters, state, work).
+Each library has seven: segments, pack, complete, initialize, advance, outputs, fly; with nodes an eighth: energy.
+`runtime.kernel_library` has their signatures for callers, `plan_layout.py` the arrays. They return statuses (`status.py`),
+segments and fly a number. Which line a status is about stands in the plan at STATUS_LINE; INPUT_NOT_FINITE about ALL_LINES
+carries the number of a free point, whose load it is about, and NO_EQUILIBRIUM_OF_POINT that of the point.
 """
 
 from numba import types
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.status import OK
-from tetherfmu.runtime.variants import BY_NAME
+from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
 
 from . import packing
-from .arrays import copy, inputs_size, outputs_size, parameters_size, positions_and_velocities, state_size
+from .arrays import copy, parameters_size
 from .compilation import kernel, view
-from .equations import wind_points
-from .equations.boundary import inputs_of_step
+from .equations.lines import System, lines_of, nodes_of, outputs_of_line, segments_of
 from .flat_arrays import flat, part
 from .linear_algebra.vectors import norm, vector_at
-from .step import power_balance, transaction
-from .step.outputs import complete
+from .step import power_balance
 
-_DOUBLES = types.CPointer(types.float64)
+plan_size = kernel(places.plan_size)
+
+_DOUBLES, _WHOLE = types.CPointer(types.float64), types.CPointer(types.int64)
 _COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
+_FIXED = _WHOLE, _DOUBLES, _DOUBLES  # plan, parameters, inputs
 SIGNATURES = Kernels(
     segments=_COUNT(_COUNT, _DOUBLES),
     pack=_STATUS(_COUNT, _COUNT, _DOUBLES, _NUMBER, _DOUBLES),
-    work_size=_COUNT(_COUNT),
-    initialize=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
-    advance=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _NUMBER, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
-    outputs=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
-    fly=_COUNT(_COUNT, _DOUBLES, _DOUBLES, _COUNT, _NUMBER, _COUNT, _COUNT, _DOUBLES, _DOUBLES, _COUNT, _DOUBLES, _DOUBLES),
-    energy=_STATUS(_COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    complete=_STATUS(_WHOLE),
+    initialize=_STATUS(*_FIXED, _DOUBLES, _DOUBLES, _DOUBLES),
+    advance=_STATUS(*_FIXED, _NUMBER, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    outputs=_STATUS(*_FIXED, _DOUBLES, _DOUBLES, _DOUBLES),
+    fly=_COUNT(*_FIXED, _COUNT, _NUMBER, _COUNT, _COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
+    energy=_STATUS(*_FIXED, _COUNT, _DOUBLES, _DOUBLES, _DOUBLES),
 )
 
 
-def entry_points(variant):
-    """Entry points of a variant, functions to be compiled with `SIGNATURES`; variant : module of `kernels.variants`."""
-    declared = BY_NAME[variant.__name__.rpartition(".")[2]]
+@view
+def plan_at(plan):
+    """The plan as an array."""
+    return flat(plan, plan_size(flat(plan, places.PLAN_HEADER)[places.LINES]))
+
+
+@view
+def system_at(plan, parameters, inputs, state, work):
+    """`System` of these arrays."""
+    p = plan_at(plan)
+    given = flat(parameters, p[places.PARAMETERS_SIZE]), flat(inputs, p[places.INPUTS_SIZE])
+    return System(p, *given, flat(state, p[places.STATE_SIZE]), flat(work, p[places.WORK_SIZE]))
+
+
+def entry_points(lines):
+    """Entry points of a library, functions to be compiled with `SIGNATURES`.
+
+    lines : what moves them: the module `variants.system`, or a tether alone, as `variants.tether` makes it of its variant.
+    """
+    declared = BY_NAME.get(lines.name, DYNAMIC)
     has_nodes, has_waves = declared.has_nodes, declared.has_waves
 
-    @view
-    def chain_arrays(n, parameters, state, work):
-        """The parameters, the state and the work as arrays."""
-        p = flat(parameters, parameters_size(n))
-        return p, state_array(n, p, state), flat(work, variant.work_size(n))
-
-    @view
-    def state_array(n, p, state):
-        """A state as an array."""
-        return flat(state, state_size(n, wind_points.count_of(p)))
-
-    @view
-    def inputs_array(p, inputs):
-        """The inputs as an array."""
-        return flat(inputs, inputs_size(wind_points.count_of(p)))
-
     @kernel
-    def take_outputs(n, p, s, shape_points, outputs, w):
-        """Outputs (modified) that belong to a state; a status: OK or OUTPUT_NOT_FINITE."""
-        if has_nodes:
-            wind_points.take_from_state(n, p, s)
-        variant.outputs_of(n, p, s, shape_points, outputs, w)
-        return complete(n, s, outputs)
-
-    @kernel
-    def take_step(n, p, inputs, step, s, before, w):
-        """One communication step of `step` [s]; on any status but OK the state is as it was.
-
-        s (modified) : the state.  before (modified) : the state of before, if the inputs allow a step.
-        """
-        status = transaction.check_step(inputs, step)
-        if status != OK:
-            return status
-        given = inputs_of_step(p, inputs, step, s)
-        status = transaction.check_reeling(n, p, given)
-        if status != OK:
-            return status
-        copy(s, before)
-        transaction.remember(p, inputs, given, s)
-        wind_points.advance(n, p, inputs, step, has_nodes, has_waves, s)
-        status = variant.advance(n, p, given, before, s, w)
-        return transaction.commit(n, p, status, before, s)
-
-    @kernel
-    def take_step_with_outputs(n, p, inputs, step, s, before, shape_points, outputs, w):
-        """`take_step`, then the outputs (modified); on any status but OK the outputs are those of before, too."""
-        status = take_step(n, p, inputs, step, s, before, w)
+    def advance_with_outputs(system, step, before, outputs):
+        """A communication step, then the outputs (modified); on any status but OK states and outputs are those of before."""
+        status = lines.advance(system, step, before)
         if status == OK:
-            status = take_outputs(n, p, s, shape_points, outputs, w)
+            status = lines.take_outputs(system, outputs)
             if status != OK:
-                copy(before, s)
-                take_outputs(n, p, s, shape_points, outputs, w)
+                copy(before, system.state)
+                lines.take_outputs(system, outputs)
         return status
+
+    @kernel
+    def take_row(system, outputs, kept):
+        """Motion of all nodes into a row of a flight (modified), behind its outputs."""
+        place = outputs
+        for k in range(lines_of(system)):
+            nodes = nodes_of(system, k)
+            copy(nodes, part(kept, place, len(nodes)))
+            place += len(nodes)
 
     def segments(tethers, quantities):
         """Number of segments of tethers in series with these quantities, see `packing`; 0 if it is unknown."""
@@ -109,75 +91,74 @@ def entry_points(variant):
         p = flat(parameters, parameters_size(packing.count_segments(tethers, given, has_nodes)))
         return packing.pack(tethers, kites, given, tolerance, has_nodes, has_waves, p)
 
-    def work_size(n):
-        """Length of the work array [-] of a tether with n segments."""
-        return variant.work_size(n)
+    def complete(plan):
+        """Write into a plan (modified) what follows from the numbers that are given; returns OK."""
+        lines.complete_plan(plan_at(plan))
+        return OK
 
-    def initialize(n, parameters, inputs, state, shape_points, outputs, work):
-        """First state and its outputs (both modified) between two ends; they have no meaning on any status but OK."""
-        p, s, w = chain_arrays(n, parameters, state, work)
-        i = inputs_array(p, inputs)
-        status = transaction.start(n, p, i, s)
-        if status == OK:
-            status = variant.initialize(n, p, i, s, w)
-        status = transaction.commit_start(n, p, status, s)
-        if status == OK:
-            status = take_outputs(n, p, s, shape_points, flat(outputs, outputs_size(shape_points)), w)
-        return status
+    def initialize(plan, parameters, inputs, state, outputs, work):
+        """First states and outputs of all lines (both modified); they have no meaning on any status but OK.
 
-    def advance(n, parameters, inputs, step, state, before, shape_points, outputs, work):
-        """One communication step of `step` [s]: state and outputs (modified), left as they were on any status but OK.
-
-        before (modified) : room for a state; after a step that was done, the state of before it.
+        Free points start where the inputs of their lines say, as driven ones; where the plan says that a point is sought,
+        its position is found and written there (inputs modified).
         """
-        p, s, w = chain_arrays(n, parameters, state, work)
-        i, old, o = inputs_array(p, inputs), state_array(n, p, before), flat(outputs, outputs_size(shape_points))
-        return take_step_with_outputs(n, p, i, step, s, old, shape_points, o, w)
+        system = system_at(plan, parameters, inputs, state, work)
+        status = lines.initialize(system)
+        return lines.take_outputs(system, flat(outputs, system.plan[places.OUTPUTS_SIZE])) if status == OK else status
 
-    def outputs(n, parameters, state, shape_points, outputs, work):
-        """Outputs (modified) that belong to a state."""
-        p, s, w = chain_arrays(n, parameters, state, work)
-        return take_outputs(n, p, s, shape_points, flat(outputs, outputs_size(shape_points)), w)
+    def advance(plan, parameters, inputs, step, state, before, outputs, work):
+        """One communication step of `step` [s]: states and outputs (both modified), left as they were on any status but OK.
 
-    def fly(n, parameters, inputs, steps, step, every, outputs, state, before, shape_points, rows, work):
-        """Do `steps` communication steps, until one is refused; returns how many were done. The state is modified.
+        before (modified) : room for all states; after a step that was done, those of before it.
+        """
+        system = system_at(plan, parameters, inputs, state, work)
+        old, found = flat(before, len(system.state)), flat(outputs, system.plan[places.OUTPUTS_SIZE])
+        return advance_with_outputs(system, step, old, found)
+
+    def outputs(plan, parameters, inputs, state, outputs, work):
+        """Outputs of all lines (modified) that belong to their states; they have no meaning on any status but OK."""
+        system = system_at(plan, parameters, inputs, state, work)
+        return lines.take_outputs(system, flat(outputs, system.plan[places.OUTPUTS_SIZE]))
+
+    def fly(plan, parameters, inputs, steps, step, every, outputs, state, before, rows, work):
+        """Do `steps` communication steps, until one is refused; returns how many were done. The states are modified.
 
         inputs : one row of inputs per step.  every : a row is kept after every so many steps; 0 for none.
-        outputs : NEVER, AT_ROWS or ALWAYS (after each step) computed, see `TetherModel.fly`.  before : room for a state.
-        rows (modified) : of each kept step the outputs and the largest |kite_force| since the row before, unless NEVER; the
-        node positions.
+        outputs : NEVER, AT_ROWS or ALWAYS (after each step) computed, see `TetherModel.fly`.  before : room for all states.
+        rows (modified) : zeros; of each kept step they get, unless NEVER, the outputs and of each line the largest
+        |kite_force| since the row before; then positions and velocities of all nodes, line by line.
         """
-        p, s, w = chain_arrays(n, parameters, state, work)
-        x, _ = positions_and_velocities(n, s)
-        old, size_of_row = state_array(n, p, before), inputs_size(wind_points.count_of(p))
-        flight = flat(inputs, steps * size_of_row)
-        size, nodes = outputs_size(shape_points), 3 * (n + 1)
-        observed = size + 1 if outputs != at.NEVER else 0
-        width = observed + nodes
+        system = system_at(plan, parameters, inputs, state, work)
+        p, count, old = system.plan, lines_of(system), flat(before, len(system.state))
+        size = p[places.OUTPUTS_SIZE]
+        observed = size + count if outputs != at.NEVER else 0
+        width = observed
+        for k in range(count):
+            width += len(nodes_of(system, k))
+        flight = flat(inputs, steps * p[places.INPUTS_SIZE])
         kept = flat(rows, width * (steps // every + 1 if every > 0 else 1))
-        largest, row = 0.0, 0
-        for k in range(steps):
-            keep = every > 0 and (k + 1) % every == 0
-            inputs_now = part(flight, k * size_of_row, size_of_row)
+        row = 0
+        for j in range(steps):
+            keep = every > 0 and (j + 1) % every == 0
+            given = part(flight, j * p[places.INPUTS_SIZE], p[places.INPUTS_SIZE])
+            now = System(p, system.parameters, given, system.state, system.work)
             if outputs == at.ALWAYS or (keep and outputs == at.AT_ROWS):
-                now = part(kept, row, size)
-                if take_step_with_outputs(n, p, inputs_now, step, s, old, shape_points, now, w) != OK:
-                    return k
-                largest = max(largest, norm(vector_at(now, at.KITE_FORCE)))
-            elif take_step(n, p, inputs_now, step, s, old, w) != OK:
-                return k
+                found = part(kept, row, size)
+                if advance_with_outputs(now, step, old, found) != OK:
+                    return j
+                for k in range(count):
+                    force = norm(vector_at(outputs_of_line(now, k, found), at.KITE_FORCE))
+                    kept[row + size + k] = max(kept[row + size + k], force)
+            elif lines.advance(now, step, old) != OK:
+                return j
             if keep:
-                if outputs != at.NEVER:
-                    kept[row + size] = largest
-                copy(x, part(kept, row + observed, nodes))
-                largest, row = 0.0, row + width
+                take_row(now, observed, part(kept, row, width))
+                row += width
         return steps
 
-    def energy(n, parameters, state, inputs, energies, work):
-        """Energies, powers, tensions and velocities (modified) of a state with wind, reel-out speed and load of `inputs`."""
-        p, s, w = chain_arrays(n, parameters, state, work)
-        wind_points.take_from_state(n, p, s)
-        v = variant.velocities_of(n, p, s, w)
-        return power_balance.balance(n, p, s, v, flat(inputs, at.INPUTS), flat(energies, power_balance.size(n)), w)
+    def energy(plan, parameters, inputs, line, state, energies, work):
+        """Energies, powers, tensions and velocities (modified) of a line with wind, reel-out speed and load of `inputs`."""
+        system = system_at(plan, parameters, inputs, state, work)
+        return lines.energy(system, line, flat(energies, power_balance.size(segments_of(system, line))))
 
-    return Kernels(segments, pack, work_size, initialize, advance, outputs, fly, energy)
+    return Kernels(segments, pack, complete, initialize, advance, outputs, fly, energy)

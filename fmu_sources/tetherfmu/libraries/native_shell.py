@@ -11,11 +11,7 @@ from .linking import KERNELS_NEED, compile_c, link
 from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
-PARTS = (
-    *("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "tether_derivatives", "derivatives"),
-    "instance",
-)
-OF_A_SYSTEM = {"arrays": "system_arrays", "tether_derivatives": "system_derivatives"}  # in their place
+PARTS = ("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "derivatives", "instance")
 OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # in the place of vsnprintf and stderr
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
@@ -32,27 +28,21 @@ OPTIONS = (
 )
 
 
-def parts_of(system=False):
-    """Names of the files of the shell but that of FMI; system : whether it is that of a system of tethers."""
-    return [OF_A_SYSTEM.get(part, part) for part in PARTS] if system else PARTS
+def unit(fmi):
+    """The C file that is compiled: all of the shell at once, with the functions of FMI 2 or 3."""
+    return "".join(f'#include "{part}.c"\n' for part in (*PARTS, f"fmi{fmi}"))
 
 
-def unit(fmi, system=False):
-    """The C file that is compiled: all of the shell at once, with the functions of FMI 2 or 3; system : of tethers."""
-    return "".join(f'#include "{part}.c"\n' for part in (*parts_of(system), f"fmi{fmi}"))
-
-
-def native_library(kernels, library, platform, tables, fmi, headers, exported, system=False):
+def native_library(kernels, library, platform, tables, fmi, headers, exported):
     """Bytes of the shared library of a native FMU; RuntimeError with the compiler's words if it fails.
 
     kernels : object file (bytes) of the kernels for the platform.  library : file name of the result.  tables : text of
     `tables.h`.  fmi : 2 or 3.  headers : folder with FMI's headers.  exported : names of the functions of FMI.
-    system : whether it is that of a system of tethers.
     """
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         (folder / "tables.h").write_text(tables, encoding="utf-8")
-        (folder / "unit.c").write_text(unit(fmi, system), encoding="utf-8")
+        (folder / "unit.c").write_text(unit(fmi), encoding="utf-8")
         places = (f"-I{folder}", f"-I{SHELL}", f"-I{headers}")
         shell = compile_c(folder, "unit.c", platform, (*OPTIONS, *places))
     marked = platform.endswith("windows")  # by the headers

@@ -14,7 +14,7 @@ from tetherfmu.libraries.sources import HAS_AVX
 
 ARCHITECTURE = "x86_64"
 KINDS = ("plain", "avx")
-ONCE = ("_segments", "_pack", "_work_size", "_complete", "_initialize")  # how the names of such entry points end
+ONCE = ("_segments", "_pack", "_complete", "_initialize")  # how the names of such entry points end
 ENTRY_POINT = """
 declare {returned} @{name}.plain({kinds})
 declare {returned} @{name}.avx({kinds})

@@ -5,8 +5,6 @@ import re
 from functools import cache
 from pathlib import Path
 
-from tetherfmu.runtime.kernel_library import SYSTEM
-
 PACKAGE = Path(__file__).resolve().parents[1]
 HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
 # modules beside this one, how a library is made
@@ -31,8 +29,8 @@ def imported(path):
 def sources_of(variant):
     """Files that the library of a variant is made from, sorted by their place in the package."""
     found = set()
-    entry_points = "system_entry_points.py" if variant == SYSTEM else "entry_points.py"
-    waiting = [PACKAGE / "kernels" / "variants" / f"{variant}.py", PACKAGE / "kernels" / entry_points]
+    kernels = PACKAGE / "kernels"
+    waiting = [*(kernels / "variants" / f"{name}.py" for name in (variant, "tether")), kernels / "entry_points.py"]
     while waiting:
         path = waiting.pop()
         if path not in found:

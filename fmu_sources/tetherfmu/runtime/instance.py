@@ -1,18 +1,18 @@
-"""One running tether: the entry points of its variant, its flat arrays (`layout.py`), and what it says when it refuses.
+"""Running lines, one tether or a system of them: the entry points, their flat arrays, and what they say when they refuse.
 
-The FMI slave and the Python API both run it.
+The FMI slaves and the Python API run them. Arrays: `plan_layout.py`.
 """
 
 from array import array
 from math import dist, inf
+from typing import NamedTuple
 
 from . import layout as at
+from . import plan_layout as places
 from . import plausibility, status
 from .saved_state import check_state
-from .variables import input_names, parameters_at
 
 _KITE_MOTION = range(at.KITE_POSITION, at.KITE_VELOCITY + 3)  # places of the motion of the kite end among the inputs
-OUTPUTS_AT = at.INPUTS  # first place of the outputs in `Instance.values` without wind points; the inputs are before them
 
 
 def zeros(count):
@@ -20,133 +20,177 @@ def zeros(count):
     return array("d", bytes(8 * count))
 
 
-def address(doubles):
+def address(numbers):
     """Address of an array, which stays as long as its length."""
-    return doubles.buffer_info()[0]
+    return numbers.buffer_info()[0]
+
+
+class Line(NamedTuple):
+    """What does not change of a line while it runs."""
+
+    name: str  # in messages; "" of a tether alone
+    inputs: tuple  # names of its inputs by their places
+    shape_points: int
+    wind_points: int = 0  # at which the wind is an input; 0 for none, at least 2 otherwise
+    start_point: int = places.DRIVEN  # number of the free point at its start
+    end_point: int = places.DRIVEN
 
 
 class Instance:
-    """A tether that is set up, started, and advanced step by step; a refused start or step keeps state and outputs.
+    """Lines that are set up, started, and advanced step by step; a refused start or step keeps states and outputs.
 
     Parameters
     ----------
     kernels : kernel_library.Kernels
-        Entry points of the variant.
-    points : int
-        Points of the output `shape`.
+    lines : tuple of Line
+    free : tuple of str
+        Names of the free points.
+    band : int
+        Of their matrix, see `systems/ordering.py`.
     room : int
         Places for the caller behind inputs and outputs in `values`.
-    wind_points : int
-        Points at which the wind is an input; 0 for none, at least 2 otherwise.
 
     Attributes
     ----------
     values : array
         Inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address for life. The
         caller sets the inputs.
-    parameters, state, before, work : array
-        As `layout.py` has them; `before` is the state of before the last start or step. A `set_up` for another number of
-        segments makes new arrays.
+    plan, parameters, state, before, work : array
+        `before` has the states of before the last start or step. A `set_up` for other numbers of segments makes new arrays.
+    counts : tuple of int
+        Segments of each line; empty before they are set up.
     segments : int
-        0 before it is set up.
+        Of all lines together, 0 before they are set up.
     status : int
         Status of the last start or step, see `status.py`.
     """
 
-    def __init__(self, kernels, points, room=0, wind_points=0):
-        self.kernels = kernels
-        self.points = points
-        self.wind_points = wind_points
-        self.segments = 0
-        self.status = status.OK
-        self._warned = 0
-        self.outputs_at, self.parameters_at = at.inputs_size(wind_points), parameters_at(points, wind_points)
-        self.values = zeros(self.parameters_at + room)
-        self.state = zeros(0)
-        self._inputs_address = address(self.values)
-        self._outputs_address = self._inputs_address + 8 * self.outputs_at
+    def __init__(self, kernels, lines, free=(), band=0, room=0):
+        self.kernels, self.lines, self.free = kernels, lines, free
+        self.plan = array("q", bytes(8 * places.plan_size(len(lines))))
+        self.plan[places.LINES], self.plan[places.FREE_POINTS], self.plan[places.BAND] = len(lines), len(free), band
+        for row, line in zip(self._rows(), lines, strict=True):
+            self.plan[row + places.START_POINT], self.plan[row + places.END_POINT] = line.start_point, line.end_point
+            self.plan[row + places.SHAPE_POINTS] = line.shape_points
+            self.plan[row + places.WIND_POINTS] = line.wind_points
+        self.outputs_at = sum(at.inputs_size(line.wind_points) for line in lines) + 3 * len(free)
+        self.parameters_at = self.outputs_at + sum(at.outputs_size(line.shape_points) for line in lines)
+        self.values, self.state = zeros(self.parameters_at + room), zeros(0)
+        self.counts, self.segments, self.status = (), 0, status.OK
+        self._warned = [0] * len(lines)
 
-    def set_up(self, segments, parameters):
-        """Take a number of segments and their parameters, see `packing`, and make the arrays; it is to be started next."""
+    def _rows(self):
+        """First places of the lines in the plan."""
+        return range(places.PLAN_HEADER, len(self.plan), places.LINE_NUMBERS)
+
+    def set_up(self, counts, parameters, sought=()):
+        """Take segments and parameters of all lines, see `packing`, and make the arrays; they are to be started next.
+
+        sought : pairs of a place in the plan and whether the free point there is sought.
+        """
         self.parameters = parameters
-        if self.wind_points:
-            parameters[at.WIND_POINTS], parameters[at.WIND_PROFILE] = self.wind_points, at.AT_NODES
-        if segments != self.segments:
-            self.segments = segments
-            self.state = zeros(self.state_size(segments))
-            self.before = zeros(len(self.state))
-            self.work = zeros(self.kernels.work_size(segments))
-        self._parameters_address = address(self.parameters)
-        self._state_address, self._before_address = address(self.state), address(self.before)
-        self._work_address = address(self.work)
+        if counts != self.counts:
+            self.counts, self.segments = counts, sum(counts)
+            for row, segments in zip(self._rows(), counts, strict=True):
+                self.plan[row + places.SEGMENTS] = segments
+            self.kernels.complete(address(self.plan))
+            self.state, self.before = zeros(self.plan[places.STATE_SIZE]), zeros(self.plan[places.STATE_SIZE])
+            self.work = zeros(self.plan[places.WORK_SIZE])
+            self.states_at = [self.plan[row + places.STATE_AT] for row in self._rows()]
+        for place, is_sought in sought:
+            self.plan[place] = is_sought
+        for row, line in zip(self._rows(), self.lines, strict=True):
+            if line.wind_points:
+                first = self.plan[row + places.PARAMETERS_AT]
+                parameters[first + at.WIND_POINTS], parameters[first + at.WIND_PROFILE] = line.wind_points, at.AT_NODES
+        inputs = address(self.values)
+        self._fixed = address(self.plan), address(parameters), inputs
+        self._changing = *map(address, (self.state, self.before)), inputs + 8 * self.outputs_at, address(self.work)
+        self._found = self._changing[0], *self._changing[2:]
 
     def state_size(self, segments):
-        """Length of the state array of so many segments."""
-        return at.state_size(segments, self.wind_points)
+        """Length of the state array of so many segments in all lines together."""
+        empty = sum(at.state_size(0, line.wind_points) for line in self.lines)
+        return empty + at.state_size(segments) - at.state_size(0)
+
+    def parameters_of(self, k):
+        """View of the parameters of line k, and of what follows them."""
+        return memoryview(self.parameters)[self.plan[self._rows()[k] + places.PARAMETERS_AT] :]
+
+    def state_of(self, k):
+        """Copy of the state of line k."""
+        return self.state[slice(*(*self.states_at, len(self.state))[k : k + 2])]
 
     def start(self):
-        """Find the first shape between the ends that the inputs give. Returns what is wrong, or None."""
-        outputs = self.values[self.outputs_at : self.parameters_at]
+        """Find the first shapes between the ends that the inputs give. Returns what is wrong, or None."""
+        values = self.values[: self.parameters_at]
         self.before[:] = self.state
-        self.status = self.kernels.initialize(
-            *(self.segments, self._parameters_address, self._inputs_address, self._state_address),
-            *(self.points, self._outputs_address, self._work_address),
-        )
+        self.status = self.kernels.initialize(*self._fixed, *self._found)
         if self.status == status.OK:
-            self._warned = 0
+            self._warned = [0] * len(self.lines)
             return None
-        free = self.parameters[at.KITE_IS_FREE] != 0.0
-        problem = self.sentence(self.status, 0.0, free)  # with the length that was tried
+        problem = self.sentence(self.status, 0.0, at_start=True)  # with the length that was tried
         self.state[:] = self.before
-        self.values[self.outputs_at : self.parameters_at] = outputs
+        self.values[: self.parameters_at] = values
         return problem
 
     def advance(self, step):
         """Do a communication step of `step` [s] with the inputs at its start. Returns what is wrong, or None."""
-        self.status = self.kernels.advance(
-            *(self.segments, self._parameters_address, self._inputs_address, step, self._state_address),
-            *(self._before_address, self.points, self._outputs_address, self._work_address),
-        )
+        self.status = self.kernels.advance(*self._fixed, step, *self._changing)
         return None if self.status == status.OK else self.sentence(self.status, step)
 
     def take_outputs(self):
-        """Compute the outputs that belong to the state; returns the status."""
-        return self.kernels.outputs(
-            *(self.segments, self._parameters_address, self._state_address),
-            *(self.points, self._outputs_address, self._work_address),
-        )
+        """Compute the outputs that belong to the states; returns the status."""
+        return self.kernels.outputs(*self._fixed, *self._found)
 
     def take(self, state):
-        """Continue from a state, an array of its size; there is no second warning of what was implausible in it.
+        """Continue from states, an array of their size; there is no second warning of what was implausible in them.
 
         ValueError, and nothing is changed, if it says so in numbers that no state has.
         """
-        check_state(state)
-        self._warned |= plausibility.kinds(state)
+        own = [state[first:end] for first, end in zip(self.states_at, (*self.states_at[1:], len(state)), strict=True)]
+        for each in own:
+            check_state(each)
+        self._warned = [warned | plausibility.kinds(each) for warned, each in zip(self._warned, own, strict=True)]
         self.state[:] = state
 
     def warnings(self):
-        """Sentences on what has been implausible since the start, each once."""
-        if self.state[at.WARNINGS] == self._warned:  # as nearly always
-            return ()
-        new = plausibility.sentences(self.state, self._warned)
-        self._warned |= plausibility.kinds(self.state)
-        return new
+        """Sentences on what has been implausible since the start, each once, with the name of its line."""
+        said = []
+        for k, first in enumerate(self.states_at):
+            if self.state[first + at.WARNINGS] != self._warned[k]:
+                said += self._said_of(k, self._warned[k])
+                self._warned[k] |= plausibility.kinds(self.state_of(k))
+        return said
 
-    def sentence(self, result, step, free=False):
-        """What a status says about a step [s] with the inputs and the unstretched length of now.
+    def said(self):
+        """All of these sentences since the start."""
+        return [each for k in range(len(self.lines)) for each in self._said_of(k, 0)]
 
-        free : whether the motion of the kite end is that of a free one at the start, which is no input.
-        """
-        place = status.index(result)
-        name = input_names(self.wind_points)[place]
-        return status.sentence(
-            result,
-            name=f"{name} at the start" if free and place in _KITE_MOTION else name,
-            value=self.values[place],
-            step=step,
-            **facts_of(self.values, self.parameters, self.state[at.LENGTH], self.segments),
-        )
+    def _said_of(self, k, warned):
+        return [self._about(k, each) for each in plausibility.sentences(self.state_of(k), warned)]
+
+    def _about(self, k, said):
+        """A sentence on line k."""
+        return f"the line {self.lines[k].name}: {said}" if self.lines[k].name else said
+
+    def sentence(self, result, step, at_start=False):
+        """What a status says about a step [s] with the inputs and the unstretched lengths of now."""
+        about, place = self.plan[places.STATUS_LINE], status.index(result)
+        if status.code(result) == status.NO_EQUILIBRIUM_OF_POINT:
+            return status.sentence(result, name=self.free[place])
+        if about == places.ALL_LINES and status.code(result) == status.INPUT_NOT_FINITE:
+            first = self.outputs_at + 3 * (place - len(self.free))
+            return status.sentence(result, name=f"{self.free[place]}.load", value=self.values[first : first + 3].tolist())
+        k = max(about, 0)
+        line, inputs, parameters = self.lines[k], self.values[at.INPUTS * k :], self.parameters_of(k)
+        name = line.inputs[place] if place < len(line.inputs) else ""
+        if at_start and not line.name and parameters[at.KITE_IS_FREE] != 0.0 and place in _KITE_MOTION:
+            name = f"{name} at the start"  # which is no input
+        segments = self.segments if about == places.ALL_LINES else self.counts[k]
+        facts = facts_of(inputs, parameters, self.state[self.states_at[k] + at.LENGTH], segments)
+        said = status.sentence(result, name=name, value=inputs[place], step=step, **facts)
+        return said if about == places.ALL_LINES else self._about(k, said)
 
 
 def facts_of(inputs, parameters, length, segments):

@@ -1,10 +1,9 @@
-"""The entry points of a variant as ctypes functions, and the compiled library that has them.
+"""The entry points of a library as ctypes functions, and the library that has them: of a tether, or SYSTEM, of several.
 
-segments(tethers, quantities), pack(tethers, kites, quantities, tolerance, parameters), work_size(n), initialize(n,
-parameters, inputs, state, shape_points, outputs, work), advance(n, parameters, inputs, step, state, before, shape_points,
-outputs, work), outputs(n, parameters, state, shape_points, outputs, work); for the Python API also fly and energy. Arrays
-are passed by addresses. See `kernels/entry_points.py`. The library SYSTEM moves several tethers at once and has entry points
-of its own, see `kernels/system_entry_points.py`.
+segments(tethers, quantities), pack(tethers, kites, quantities, tolerance, parameters), complete(plan), initialize(plan,
+parameters, inputs, state, outputs, work), advance(plan, parameters, inputs, step, state, before, outputs, work),
+outputs(plan, parameters, inputs, state, outputs, work); for the Python API also fly and energy. Arrays are passed by
+addresses. See `kernels/entry_points.py`.
 """
 
 import platform
@@ -16,7 +15,8 @@ from pathlib import Path
 
 from .variants import BY_NAME
 
-Kernels = namedtuple("Kernels", "segments pack work_size initialize advance outputs fly energy", defaults=(None,))
+Kernels = namedtuple("Kernels", "segments pack complete initialize advance outputs fly energy", defaults=(None,))
+SYSTEM = "system"
 # platforms of PythonFMU's libraries, and where an FMU has those
 PYTHONFMU = {"x86_64-linux": "binaries/linux64/", "x86_64-windows": "binaries/win64/"}
 NO_LIBRARY_OF_PYTHONFMU = (
@@ -24,42 +24,24 @@ NO_LIBRARY_OF_PYTHONFMU = (
     "build a native FMU: tetherfmu build --native"
 )
 _ARRAY = c_void_p
+_FIXED = _ARRAY, _ARRAY, _ARRAY  # plan, parameters, inputs
 PROTOTYPES = Kernels(
     segments=CFUNCTYPE(c_int64, c_int64, _ARRAY),
     pack=CFUNCTYPE(c_int32, c_int64, c_int64, _ARRAY, c_double, _ARRAY),
-    work_size=CFUNCTYPE(c_int64, c_int64),
-    initialize=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
-    advance=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
-    outputs=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY),
-    fly=CFUNCTYPE(
-        c_int64, c_int64, _ARRAY, _ARRAY, c_int64, c_double, c_int64, c_int64, _ARRAY, _ARRAY, c_int64, _ARRAY, _ARRAY
-    ),
-    energy=CFUNCTYPE(c_int32, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-)
-SYSTEM = "system"
-SystemKernels = namedtuple("SystemKernels", "segments pack complete initialize advance outputs fly")
-SYSTEM_PROTOTYPES = SystemKernels(
-    segments=CFUNCTYPE(c_int64, c_int64, _ARRAY),
-    pack=CFUNCTYPE(c_int32, c_int64, _ARRAY, c_double, c_int64, c_int64, c_double, c_double, _ARRAY),
     complete=CFUNCTYPE(c_int32, _ARRAY),
-    initialize=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    advance=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, c_double, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    outputs=CFUNCTYPE(c_int32, _ARRAY, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    fly=CFUNCTYPE(c_int64, _ARRAY, _ARRAY, _ARRAY, c_int64, c_double, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    initialize=CFUNCTYPE(c_int32, *_FIXED, _ARRAY, _ARRAY, _ARRAY),
+    advance=CFUNCTYPE(c_int32, *_FIXED, c_double, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    outputs=CFUNCTYPE(c_int32, *_FIXED, _ARRAY, _ARRAY, _ARRAY),
+    fly=CFUNCTYPE(c_int64, *_FIXED, c_int64, c_double, c_int64, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    energy=CFUNCTYPE(c_int32, *_FIXED, c_int64, _ARRAY, _ARRAY, _ARRAY),
 )
 SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
 
 
-def prototypes(variant):
-    """Prototypes of the entry points of a variant, or of SYSTEM."""
-    return SYSTEM_PROTOTYPES if variant == SYSTEM else PROTOTYPES
-
-
 def verbs(variant):
-    """Names of the entry points of a variant, without its name: those with nodes also account for their energy."""
-    if variant == SYSTEM:
-        return SystemKernels._fields
-    return Kernels._fields[: None if BY_NAME[variant].has_nodes else -1]
+    """Names of the entry points of a library, without its name: of those with nodes one accounts for their energy."""
+    has_nodes = variant == SYSTEM or BY_NAME[variant].has_nodes
+    return Kernels._fields[: None if has_nodes else -1]
 
 
 def this_platform():
@@ -93,5 +75,4 @@ def load(folder, variant):
             f"build it with: tetherfmu build --platforms {this_platform()}"
         )
     shared = CDLL(str(libraries[this_platform()]))
-    declared = prototypes(variant)
-    return type(declared)(*(getattr(declared, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))
+    return Kernels(*(getattr(PROTOTYPES, verb)((f"{variant}_{verb}", shared)) for verb in verbs(variant)))

@@ -30,20 +30,28 @@ def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
     return segments, parameters
 
 
-def pack_line(kernels, numbers, tethers, free_ends, masses, tolerance=0.0):
-    """As `pack`, of a line of a system.
+def put_ends(segments, parameters, free_ends, point_masses=()):
+    """Say in parameters (modified) which ends move freely, ground first, and which masses [kg] nodes have: pairs."""
+    parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE] = free_ends
+    for node, mass in point_masses:
+        parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass
 
-    kernels : `kernel_library.SystemKernels`.  free_ends : whether its start and its end are free points.  masses : of these
-    points [kg], as far as this line carries it, see `kernels/system_entry_points.py`.
+
+def pack_lines(kernels, lines, tolerance=0.0):
+    """Numbers of segments of lines of a system, a tuple, and their parameters, one array; ValueError names the line.
+
+    lines : of each its name, the numbers that `pack` takes, how many tethers these are, whether its start and its end are
+    free points, and the masses of these [kg] that it carries: all of it in the first line at a point, 0 in the others.
     """
-    quantities = array("d", numbers)
-    segments = kernels.segments(tethers, address(quantities))
-    parameters = zeros(at.parameters_size(segments))
-    ends = *map(int, free_ends), *masses
-    result = kernels.pack(tethers, address(quantities), tolerance, *ends, address(parameters))
-    if result != status.OK:
-        raise ValueError(_sentence(result, numbers, tethers))
-    return segments, parameters
+    counts, found = (), array("d")
+    for name, numbers, tethers, free_ends, (first, last) in lines:
+        try:
+            segments, parameters = pack(kernels, numbers, tethers, tolerance=tolerance)
+        except ValueError as problem:
+            raise ValueError(f"the line {name}: {problem}") from None
+        put_ends(segments, parameters, free_ends, ((0, first), (segments, last)))
+        counts, found = (*counts, segments), found + parameters
+    return counts, found
 
 
 def pack_records(
@@ -65,10 +73,8 @@ def pack_records(
     freely.  kite_start : of a free kite, as `parameters.FreeKite` has it.
     """
     segments, parameters = pack(kernels, numbers_of(tethers, environment, solver, winch, ground), len(tethers))
-    parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE] = free_ends
+    put_ends(segments, parameters, free_ends, point_masses)
     parameters[at.KITE_START] = kite_start
-    for node, mass in point_masses:
-        parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass
     return segments, parameters
 
 

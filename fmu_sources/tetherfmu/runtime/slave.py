@@ -5,7 +5,7 @@ from pathlib import Path
 
 from . import layout, refusals, saved_state, status, variables
 from .base_slave import WARNING, BaseSlave
-from .instance import Instance, zeros
+from .instance import Instance, Line, zeros
 from .kernel_library import load
 from .packing import pack
 from .parameters import DEFAULT_TOLERANCE, diameter_in_doubt
@@ -36,8 +36,10 @@ class TetherSlave(BaseSlave):
         table = variables.table_of(self.variant, options)
         names = variables.names_of(table, variables.PARAMETER)
         points = options["shape_points"], options["wind_points"]
-        self._instance = Instance(self._kernels(), points[0], len(names), points[1])
-        self._places = {name: self._instance.parameters_at + k for k, name in enumerate(names)}
+        line = Line("", variables.input_names(points[1]), *points)
+        self._instance = Instance(self._kernels(), (line,), room=len(names))
+        self._outputs_at, self._parameters_at = self._instance.outputs_at, self._instance.parameters_at
+        self._places = {name: self._parameters_at + k for k, name in enumerate(names)}
         self._diameters = [self._places["diameter"]]
         references = variables.references(table, options["shape_points"])
         self.declare(table, self._instance.values, references, options)
@@ -102,8 +104,13 @@ class TetherSlave(BaseSlave):
 
     def _packed(self, values, tolerance):
         """What `Instance.set_up` takes, from an array of all values; ValueError if one is not allowed."""
-        numbers = values[self._instance.parameters_at :]
-        return pack(self._instance.kernels, numbers, kites=int(self._kite_is_free), tolerance=tolerance)
+        numbers, kites = values[self._parameters_at :], int(self._kite_is_free)
+        segments, parameters = pack(self._instance.kernels, numbers, kites=kites, tolerance=tolerance)
+        return (segments,), parameters
+
+    def _take_outputs(self):
+        """Compute the outputs that belong to the state; returns the status."""
+        return self._instance.take_outputs()
 
     # --- state
 
@@ -140,15 +147,14 @@ class TetherSlave(BaseSlave):
                 raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=problem))
         packed = self._packed_of_state(saved) if saved.phase >= STEPPING else None
         self.phase, self._importer_tolerance, self.time = saved.phase, saved.tolerance, saved.time
-        instance = self._instance
-        first = instance.outputs_at
+        first, end = self._outputs_at, self._parameters_at
         self.values[:first] = saved.values[:first]
-        self.values[first : instance.parameters_at] = zeros(instance.parameters_at - first)
-        self.values[instance.parameters_at :] = saved.values[instance.parameters_at :]
+        self.values[first:end] = zeros(end - first)
+        self.values[end:] = saved.values[end:]
         if packed:
-            instance.set_up(*packed)
-            instance.take(saved.state)
-            if instance.take_outputs() != status.OK:
+            self._instance.set_up(*packed)
+            self._instance.take(saved.state)
+            if self._take_outputs() != status.OK:
                 raise ValueError(refusals.STATE_IMPOSSIBLE)
 
     def _packed_of_state(self, saved):
@@ -159,6 +165,6 @@ class TetherSlave(BaseSlave):
             packed = self._packed(saved.values, saved.tolerance)
         except ValueError as error:
             raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=error)) from None
-        if packed[0] != saved.segments:
+        if sum(packed[0]) != saved.segments:
             raise ValueError(refusals.STATE_DAMAGED)
         return packed

@@ -1,4 +1,4 @@
-"""Where the variables of a system of tethers stand in its flat arrays (`system_layout.py`), and what of the plan is given.
+"""Where the variables of a system of tethers stand in its flat arrays (`plan_layout.py`), and what of the plan is given.
 
 References are value references by the names of variables, see `system_variables.py`.
 """
@@ -8,11 +8,13 @@ from itertools import count
 
 from . import inputs, outputs
 from . import layout as at
-from . import system_layout as plan
+from . import plan_layout as plan
 from .inputs import components
+from .instance import Line
 from .outputs import COUNTERS
 from .parameters import Ground, Tether, Winch
-from .system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED
+from .system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name
+from .variables import INPUT_NAMES
 
 
 def inputs_of(structure, places):
@@ -32,7 +34,7 @@ def inputs_of(structure, places):
             named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
         for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
             named |= dict(zip(count(first + inputs.PLACES[each.name]), components(each.name, each.size), strict=False))
-    first = plan.inputs_size(len(structure.lines), 0)
+    first = at.INPUTS * len(structure.lines)
     for k, point in enumerate(structure.free):
         named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))
     return [(place, places[name]) for place, name in named.items()]
@@ -104,19 +106,36 @@ def starts_of(structure, places):
 
 
 def sought(structure, places, values):
-    """Whether the free points at the ends of lines are sought: dict of place in the `plan` array to 1 or 0."""
-    return {place: int(values[reference] == at.START_AT_REST) for place, reference in starts_of(structure, places)}
+    """Whether the free points at the ends of lines are sought: pairs of place in the `plan` array and 1 or 0."""
+    return [(place, int(values[reference] == at.START_AT_REST)) for place, reference in starts_of(structure, places)]
 
 
-def plan_of(structure):
-    """What is given of the `plan` array but for the segments and what is sought: dict of place to number."""
-    given = {plan.LINES: len(structure.lines), plan.FREE_POINTS: len(structure.free), plan.BAND: structure.band}
-    for k, line in enumerate(structure.lines):
-        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
-        for place, name in ((plan.START_POINT, line.start), (plan.END_POINT, line.end)):
-            given[row + place] = structure.free.index(name) if name in structure.free else plan.DRIVEN
-        given[row + plan.SHAPE_POINTS] = line.shape_points
-    return given
+def lines_of(structure, shape_points=None):
+    """`instance.Line` of each line of a system, a tuple; shape_points : of each, None for those that it says itself.
+
+    structure : has `lines`, with `name`, `start` and `end`, and `free`.
+    """
+    number = {name: k for k, name in enumerate(structure.free)}
+    counts = shape_points or [line.shape_points for line in structure.lines]
+    return tuple(
+        Line(
+            line.name,
+            tuple(input_name(each, line) for each in INPUT_NAMES),
+            points,
+            0,
+            *(number.get(name, plan.DRIVEN) for name in (line.start, line.end)),
+        )
+        for line, points in zip(structure.lines, counts, strict=True)
+    )
+
+
+def packed_of(structure, places, values):
+    """What `packing.pack_lines` takes of each line, from the values of all variables."""
+    for line, points in zip(structure.lines, carried(structure), strict=True):
+        known = quantities_of_line(line, places)
+        numbers = [default if reference is None else values[reference] for _, reference, default in known]
+        free_ends = [point in structure.free for point in (line.start, line.end)]
+        yield line.name, numbers, 1, free_ends, [values[places[f"{point}.mass"]] if point else 0.0 for point in points]
 
 
 def quantities_of_line(line, places):

@@ -1,4 +1,4 @@
-"""The FMI variables of a system of tethers, and where each of them stands in the flat arrays (`system_layout.py`).
+"""The FMI variables of a system of tethers, and where each of them stands in the flat arrays (`plan_layout.py`).
 
 Points have `NAME.position`, lines have `NAME.reel_out_speed`; what the whole system has goes without a name. A quantity is
 declared where that of a single tether is; here it gets the name of its point or line. The value reference of a variable is

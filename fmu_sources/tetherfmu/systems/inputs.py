@@ -37,8 +37,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             _check_known(f"{what} of a {'point' if at_start else 'driven point'}", name, movable)
             arrays.put_point_in(rows, name, what, _numbers(f"{name}.{what}", value, (3,), steps))
     for name, value in given.loads.items():
-        _check_known("load on a free point", name, arrays.free)
-        first = len(lines) * at.INPUTS + 3 * arrays.free.index(name)
+        _check_known("load on a free point", name, arrays.instance.free)
+        first = len(lines) * at.INPUTS + 3 * arrays.instance.free.index(name)
         load = _numbers(f"{name}.load", value, (3,), steps)
         if not np.all(np.abs(load) <= at.LARGEST_INPUT):
             raise StepRefused(

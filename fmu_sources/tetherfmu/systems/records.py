@@ -123,6 +123,11 @@ class Line:
                 f"{at.LARGEST_INPUT:g} in magnitude"
             )
 
+    @property
+    def tethers(self) -> tuple[Tether, ...]:
+        """Its tethers in series, also where it is one."""
+        return tuple(self.tether) if isinstance(self.tether, list | tuple) else (self.tether,)
+
 
 def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
     """TypeError or ValueError, in words, unless points and lines are one connected system."""

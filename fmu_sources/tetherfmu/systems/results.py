@@ -56,12 +56,15 @@ class SystemFlown(NamedTuple):
         Nodes of each line [m].
     seconds : float
         Wall time of all steps [s].
+    refusals : tuple of `tetherfmu.results.Refusal`
+        Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
     """
 
     points: dict[str, PointOutputs]
     outputs: dict[str, np.ndarray]
     positions: dict[str, np.ndarray]
     seconds: float
+    refusals: tuple = ()
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""
@@ -69,10 +72,10 @@ class SystemFlown(NamedTuple):
         return f"<SystemFlown: {rows} rows, {len(self.points)} points, {len(self.outputs)} lines>"
 
 
-def points_of(points, lines, arrays, state, values):
-    """`PointOutputs` by name, from states (..., size) and the outputs of lines by name (..., outputs_size).
+def points_of(points, lines, motions, values):
+    """`PointOutputs` by name, from the motion of each line and the outputs of lines by name (..., outputs_size).
 
-    points, lines, arrays : of the system.
+    points, lines : of the system.  motions : arrays (..., 2, segments + 1, 3).
     """
     found = {}
     for point in points:
@@ -81,6 +84,6 @@ def points_of(points, lines, arrays, state, values):
             for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
                 if name == point.name:
                     force = force + values[line.name][..., place : place + 3]
-                    motion = arrays.nodes(k, state)[..., node, :]
+                    motion = motions[k][..., node, :]
         found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
     return found

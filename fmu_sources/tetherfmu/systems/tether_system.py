@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from time import perf_counter
-from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu import arguments
-from tetherfmu.results import PlausibilityWarning, StepRefused, outputs_of
+from tetherfmu.results import StepRefused, outputs_of
+from tetherfmu.running import Running
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import plausibility, status
-from tetherfmu.runtime.limits import most_of_a_step
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
-from tetherfmu.runtime.saved_state import check_state
+from tetherfmu.runtime.status import OK
 
 from . import files
-from .arrays import Arrays
+from .arrays import Arrays, instance_of
 from .inputs import Given, first_winches_of, put, winches_of
 from .records import Line, Point, check_system
 from .results import SystemFlown, SystemOutputs, points_of
@@ -27,7 +25,7 @@ from .results import SystemFlown, SystemOutputs, points_of
 Vectors = Mapping[str, ArrayLike]
 
 
-class TetherSystem:
+class TetherSystem(Running):
     """Tethers that meet in points, in one system of equations: bridles, several kites on one tether, drones with one load.
 
     The start of a line is the ground end of a single tether, its end the kite end; all of them share air, gravity, ground
@@ -87,10 +85,9 @@ class TetherSystem:
             arguments.record_of(type(self).__name__, record, kind)
         for line in lines:
             arguments.tethers_of("Line", line.tether)
-        self.points, self.lines, self._solver = points, lines, solver
-        self._arrays = Arrays(points, lines, environment, solver, ground)
-        self._runs = False
-        self._warned = [0] * len(lines)
+        self.points, self.lines = points, lines
+        self._instance = instance_of(points, lines, environment, solver, ground)
+        self._arrays = Arrays(self._instance, lines)
 
     @classmethod
     def from_file(cls, path: str | Path) -> TetherSystem:
@@ -106,9 +103,8 @@ class TetherSystem:
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
-        segments = sum(self._arrays.segments)
-        parts = [f"{len(self.points)} points ({len(self._arrays.free)} free)", f"{len(self.lines)} lines"]
-        parts += [f"{segments} segments", "running" if self._runs else "not initialized"]
+        parts = [f"{len(self.points)} points ({len(self._instance.free)} free)", f"{len(self.lines)} lines"]
+        parts += [f"{self._instance.segments} segments", "running" if self._runs else "not initialized"]
         return f"<TetherSystem: {', '.join(parts)}>"
 
     def initialize(
@@ -157,22 +153,25 @@ class TetherSystem:
         """
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
         wanted = [name for name, position in positions.items() if position is None]
-        if not set(wanted) <= set(self._arrays.free):
-            raise ValueError(f"{next(iter(set(wanted) - set(self._arrays.free)))} is no free point: give its position")
+        if not set(wanted) <= set(self._instance.free):
+            raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
         velocities = {**{each.name: each.velocity for each in self.points}, **(velocities or {})}
         winches = first_winches_of(self.lines, reel_out_speeds, winch_forces, winch_lengths)
-        loads = {**dict.fromkeys(self._arrays.free, (0.0, 0.0, 0.0)), **(loads or {})}
+        loads = {**dict.fromkeys(self._instance.free, (0.0, 0.0, 0.0)), **(loads or {})}
         before = self._arrays.inputs.copy()
         try:
             given = {name: position for name, position in positions.items() if position is not None}
             self._set(given, velocities, loads, winches, wind_velocity, at_start=True)
-            self._arrays.start(wanted)
+            self._arrays.seek(wanted)
+            problem = self._instance.start()
+            if problem:
+                raise StepRefused(problem, self._instance.status)
         except ValueError:
             self._arrays.inputs[:] = before
             raise
-        self._runs, self._warned = True, [0] * len(self.lines)
+        self._runs = True
         self._warn()
-        return self.outputs()
+        return self._present()
 
     def step(
         self,
@@ -220,15 +219,14 @@ class TetherSystem:
         try:
             winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
             self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity)
-            step = arguments.number("step", step, "s")
-            result = self._arrays.advance(step)
-            if result != status.OK:
-                raise StepRefused(self._arrays.problem(result, step), result)
+            problem = self._instance.advance(arguments.number("step", step, "s"))
+            if problem:
+                raise StepRefused(problem, self._instance.status)
         except ValueError:
             self._arrays.inputs[:] = before
             raise
         self._warn()
-        return self.outputs()
+        return self._present()
 
     def fly(
         self,
@@ -242,6 +240,8 @@ class TetherSystem:
         every: int = 1,
         winch_forces: Vectors | None = None,
         winch_lengths: Vectors | None = None,
+        *,
+        on_refusal: str = "raise",
     ) -> SystemFlown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
@@ -255,6 +255,8 @@ class TetherSystem:
             As for `step`, each constant or with one row for each step: (steps, 3) arrays, (steps,) of a winch.
         every : int
             A row is kept after every so many steps; 0 for none.
+        on_refusal : "raise", "stop" or "skip"
+            What to do when a step cannot be done, see `TetherModel.fly`.
 
         Returns
         -------
@@ -274,21 +276,8 @@ class TetherSystem:
         inputs = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
         winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
         self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, inputs=inputs)
-        began = perf_counter()
-        done, kept = self._arrays.fly(inputs, step, every)
-        seconds = perf_counter() - began
-        if done > 0:
-            self._arrays.inputs[:] = inputs[done - 1]
-        flown = self._flown(kept, seconds)
-        self._warn()
-        if done < steps:
-            before = self._arrays.inputs.copy()
-            self._arrays.inputs[:] = inputs[done]
-            result = self._arrays.advance(step)
-            problem = self._arrays.problem(result, step)
-            self._arrays.inputs[:] = before
-            raise StepRefused(f"step {done + 1} of {steps}: {problem}", result, flown)
-        return flown
+        when = at.AT_ROWS if every else at.NEVER
+        return self._fly(np.ascontiguousarray(inputs), step, every, when, on_refusal, self._flown)
 
     def get_state(self) -> NDArray[np.float64]:
         """Copy of the whole state, one flat array: topology, states of all lines, inputs, parameters.
@@ -297,7 +286,7 @@ class TetherSystem:
         """
         self._check_started()
         arrays = self._arrays
-        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, arrays.parameters])
+        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, self._instance.parameters])
 
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
@@ -306,46 +295,36 @@ class TetherSystem:
         """
         arrays = self._arrays
         state = np.asarray(state, dtype=float)
-        sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, arrays.parameters)]
+        ours = np.frombuffer(self._instance.parameters)
+        sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, ours)]
         if state.shape != (sum(sizes),):
             raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
         topology, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
-        if not (np.array_equal(topology, arrays.topology()) and np.array_equal(parameters, arrays.parameters)):
+        if not (np.array_equal(topology, arrays.topology()) and np.array_equal(parameters, ours)):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
         if not np.all(np.isfinite(state)):
             raise ValueError("state has a number that is not finite")
-        for first, end in zip(arrays.states_at[:-1], arrays.states_at[1:], strict=True):
-            try:
-                check_state(own[first:end])
-            except ValueError as problem:
-                raise ValueError(f"state {problem}") from None
-        arrays.state[:], arrays.inputs[:], arrays.parameters[:] = own, inputs, parameters
+        try:
+            self._instance.take(array("d", own))
+        except ValueError as problem:
+            raise ValueError(f"state {problem}") from None
+        arrays.inputs[:] = inputs
         self._runs = True
 
     def outputs(self) -> SystemOutputs:
         """`SystemOutputs` that belong to the present state; StepRefused before `initialize`."""
         self._check_started()
-        found = self._arrays.take_outputs()
-        values = {line.name: each for line, each in zip(self.lines, found, strict=True)}
+        if self._instance.take_outputs() != OK:
+            raise StepRefused("the outputs that belong to this state are no finite numbers")
+        return self._present()
+
+    def _present(self):
+        """`SystemOutputs` as they were computed last."""
+        values = self._arrays.outputs_by_line(np.array(self._instance.values[self._instance.outputs_at :]))
+        motion = [self._arrays.motion_of(k) for k in range(len(self.lines))]
         lines = {name: outputs_of(each) for name, each in values.items()}
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
-        return SystemOutputs(points_of(self.points, self.lines, self._arrays, self._arrays.state, values), lines, most)
-
-    @property
-    def counters(self) -> dict[str, int]:
-        """Work since the start: dict of accepted and rejected steps, and Newton iterations for the first shapes."""
-        self._check_started()
-        first = self._arrays.of_line(0)
-        iterations = sum(self._arrays.of_line(k)[at.ITERATIONS] for k in range(len(self.lines)))
-        return {"steps": int(first[at.STEPS]), "rejections": int(first[at.REJECTIONS]), "iterations": int(iterations)}
-
-    @property
-    def most_factorizations(self) -> int:
-        """Bound on the factorizations of all lines for one fixed step; 0 with adaptive steps, which have none."""
-        if self._solver.fixed_step == 0.0:
-            return 0
-        has_drum = any(line.winch.winch_control == at.WINCH_BY_FORCE for line in self.lines)
-        return most_of_a_step(self._solver.fixed_step_method == at.BACKWARD_EULER, has_drum)
+        return SystemOutputs(points_of(self.points, self.lines, motion, values), lines, most)
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:
@@ -357,44 +336,20 @@ class TetherSystem:
         """Node velocities of each line [m/s], arrays (segments + 1, 3)."""
         return {line.name: self._motion(k)[1].copy() for k, line in enumerate(self.lines)}
 
-    @property
-    def implausible(self) -> list[str]:
-        """Sentences on what has been implausible since the start, each also a `PlausibilityWarning`."""
-        return [
-            f"the line {line.name}: {sentence}"
-            for k, line in enumerate(self.lines)
-            for sentence in plausibility.sentences(self._arrays.of_line(k))
-        ]
-
     def _motion(self, k):
         """Positions and velocities of the nodes of line k."""
         self._check_started()
-        return self._arrays.nodes(k)
+        return self._arrays.motion_of(k)
 
-    def _flown(self, states, seconds):
-        """`SystemFlown` of kept states (rows, size)."""
-        arrays, values, positions = self._arrays, {}, {}
-        rows = [arrays.take_outputs(each) for each in states]
-        for k, line in enumerate(self.lines):
-            own = np.array([row[k] for row in rows])
-            values[line.name] = own.reshape(len(states), arrays.outputs_at[k + 1] - arrays.outputs_at[k])
-            positions[line.name] = arrays.nodes(k, states)[:, 0].copy()
-        return SystemFlown(points_of(self.points, self.lines, arrays, states, values), values, positions, seconds)
+    def _flown(self, rows, seconds, refusals):
+        """`SystemFlown` of the rows of `compiled_flight.fly`."""
+        outputs = np.zeros((len(rows.motion[0]), len(self._instance.values) - self._instance.outputs_at))
+        values = self._arrays.outputs_by_line(outputs if rows.outputs is None else rows.outputs)
+        positions = {line.name: motion[:, 0].copy() for line, motion in zip(self.lines, rows.motion, strict=True)}
+        points = points_of(self.points, self.lines, rows.motion, values)
+        return SystemFlown(points, values, positions, seconds, refusals)
 
     def _set(self, positions, velocities, loads, winches, wind_velocity, *, inputs=None, at_start=False):
         """Set those inputs that are given, by name, see `inputs.put`."""
-        given, arrays = Given(positions, velocities, loads, winches, wind_velocity), self._arrays
-        put(given, arrays, self.points, self.lines, inputs, at_start)
-
-    def _check_started(self):
-        """StepRefused before `initialize`."""
-        if not self._runs:
-            raise StepRefused("this TetherSystem is not initialized: call initialize first")
-
-    def _warn(self):
-        """Warn the caller of a public method of what is implausible, each once since the start."""
-        for k, line in enumerate(self.lines):
-            state = self._arrays.of_line(k)
-            for sentence in plausibility.sentences(state, self._warned[k]):
-                warn(f"the line {line.name}: {sentence}", PlausibilityWarning, stacklevel=3)
-            self._warned[k] |= plausibility.kinds(state)
+        given = Given(positions, velocities, loads, winches, wind_velocity)
+        put(given, self._arrays, self.points, self.lines, inputs, at_start)

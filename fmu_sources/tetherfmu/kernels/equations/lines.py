@@ -1,12 +1,12 @@
 """A system of lines between points: its arrays, and those of one of its lines and of its free points.
 
-Layout: `runtime/system_layout.py`.
+Layout: `runtime/plan_layout.py`.
 """
 
 from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 
 from ..arrays import behind, outputs_size, parameters_size, places_of, positions_and_velocities, split, state_size
 from ..compilation import kernel, view
@@ -21,7 +21,7 @@ from .end_motion import estimated_rates
 from .plan import number_in
 
 System = namedtuple("System", "plan parameters inputs state work")
-System.__doc__ = """The flat arrays of a system, see `system_layout.py`.
+System.__doc__ = """The flat arrays of a system, see `plan_layout.py`.
 
 plan : whole numbers, floats in `variants/resting_kite.py`; of a tether alone a `plan.OneLine`.
 """
@@ -45,7 +45,7 @@ GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, _,
 
 @kernel
 def number_of_line(system, k, which):
-    """What the plan says about line k: `system_layout.SEGMENTS`, ..."""
+    """What the plan says about line k: `plan_layout.SEGMENTS`, ..."""
     return number_in(system.plan, places.PLAN_HEADER + places.LINE_NUMBERS * k + which)
 
 
@@ -189,6 +189,12 @@ def remember_loads(system, k, recent):
 def motion_of(system, k):
     """Positions [m] and velocities [m/s] of the nodes of line k."""
     return positions_and_velocities(segments_of(system, k), state_of(system, k))
+
+
+@view
+def nodes_of(system, k):
+    """The same as one array."""
+    return part(state_of(system, k), at.STATE_HEADER, 6 * (segments_of(system, k) + 1))
 
 
 @view

@@ -5,7 +5,7 @@ So the kernels that move systems move a single tether, too, and what of them is 
 
 from collections import namedtuple
 
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import by_kind, kernel
 
@@ -18,7 +18,7 @@ What of its ends moves freely is a row of the line like the others, see `Boundar
 
 @kernel
 def number_in_array(plan, place):
-    """The number at a place of a plan, see `system_layout.py`."""
+    """The number at a place of a plan, see `plan_layout.py`."""
     return int(plan[place])
 
 

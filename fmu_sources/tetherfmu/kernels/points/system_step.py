@@ -13,7 +13,7 @@ F at a stage counts times the mass of the start over that of the stage, at a poi
 `share_forces` gives each line its part.
 """
 
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import kernel, view
 from ..equations.boundary import chain_during, hold_ends

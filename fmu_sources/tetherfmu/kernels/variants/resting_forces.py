@@ -6,7 +6,7 @@ R and S of `resting_points.py`, in the scratch space of its search.
 from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import OK
 
 from ..arrays import behind, copy, split

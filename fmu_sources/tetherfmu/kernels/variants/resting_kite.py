@@ -1,7 +1,7 @@
 """Where a free kite is at rest: its tether is a system of one line, whose free point is sought (`resting_points.py`)."""
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_KITE, OK
 
 from ..arrays import behind, copy, outputs_size, positions_and_velocities
@@ -12,7 +12,7 @@ from ..linear_algebra.vectors import ZERO_VECTOR, get, put, put_at, vector_at
 from . import resting_forces, resting_line, resting_points
 
 PLAN = places.plan_size(1)
-INPUTS = places.inputs_size(1, 1)
+INPUTS = at.INPUTS + 3
 BAND = 2  # of the matrix of one point, see `systems/ordering.py`
 ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # place of the scratch space of the system, behind its plan and its inputs
 

@@ -6,7 +6,7 @@ ground carries a point with its half segments as it carries a node.
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import OK
 
 from ..compilation import kernel, view

@@ -26,7 +26,7 @@ from math import inf
 import numpy as np
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN, OK
 
 from ..arrays import copy

@@ -4,7 +4,8 @@ The lines are started, and their outputs are found, one by one as dynamic tether
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import system_layout as places
+from tetherfmu.runtime import plan_layout as places
+from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
@@ -16,6 +17,7 @@ from ..equations.lines import (
     inputs_of,
     lines_of,
     motion_of,
+    number_of_line,
     outputs_of_line,
     parameters_of,
     points_size,
@@ -28,14 +30,15 @@ from ..equations.lines import (
     take_load_rates,
 )
 from ..equations.properties import chain_of
-from ..flat_arrays import part
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_fixed_room
-from ..step import transaction
+from ..step import power_balance, transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
+
+name = SYSTEM
 
 # --- the plan
 
@@ -48,7 +51,7 @@ def line_work_size(n):
 
 @kernel
 def complete_plan(plan):
-    """Write all numbers of a plan (modified) that follow from those that are given, see `system_layout.py`."""
+    """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
     parameters, state, outputs, work = 0, 0, 0, 0
     for k in range(plan[places.LINES]):
         row = places.PLAN_HEADER + places.LINE_NUMBERS * k
@@ -85,33 +88,28 @@ def iteration_limit_of(system):
 
 @kernel
 def take_outputs(system, outputs):
-    """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they are as they were.
+    """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they have no meaning.
 
     The plan (modified) says which line a status is about.
     """
-    found = part(system.work, system.plan[places.OUTPUTS_WORK], system.plan[places.OUTPUTS_SIZE])
     most = iteration_limit_of(system)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
-        n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, found)
-        points = system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.SHAPE_POINTS]
+        n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, outputs)
+        points = number_of_line(system, k, places.SHAPE_POINTS)
         dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
         own[at.SOLVER_ITERATION_LIMIT] = most
         status = complete(n, state, own)
         if status != OK:
             return status
-    copy(found, outputs)
     return OK
 
 
 @kernel
-def with_outputs(system, status, before, outputs):
-    """Outputs of all lines (modified) if the status is OK, else the states of before (states modified); the status."""
-    if status == OK:
-        status = take_outputs(system, outputs)
-    if status != OK:
-        copy(before, system.state)
-    return status
+def energy(system, k, energies):
+    """Energies, powers, tensions and velocities (modified) of line k in its state, with its inputs; a status."""
+    n, state, (_, v) = segments_of(system, k), state_of(system, k), motion_of(system, k)
+    return power_balance.balance(n, parameters_of(system, k), state, v, inputs_of(system, k), energies, room_of(system, k))
 
 
 # --- the start
@@ -129,13 +127,12 @@ def start_line(system, k):
 
 
 @kernel
-def initialize(system, before, outputs):
-    """First states of all lines and their outputs (both modified), as they were on any status but OK.
+def initialize(system):
+    """First states of all lines (modified); a status, and they have no meaning on any but OK.
 
-    Points that are sought get their positions first, see `resting_points.py`.  before (modified) : room for all states.
-    The plan (modified) says which line a status is about.
+    Points that are sought get their positions first, see `resting_points.py`.  The plan (modified) says which line a status
+    is about.
     """
-    copy(system.state, before)
     status = check_loads(system)
     if status == OK:
         status = resting_points.find(system, False)
@@ -143,7 +140,7 @@ def initialize(system, before, outputs):
         if status == OK:
             system.plan[places.STATUS_LINE] = k
             status = start_line(system, k)
-    return with_outputs(system, status, before, outputs)
+    return status
 
 
 # --- a communication step
@@ -223,12 +220,6 @@ def commit(system, step, before):
         if status != OK:
             return status
     return OK
-
-
-@kernel
-def advance_with_outputs(system, step, before, outputs):
-    """`advance`, then the outputs of all lines (modified), which are as they were on any status but OK, too."""
-    return with_outputs(system, advance(system, step, before), before, outputs)
 
 
 @kernel

@@ -1,123 +1,267 @@
-/* The arrays of the kernels, and the calls of the kernels. */
+/* The arrays of the kernels (plan_layout.py), and the calls of the kernels. Which variable stands where in them is what
+tables.h says; of a tether alone the values of its inputs and outputs are those arrays (DIRECT). */
 #include "arrays.h"
 
 #include <string.h>
 
+#include "instance.h"
 #include "kernels.h"
 #include "messages.h"
 #include "room.h"
 
+static int64_t of_line(const Arrays *arrays, int line, int which)
+{
+    return arrays->plan[PLAN_HEADER + PLAN_LINE_NUMBERS * line + which];
+}
+
+double *state_of(const Arrays *arrays, int line)
+{
+    return arrays->state + of_line(arrays, line, PLAN_STATE_AT);
+}
+
+double *parameters_of(const Arrays *arrays, int line)
+{
+    return arrays->parameters + of_line(arrays, line, PLAN_PARAMETERS_AT);
+}
+
+int64_t segments_of(const Arrays *arrays, int line)
+{
+    return of_line(arrays, line, PLAN_SEGMENTS);
+}
+
+size_t state_size_of(const Arrays *arrays, int line)
+{
+    int64_t end = line + 1 < LINES ? of_line(arrays, line + 1, PLAN_STATE_AT) : arrays->plan[PLAN_STATE_SIZE];
+    return (size_t)(end - of_line(arrays, line, PLAN_STATE_AT));
+}
+
+/* Quantities of a line in the order in which the kernel `pack` takes them. */
+static void quantities_of(const double *values, int line, double *quantities)
+{
+    for (int i = 0; i < QUANTITIES; i++) {
+        int reference = QUANTITY_FROM[line][i];
+        quantities[i] = reference < 0 ? QUANTITY_DEFAULT[i] : values[reference];
+    }
+}
+
 /* The arrays for values, in one block; NULL without memory. */
 Arrays *make_arrays(Instance *instance, const double *values)
 {
-    int64_t n = KERNEL(segments)(IN(memory_of(instance)) 1, values + PARAMETERS_AT);
-    size_t parameters = PARAMETERS_SIZE(n), state = STATE_SIZE(n), work = (size_t)KERNEL(work_size)(IN(memory_of(instance)) n);
-    size_t numbers = parameters + STATES_HELD * state + work + VALUES;
+    int64_t *plan = instance->plan, segments = 0;
+    memcpy(plan, GIVEN_PLAN, sizeof GIVEN_PLAN);
+    for (int i = 0; i < STARTS; i++) plan[START_FROM[i].place] = values[START_FROM[i].reference] == AT_START_AT_REST;
+    for (int k = 0; k < LINES; k++) {
+        quantities_of(values, k, instance->quantities);
+        int64_t n = KERNEL(segments)(IN(memory_of(instance)) 1, instance->quantities);
+        plan[PLAN_HEADER + PLAN_LINE_NUMBERS * k + PLAN_SEGMENTS] = n;
+        segments += n;
+    }
+    KERNEL(complete)(IN(memory_of(instance)) plan);
+    size_t parameters = (size_t)plan[PLAN_PARAMETERS_SIZE], state = (size_t)plan[PLAN_STATE_SIZE];
+    size_t inputs = DIRECT ? 0 : (size_t)plan[PLAN_INPUTS_SIZE], outputs = DIRECT ? 0 : (size_t)plan[PLAN_OUTPUTS_SIZE];
+    size_t work = (size_t)plan[PLAN_WORK_SIZE];
+    size_t numbers = parameters + inputs + STATES_HELD * state + outputs + work + VALUES;
     Arrays *arrays = take_room(instance, sizeof *arrays + numbers * sizeof(double));
     if (!arrays) return NULL;
 #if KERNELS_IN_C
     arrays->memory = memory_of(instance);
 #endif
-    arrays->segments = n;
+    arrays->segments = segments;
+    arrays->quantities = instance->quantities;
+    memcpy(arrays->plan, plan, sizeof arrays->plan);
     arrays->parameters = (double *)(arrays + 1);
-    arrays->state = arrays->parameters + parameters;
+    arrays->given = arrays->parameters + parameters;
+    arrays->state = arrays->given + inputs;
     arrays->before = arrays->state + state;
     arrays->spare = arrays->before + state;
-    arrays->work = arrays->spare + state;
+    arrays->found = arrays->spare + state;
+    arrays->work = arrays->found + outputs;
     arrays->values = arrays->work + work;
     memcpy(arrays->values, values, VALUES * sizeof(double));
     return arrays;
 }
 
-/* A parameter as a message has it: Integers and Enumerations without a fraction, where they have none. */
-static Fact fact_of(const char *key, const double *given, int number)
+/* --- parameters */
+
+/* A quantity as a message has it: Integers and Enumerations without a fraction, where they have none. */
+static Fact fact_of(const char *key, const double *quantities, int line, int place)
 {
-    double value = given[number];
-    return PARAMETER[number].kind != REAL && is_integer(value) ? whole(key, value) : real(key, value);
+    int reference = QUANTITY_FROM[line][place];
+    double value = quantities[place];
+    bool is_whole = reference >= 0 && PARAMETER[reference - PARAMETERS_AT].kind != REAL && is_integer(value);
+    return is_whole ? whole(key, value) : real(key, value);
+}
+
+/* Whether the parameters of free points are allowed, which the kernels do not check; if not, `problem` says what is wrong. */
+static bool check_points(const double *values, char *problem)
+{
+    for (int i = 0; i < CHECKS; i++) {
+        double value = values[CHECK[i].reference];
+        const Parameter *declared = &PARAMETER[CHECK[i].reference - PARAMETERS_AT];
+        bool is_number = declared->kind == REAL || is_integer(value);
+        if (is_number && value >= CHECK[i].lowest && value <= CHECK[i].highest) continue;
+        Fact fact = declared->kind != REAL && is_number ? whole("value", value) : real("value", value);
+        fill_in(problem, LONGEST_TEXT, KERNEL_SENTENCE[PARAMETER_OUT_OF_RANGE], FACTS(
+            word("name", declared->name), word("range", declared->range), fact));
+        return false;
+    }
+    return true;
+}
+
+/* A sentence on a line, with its name if it has one. */
+static void about_line(char *text, int line, const char *said)
+{
+    fill_in(text, LONGEST_TEXT, *LINE_NAME[line] ? "the line {line}: {said}" : "{said}", FACTS(
+        word("line", LINE_NAME[line]), word("said", said)));
+}
+
+/* What is wrong with the quantities of a line. */
+static void refuse_quantities(const double *quantities, int line, int32_t result, char *problem)
+{
+    char said[LONGEST_TEXT];
+    int place = index_of(result), reference = QUANTITY_FROM[line][place];
+    bool is_alone = code_of(result) == PARAMETER_OUT_OF_RANGE || code_of(result) == PARAMETER_NOT_WHOLE;
+    fill_in(said, LONGEST_TEXT, KERNEL_SENTENCE[code_of(result)], FACTS(
+        word("name", reference < 0 ? "" : PARAMETER[reference - PARAMETERS_AT].name),
+        word("range", reference < 0 ? "" : PARAMETER[reference - PARAMETERS_AT].range),
+        fact_of("value", quantities, line, place),
+        fact_of("roughness", quantities, line, QUANTITY_SURFACE_ROUGHNESS),
+        fact_of("height", quantities, line, QUANTITY_WIND_REFERENCE_HEIGHT),
+        fact_of("length", quantities, line, QUANTITY_INITIAL_LENGTH),
+        fact_of("shortest_stop", quantities, line, QUANTITY_SHORTEST_LENGTH),
+        fact_of("longest_stop", quantities, line, QUANTITY_LONGEST_LENGTH),
+        fact_of("segments", quantities, line, QUANTITY_SEGMENTS)));
+    if (is_alone) fill_in(problem, LONGEST_TEXT, "{said}", FACTS(word("said", said)));
+    else about_line(problem, line, said);
+}
+
+/* Say in the parameters of a line which ends of it are free points, and how much of their masses it carries. */
+static void put_ends(const Arrays *arrays, int line)
+{
+    static const int IS_FREE[2] = {AT_GROUND_IS_FREE, AT_KITE_IS_FREE};
+    double *parameters = parameters_of(arrays, line);
+    int64_t n = segments_of(arrays, line);
+    for (int end = 0; end < 2; end++) {
+        if (of_line(arrays, line, PLAN_START_POINT + end) < 0) continue;
+        parameters[IS_FREE[end]] = 1.0;
+        if (CARRIED[line][end] < 0) continue;
+        parameters[AT_PARAMETER_SCALARS + AT_SEGMENT_PROPERTIES * n + end * n] = arrays->values[CARRIED[line][end]];
+    }
 }
 
 /* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
 bytes) says what is wrong. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
 {
-    const double *given = arrays->values + PARAMETERS_AT;
-    int32_t result = KERNEL(pack)(IN(arrays->memory) 1, FREE_KITE, given, importer_tolerance, arrays->parameters);
-    if (!result && WIND_POINTS > 0) {
-        arrays->parameters[AT_WIND_POINTS] = WIND_POINTS;
-        arrays->parameters[AT_WIND_PROFILE] = AT_AT_NODES;
+    double *quantities = arrays->quantities;
+    if (!check_points(arrays->values, problem)) return false;
+    for (int k = 0; k < LINES; k++) {
+        quantities_of(arrays->values, k, quantities);
+        int32_t result = KERNEL(pack)(
+            IN(arrays->memory) 1, FREE_KITE, quantities, importer_tolerance, parameters_of(arrays, k));
+        if (result) {
+            refuse_quantities(quantities, k, result, problem);
+            return false;
+        }
+        put_ends(arrays, k);
+        if (!of_line(arrays, k, PLAN_WIND_POINTS)) continue;
+        parameters_of(arrays, k)[AT_WIND_POINTS] = (double)of_line(arrays, k, PLAN_WIND_POINTS);
+        parameters_of(arrays, k)[AT_WIND_PROFILE] = AT_AT_NODES;
     }
-    if (!result) return true;
-    const Parameter *declared = &PARAMETER[index_of(result)];
-    fill_in(problem, LONGEST_TEXT, KERNEL_SENTENCE[code_of(result)], FACTS(
-        word("name", declared->name),
-        word("range", declared->range),
-        fact_of("value", given, index_of(result)),
-        fact_of("roughness", given, SURFACE_ROUGHNESS),
-        fact_of("height", given, WIND_REFERENCE_HEIGHT),
-        fact_of("shortest_stop", given, SHORTEST_LENGTH),
-        fact_of("longest_stop", given, LONGEST_LENGTH),
-        fact_of("length", given, INITIAL_LENGTH),
-        fact_of("segments", given, SEGMENTS)));
-    return false;
+    return true;
 }
 
-/* First shape for the inputs in `values`, which get its outputs; returns the kernel's status. */
+/* --- starts, steps and outputs
+
+Inputs and outputs of the kernels among the values, or beside them where their variables stand elsewhere. */
+static double *inputs_in(const Arrays *arrays, double *values)
+{
+    return DIRECT ? values : arrays->given;
+}
+
+static double *outputs_in(const Arrays *arrays, double *values)
+{
+    return DIRECT ? values + OUTPUTS_AT : arrays->found;
+}
+
+/* Put the inputs among the values into the array of the kernels. */
+static void give(const Arrays *arrays, const double *values)
+{
+    for (int i = 0; i < INPUTS_FROM; i++) arrays->given[INPUT_FROM[i].place] = values[INPUT_FROM[i].reference];
+}
+
+/* Put the outputs of the kernels into the values if the status is 0, and return it; the force on a point is the sum of those of
+its lines. */
+static int32_t show(const Arrays *arrays, double *values, int32_t result)
+{
+    if (result || DIRECT) return result;
+    for (int i = OUTPUTS_AT; i < PARAMETERS_AT; i++) values[i] = 0.0;
+    for (int i = 0; i < OUTPUTS_FROM; i++) values[OUTPUT_FROM[i].reference] += arrays->found[OUTPUT_FROM[i].place];
+    for (int i = 0; i < MOTIONS; i++) {
+        int64_t n = of_line(arrays, MOTION[i].line, PLAN_SEGMENTS);
+        int64_t node = 3 * (MOTION[i].is_end ? n : 0) + 3 * (MOTION[i].component / 3) * (n + 1);
+        values[MOTION[i].reference] = state_of(arrays, MOTION[i].line)[AT_STATE_HEADER + node + MOTION[i].component % 3];
+    }
+    return 0;
+}
+
+/* First shapes for the inputs in `values`, which get its outputs; returns the kernel's status. */
 int32_t first_shape(Arrays *arrays, double *values)
 {
 #if FREE_KITE
     memcpy(values + AT_KITE_POSITION, values + PARAMETERS_AT + INITIAL_KITE_POSITION, KITE_MOTION * sizeof(double));
 #endif
-    return KERNEL(initialize)(
-        IN(arrays->memory) arrays->segments, arrays->parameters, values, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT,
-        arrays->work);
+    give(arrays, values);
+    return show(arrays, values, KERNEL(initialize)(
+        IN(arrays->memory) arrays->plan, arrays->parameters, inputs_in(arrays, values), arrays->state,
+        outputs_in(arrays, values), arrays->work));
 }
 
 /* One communication step [s] of the state with the inputs in `values`, which get its outputs; `before` gets the state of
 before. Returns the kernel's status: where that is not 0, state and outputs are as they were. */
 int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 {
-    return KERNEL(advance)(
-        IN(arrays->memory) arrays->segments, arrays->parameters, values, step, arrays->state, before, SHAPE_POINTS,
-        values + OUTPUTS_AT, arrays->work);
+    give(arrays, values);
+    return show(arrays, values, KERNEL(advance)(
+        IN(arrays->memory) arrays->plan, arrays->parameters, inputs_in(arrays, values), step, arrays->state, before,
+        outputs_in(arrays, values), arrays->work));
 }
 
 /* Outputs in `values` that belong to the state; returns the kernel's status. */
 int32_t take_outputs(Arrays *arrays, double *values)
 {
-    return KERNEL(outputs)(
-        IN(arrays->memory) arrays->segments, arrays->parameters, arrays->state, SHAPE_POINTS, values + OUTPUTS_AT, arrays->work);
+    return show(arrays, values, KERNEL(outputs)(
+        IN(arrays->memory) arrays->plan, arrays->parameters, inputs_in(arrays, values), arrays->state,
+        outputs_in(arrays, values), arrays->work));
 }
 
-double *state_of(const Arrays *arrays, int line)
-{
-    return arrays->state;
-}
+/* --- refusals */
 
-const double *parameters_of(const Arrays *arrays, int line)
+/* What the status of a kernel means for a step [s], or for the start, with the inputs and the unstretched length of now. */
+void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step)
 {
-    return arrays->parameters;
-}
-
-int64_t segments_of(const Arrays *arrays, int line)
-{
-    return arrays->segments;
-}
-
-size_t state_size_of(const Arrays *arrays, int line)
-{
-    return STATE_SIZE(arrays->segments);
-}
-
-/* What the status of a kernel means for a step [s], with the inputs and the unstretched length of now, into `text`. */
-void sentence_of(
-    char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step, bool at_start)
-{
-    int place = index_of(result);
-    fill_sentence(text, result, step, (About){
-        .name = INPUT_NAME[place],
-        .value = values[place],
-        .inputs = values,
-        .parameters = arrays->parameters,
-        .length = arrays->state[AT_LENGTH],
-        .segments = arrays->segments});
+    int about = (int)arrays->plan[PLAN_STATUS_LINE], line = about < 0 ? 0 : about, place = index_of(result);
+    char said[LONGEST_TEXT], vector[LONGEST_TEXT];
+    if (about < 0 && code_of(result) == INPUT_NOT_FINITE) { /* a load */
+        const double *load = arrays->given + AT_INPUTS * LINES + 3 * place;
+        fill_in(said, sizeof said, "{point}.load", FACTS(word("point", FREE_POINT_NAME[place])));
+        fill_in(vector, sizeof vector, "[{x}, {y}, {z}]", FACTS(real("x", load[0]), real("y", load[1]), real("z", load[2])));
+        fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[INPUT_NOT_FINITE], FACTS(word("name", said), word("value", vector)));
+        return;
+    }
+    if (code_of(result) == NO_EQUILIBRIUM_OF_POINT) {
+        fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[NO_EQUILIBRIUM_OF_POINT], FACTS(word("name", FREE_POINT_NAME[place])));
+        return;
+    }
+    const double *inputs = DIRECT ? values : arrays->given + AT_INPUTS * line;
+    bool is_input = place < INPUT_NAMES;
+    fill_sentence(said, result, step, (About){
+        .name = is_input ? LINE_INPUT_NAME[line][place] : "",
+        .value = is_input ? inputs[place] : 0.0,
+        .inputs = inputs,
+        .parameters = parameters_of(arrays, line),
+        .length = state_of(arrays, line)[AT_LENGTH],
+        .segments = about < 0 ? arrays->segments : segments_of(arrays, line)});
+    if (about < 0) fill_in(text, LONGEST_TEXT, "{said}", FACTS(word("said", said)));
+    else about_line(text, line, said);
 }

@@ -1,4 +1,4 @@
-/* The arrays of layout.py for one tether, or those of all lines of a system, and all that is done with the kernels. */
+/* The arrays of all lines (plan_layout.py), and all that is done with the kernels. */
 #ifndef ARRAYS_H
 #define ARRAYS_H
 
@@ -16,11 +16,9 @@ typedef struct {
     unsigned char *memory; /* of the kernels, see kernels_in_c.h */
 #endif
     int64_t segments; /* in all lines */
-#if SYSTEM
-    int64_t plan[PLAN_SIZE];  /* of system_layout.py */
-    double *given, *found;    /* inputs and outputs of the kernels */
-    double *quantities;       /* of the instance */
-#endif
+    int64_t plan[PLAN_SIZE];
+    double *given, *found; /* inputs and outputs of the kernels, where these are not among the values */
+    double *quantities;    /* of the instance */
     double *parameters, *state, *work;
     double *before; /* the state before the last step that was done */
     double *spare;  /* room for the state before the next one */
@@ -35,11 +33,10 @@ int32_t first_shape(Arrays *arrays, double *values);
 int32_t do_step(Arrays *arrays, double step, double *before, double *values);
 int32_t take_outputs(Arrays *arrays, double *values);
 double *state_of(const Arrays *arrays, int line);
-const double *parameters_of(const Arrays *arrays, int line);
+double *parameters_of(const Arrays *arrays, int line);
 int64_t segments_of(const Arrays *arrays, int line);
 size_t state_size_of(const Arrays *arrays, int line);
-void sentence_of(
-    char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step, bool at_start);
+void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step);
 
 /* --- sentences.c */
 

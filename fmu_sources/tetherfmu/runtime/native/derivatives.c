@@ -19,6 +19,63 @@ static Status check_derivative(Instance *instance, unsigned reference, int32_t o
     return say(instance, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));
 }
 
+/* --- where they wait: in the states of the lines; before the first step, in the instance */
+
+enum { INPUTS_OF_LINES = AT_INPUTS * LINES };
+
+static bool is_at_point(const Arrays *arrays, int line, int end, int point)
+{
+    return arrays->plan[PLAN_HEADER + PLAN_LINE_NUMBERS * line + PLAN_START_POINT + end] == point;
+}
+
+/* Let the state of a line have the derivative of an input of it. */
+static void put_in_line(const Arrays *arrays, int line, int place, double value)
+{
+    double *given = state_of(arrays, line) + AT_GIVEN_DERIVATIVES;
+    *given = (double)((uint32_t)*given | 1u << place);
+    state_of(arrays, line)[AT_INPUT_DERIVATIVES + place] = value;
+}
+
+/* The same of a component of the load on a free point. It waits in all lines there, in the place of the acceleration that a
+driven end would have, see `lines.places_of_load`. */
+static void put_rate_of_load(const Arrays *arrays, int point, int component, double value)
+{
+    for (int k = 0; k < LINES; k++) {
+        if (is_at_point(arrays, k, 0, point)) put_in_line(arrays, k, AT_GROUND_VELOCITY + component, value);
+        if (is_at_point(arrays, k, 1, point)) put_in_line(arrays, k, AT_KITE_VELOCITY + component, value);
+    }
+}
+
+/* The same of an input, in all lines that have it. The last numbers of the state of a tether are derivatives of the wind at
+points, 0 where none is given. */
+static void put_in_lines(const Arrays *arrays, unsigned reference, double value)
+{
+    for (int i = 0; i < INPUTS_FROM; i++) {
+        int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
+        if (INPUT_FROM[i].reference != (int)reference) continue;
+        if (behind < 0) put_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, value);
+        else if (WIND_POINTS) arrays->state[STATE_SIZE(arrays->segments) - 3 * WIND_POINTS + behind] = value;
+        else put_rate_of_load(arrays, behind / 3, behind % 3, value);
+    }
+}
+
+static void keep_derivative(Instance *instance, unsigned reference, double value)
+{
+    if (instance->phase >= STEPPING) {
+        put_in_lines(instance->arrays, reference, value);
+        return;
+    }
+    instance->derivatives[reference] = value;
+    instance->derivatives[INPUTS + reference] = 1.0;
+}
+
+/* Hand over what was given before the first step to the state of the start. */
+void give_derivatives(Instance *instance)
+{
+    for (unsigned i = 0; i < INPUTS; i++)
+        if (instance->derivatives[INPUTS + i] != 0.0) put_in_lines(instance->arrays, i, instance->derivatives[i]);
+}
+
 /* Keep first derivatives of inputs for the next step. All are set, or none. */
 Status set_input_derivatives(
     Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values)
@@ -43,7 +100,7 @@ static const double SLOW = 1e-3;      /* [m/s] by which a position may change a 
 
 /* Scale of an input of a line, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. part : the
 largest one by which it is multiplied: a position from which a velocity is derived changes it by `SLOW` at most. */
-double scale_in_line(const Arrays *arrays, int line, unsigned place, double step, double part)
+static double scale_in_line(const Arrays *arrays, int line, unsigned place, double step, double part)
 {
     const double *state = state_of(arrays, line), *parameters = parameters_of(arrays, line);
     const double *before = arrays->before + (state - arrays->state);
@@ -59,13 +116,28 @@ double scale_in_line(const Arrays *arrays, int line, unsigned place, double step
     }
 }
 
+/* Scale of an input: the smallest one of the lines that have it; of a load on a free point that of a load on a kite. */
+static double scale_of(const Arrays *arrays, unsigned input, double step, double part)
+{
+    double least = INFINITY;
+    for (int i = 0; i < INPUTS_FROM; i++) {
+        int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
+        if (INPUT_FROM[i].reference != (int)input) continue;
+        if (behind < 0) least = fmin(least, scale_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, step, part));
+        if (behind >= 0 && WIND_POINTS) least = fmin(least, scale_in_line(arrays, 0, place, step, part));
+        for (int k = 0; behind >= 0 && !WIND_POINTS && k < LINES; k++)
+            if (is_at_point(arrays, k, 0, behind / 3) || is_at_point(arrays, k, 1, behind / 3))
+                least = fmin(least, scale_in_line(arrays, k, AT_KITE_LOAD, step, part));
+    }
+    return least;
+}
+
 /* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's
-status. The tether stays as it is; the state before a start, of which there is none, gives room to one of a system. */
+status. The tether stays as it is. */
 static int32_t repeat(const Arrays *arrays, double step, double *values)
 {
     Arrays trial = *arrays;
     trial.state = arrays->spare;
-    trial.spare = arrays->before;
     if (!(step > 0.0)) return first_shape(&trial, values);
     memcpy(trial.state, arrays->before, STATE_SIZE(arrays->segments) * sizeof(double));
     return do_step(&trial, step, arrays->before, values); /* `before` keeps what it has */

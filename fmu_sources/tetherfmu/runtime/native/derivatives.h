@@ -12,12 +12,6 @@ Status set_input_derivatives(
 Status directional_derivative(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, double *sensitivity, size_t room);
-double scale_in_line(const Arrays *arrays, int line, unsigned place, double step, double part);
-
-/* --- tether_derivatives.c or system_derivatives.c */
-
 void give_derivatives(Instance *instance);
-void keep_derivative(Instance *instance, unsigned reference, double value);
-double scale_of(const Arrays *arrays, unsigned input, double step, double part);
 
 #endif

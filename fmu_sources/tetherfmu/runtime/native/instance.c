@@ -162,7 +162,7 @@ static void warn_of_line(Instance *instance, int line)
         if (!(new >> kind & 1)) continue;
         fill_in(text, sizeof text, WARNING_SENTENCE[kind],
             FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0))));
-        say(instance, WARNING, SYSTEM ? "the line {line}: {text}" : "{text}",
+        say(instance, WARNING, *LINE_NAME[line] ? "the line {line}: {text}" : "{text}",
             FACTS(word("line", LINE_NAME[line]), word("text", text)));
     }
 }
@@ -192,7 +192,7 @@ Status start(Instance *instance, Status refusal)
     }
     int32_t result = first_shape(arrays, arrays->values);
     if (result) {
-        sentence_of(problem, arrays, arrays->values, result, 0.0, true);
+        sentence_of(problem, arrays, arrays->values, result, 0.0);
         give_back(arrays);
         return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
     }
@@ -250,7 +250,7 @@ Status advance(Instance *instance, double time, double step, Status refusal)
     int32_t result = do_step(arrays, step, arrays->spare, instance->values);
     if (result) {
         char problem[LONGEST_TEXT];
-        sentence_of(problem, arrays, instance->values, result, step, false);
+        sentence_of(problem, arrays, instance->values, result, step);
         return say(instance, refusal, STEP_REFUSED, FACTS(real("time", time), word("problem", problem)));
     }
     remember(arrays, instance->values);

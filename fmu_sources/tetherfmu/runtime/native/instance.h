@@ -29,12 +29,10 @@ struct Instance {
     double start_time, stop_time; /* [s] */
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
-    double derivatives[1 + 2 * INPUTS]; /* of inputs, given before the first step: see tether_ and system_derivatives.c */
+    double derivatives[2 * INPUTS]; /* of inputs, given before the first step; then for each 1 if it is, else 0 */
     double scratch[3 * VALUES];     /* without meaning between calls */
-#if SYSTEM
     double quantities[QUANTITIES];  /* of a line, as the kernels take them; without meaning between calls */
     int64_t plan[PLAN_SIZE];        /* of arrays that there is no room for yet */
-#endif
 };
 
 extern const char AN_INSTANCE, A_SAVED_STATE; /* their addresses are the marks of what this FMU has made */

@@ -1,5 +1,4 @@
-/* The kernels, see kernels/entry_points.py and kernels/system_entry_points.py. Nothing but arrays.c
-and system_arrays.c calls them. */
+/* The kernels, see kernels/entry_points.py. Nothing but arrays.c calls them. */
 #ifndef KERNELS_H
 #define KERNELS_H
 
@@ -13,30 +12,15 @@ and system_arrays.c calls them. */
 #define IN(memory) /* kernels in a library take the addresses of this process */
 
 int64_t KERNEL(segments)(int64_t tethers, const double *quantities);
-#if SYSTEM
-int32_t KERNEL(pack)(
-    int64_t tethers, const double *quantities, double tolerance, int64_t start_is_free, int64_t end_is_free,
-    double start_mass, double end_mass, double *parameters);
+int32_t KERNEL(pack)(int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters);
 int32_t KERNEL(complete)(int64_t *plan);
 int32_t KERNEL(initialize)(
-    int64_t *plan, const double *parameters, const double *inputs, double *state, double *before, double *outputs,
-    double *work);
+    int64_t *plan, double *parameters, double *inputs, double *state, double *outputs, double *work);
 int32_t KERNEL(advance)(
-    int64_t *plan, const double *parameters, const double *inputs, double step, double *state, double *before,
-    double *outputs, double *work);
-int32_t KERNEL(outputs)(int64_t *plan, const double *parameters, const double *state, double *outputs, double *work);
-#else
-int32_t KERNEL(pack)(int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters);
-int64_t KERNEL(work_size)(int64_t segments);
-int32_t KERNEL(initialize)(
-    int64_t segments, const double *parameters, const double *inputs, double *state, int64_t shape_points, double *outputs,
+    int64_t *plan, double *parameters, double *inputs, double step, double *state, double *before, double *outputs,
     double *work);
-int32_t KERNEL(advance)(
-    int64_t segments, const double *parameters, const double *inputs, double step, double *state, double *before,
-    int64_t shape_points, double *outputs, double *work);
 int32_t KERNEL(outputs)(
-    int64_t segments, const double *parameters, const double *state, int64_t shape_points, double *outputs, double *work);
-#endif
+    int64_t *plan, double *parameters, double *inputs, double *state, double *outputs, double *work);
 #endif
 
 /* What a kernel returns is 0 if all is done, else a code and the index of an input or a parameter, as `status.code` and

@@ -17,14 +17,11 @@ static inline int64_t KERNEL(segments)(unsigned char *m, int64_t tethers, const 
     return (int64_t)in_c_segments(m, STACK_TOP, (uint64_t)tethers, address(m, quantities));
 }
 
-#if SYSTEM
 static inline int32_t KERNEL(pack)(
-    unsigned char *m, int64_t tethers, const double *quantities, double tolerance, int64_t start_is_free,
-    int64_t end_is_free, double start_mass, double end_mass, double *parameters)
+    unsigned char *m, int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters)
 {
     return (int32_t)in_c_pack(
-        m, STACK_TOP, (uint64_t)tethers, address(m, quantities), tolerance, (uint64_t)start_is_free,
-        (uint64_t)end_is_free, start_mass, end_mass, address(m, parameters));
+        m, STACK_TOP, (uint64_t)tethers, (uint64_t)kites, address(m, quantities), tolerance, address(m, parameters));
 }
 
 static inline int32_t KERNEL(complete)(unsigned char *m, int64_t *plan)
@@ -33,17 +30,16 @@ static inline int32_t KERNEL(complete)(unsigned char *m, int64_t *plan)
 }
 
 static inline int32_t KERNEL(initialize)(
-    unsigned char *m, int64_t *plan, const double *parameters, const double *inputs, double *state, double *before,
-    double *outputs, double *work)
+    unsigned char *m, int64_t *plan, double *parameters, double *inputs, double *state, double *outputs, double *work)
 {
     return (int32_t)in_c_initialize(
         m, STACK_TOP, address(m, plan), address(m, parameters), address(m, inputs), address(m, state),
-        address(m, before), address(m, outputs), address(m, work));
+        address(m, outputs), address(m, work));
 }
 
 static inline int32_t KERNEL(advance)(
-    unsigned char *m, int64_t *plan, const double *parameters, const double *inputs, double step, double *state,
-    double *before, double *outputs, double *work)
+    unsigned char *m, int64_t *plan, double *parameters, double *inputs, double step, double *state, double *before,
+    double *outputs, double *work)
 {
     return (int32_t)in_c_advance(
         m, STACK_TOP, address(m, plan), address(m, parameters), address(m, inputs), step, address(m, state),
@@ -51,51 +47,11 @@ static inline int32_t KERNEL(advance)(
 }
 
 static inline int32_t KERNEL(outputs)(
-    unsigned char *m, int64_t *plan, const double *parameters, const double *state, double *outputs, double *work)
+    unsigned char *m, int64_t *plan, double *parameters, double *inputs, double *state, double *outputs, double *work)
 {
     return (int32_t)in_c_outputs(
-        m, STACK_TOP, address(m, plan), address(m, parameters), address(m, state), address(m, outputs),
-        address(m, work));
-}
-#else
-static inline int32_t KERNEL(pack)(
-    unsigned char *m, int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters)
-{
-    return (int32_t)in_c_pack(
-        m, STACK_TOP, (uint64_t)tethers, (uint64_t)kites, address(m, quantities), tolerance, address(m, parameters));
-}
-
-static inline int64_t KERNEL(work_size)(unsigned char *m, int64_t segments)
-{
-    return (int64_t)in_c_work_size(m, STACK_TOP, (uint64_t)segments);
-}
-
-static inline int32_t KERNEL(initialize)(
-    unsigned char *m, int64_t segments, const double *parameters, const double *inputs, double *state,
-    int64_t shape_points, double *outputs, double *work)
-{
-    return (int32_t)in_c_initialize(
-        m, STACK_TOP, (uint64_t)segments, address(m, parameters), address(m, inputs), address(m, state),
-        (uint64_t)shape_points, address(m, outputs), address(m, work));
-}
-
-static inline int32_t KERNEL(advance)(
-    unsigned char *m, int64_t segments, const double *parameters, const double *inputs, double step, double *state,
-    double *before, int64_t shape_points, double *outputs, double *work)
-{
-    return (int32_t)in_c_advance(
-        m, STACK_TOP, (uint64_t)segments, address(m, parameters), address(m, inputs), step, address(m, state),
-        address(m, before), (uint64_t)shape_points, address(m, outputs), address(m, work));
-}
-
-static inline int32_t KERNEL(outputs)(
-    unsigned char *m, int64_t segments, const double *parameters, const double *state, int64_t shape_points,
-    double *outputs, double *work)
-{
-    return (int32_t)in_c_outputs(
-        m, STACK_TOP, (uint64_t)segments, address(m, parameters), address(m, state), (uint64_t)shape_points,
+        m, STACK_TOP, address(m, plan), address(m, parameters), address(m, inputs), address(m, state),
         address(m, outputs), address(m, work));
 }
-#endif
 
 #endif

@@ -1,6 +1,6 @@
-"""Where each number lives in the flat arrays of a system of lines between points.
+"""Where each number lives in the flat arrays of lines between points: of one, a tether alone, or of a system of them.
 
-Each line has arrays of its own, those of a single tether (`layout.py`), one behind the other:
+Each line has arrays of its own (`layout.py`), one behind the other:
 
 =============  ======================================================================
 `plan`         whole numbers: how many lines and free points there are, and of each line what the constants below say
@@ -8,17 +8,16 @@ Each line has arrays of its own, those of a single tether (`layout.py`), one beh
 `inputs`       those of all lines, then the load on each free point [N]
 `state`        those of all lines; the memory of the solver stands in that of the first line
 `outputs`      those of all lines
-`work`         scratch space of all lines, then that of the free points, then that of the outputs
+`work`         scratch space of all lines, then that of the free points, then room for outputs
 =============  ======================================================================
 
-A line goes from its start (the ground end of a single tether) to its end (the kite end). A free point is the free end of
-several lines: each has a copy of its motion, and the first of them carries its mass.
+A line goes from its start (the ground end of a tether) to its end (the kite end). A free point of a system is the free end
+of several lines: each has a copy of its motion, and the first carries its mass. A tether alone has no points: what of
+its ends moves freely, its parameters say.
 
 Whoever makes a plan writes the numbers that are marked as given, and the entry point `complete` finds all others from them.
 Only then the sizes of the arrays are known.
 """
-
-from .layout import INPUTS
 
 # plan: scalars
 LINES = 0  # given
@@ -26,7 +25,7 @@ FREE_POINTS = 1  # given
 BAND = 2  # given: of the matrix of the free points, see `systems/ordering.py`
 STATUS_LINE = 3  # number of the line that a status is about, or ALL_LINES; written by the kernels
 POINTS_WORK = 4  # place of the free points in `work`
-OUTPUTS_WORK = 5  # place of the outputs in `work`
+OUTPUTS_WORK = 5  # place of outputs in `work`
 PARAMETERS_SIZE = 6  # length of the array
 INPUTS_SIZE = 7
 STATE_SIZE = 8
@@ -44,7 +43,8 @@ OUTPUTS_AT = 6
 WORK_AT = 7
 START_IS_SOUGHT = 8  # given: 1 if `initialize` is to find where the free point at its start is in equilibrium, else 0
 END_IS_SOUGHT = 9  # given; all lines at a point say the same
-LINE_NUMBERS = 10
+WIND_POINTS = 10  # given: points of its input `wind_at`, 0 for none; of a tether alone
+LINE_NUMBERS = 11
 
 DRIVEN = -1  # a point
 ALL_LINES = -1
@@ -53,8 +53,3 @@ ALL_LINES = -1
 def plan_size(lines):
     """Length of the `plan` array [-] of so many lines."""
     return PLAN_HEADER + LINE_NUMBERS * lines
-
-
-def inputs_size(lines, points):
-    """Length of the `inputs` array [-] of so many lines and free points."""
-    return INPUTS * lines + 3 * points

@@ -1,0 +1,88 @@
+"""A tether alone: its plan, start, steps and outputs, as transactions around what its variant has.
+
+Of a variant they need the kernels work_size(n), initialize(n, parameters, inputs, state, work),
+advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work); with nodes
+the view velocities_of(n, parameters, state, work).
+"""
+
+from types import ModuleType
+
+from tetherfmu.runtime import plan_layout as places
+from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.variants import BY_NAME
+
+from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
+from ..compilation import kernel
+from ..equations import wind_points
+from ..equations.boundary import inputs_of_step
+from ..equations.lines import number_of_line, segments_of
+from ..step import power_balance, transaction
+from ..step.outputs import complete
+
+
+def tether(variant):
+    """What `entry_points` need of a tether alone, as `variants.system` has it of lines; variant : its module here."""
+    name = variant.__name__.rpartition(".")[2]
+    has_nodes, has_waves = BY_NAME[name].has_nodes, BY_NAME[name].has_waves
+
+    @kernel
+    def complete_plan(plan):
+        """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
+        n, points = plan[places.PLAN_HEADER + places.SEGMENTS], plan[places.PLAN_HEADER + places.WIND_POINTS]
+        plan[places.PARAMETERS_SIZE] = parameters_size(n)
+        plan[places.INPUTS_SIZE] = inputs_size(points)
+        plan[places.STATE_SIZE] = state_size(n, points)
+        plan[places.OUTPUTS_SIZE] = outputs_size(plan[places.PLAN_HEADER + places.SHAPE_POINTS])
+        plan[places.WORK_SIZE] = variant.work_size(n)
+
+    @kernel
+    def take_outputs(system, outputs):
+        """Outputs (modified) that belong to the state: OK, or OUTPUT_NOT_FINITE, and then they have no meaning."""
+        n, parameters, state = segments_of(system, 0), system.parameters, system.state
+        if has_nodes:
+            wind_points.take_from_state(n, parameters, state)
+        variant.outputs_of(n, parameters, state, number_of_line(system, 0, places.SHAPE_POINTS), outputs, system.work)
+        return complete(n, state, outputs)
+
+    @kernel
+    def initialize(system):
+        """First state between two ends (modified); a status, and it has no meaning on any but OK."""
+        n, parameters, state = segments_of(system, 0), system.parameters, system.state
+        status = transaction.start(n, parameters, system.inputs, state)
+        if status == OK:
+            status = variant.initialize(n, parameters, system.inputs, state, system.work)
+        return transaction.commit_start(n, parameters, status, state)
+
+    @kernel
+    def advance(system, step, before):
+        """One communication step of `step` [s]; on any status but OK the state is as it was.
+
+        before (modified) : the state of before, if the inputs allow a step.
+        """
+        n, parameters, inputs, state = segments_of(system, 0), system.parameters, system.inputs, system.state
+        status = transaction.check_step(inputs, step)
+        if status != OK:
+            return status
+        given = inputs_of_step(parameters, inputs, step, state)
+        status = transaction.check_reeling(n, parameters, given)
+        if status != OK:
+            return status
+        copy(state, before)
+        transaction.remember(parameters, inputs, given, state)
+        wind_points.advance(n, parameters, inputs, step, has_nodes, has_waves, state)
+        status = variant.advance(n, parameters, given, before, state, system.work)
+        return transaction.commit(n, parameters, status, before, state)
+
+    @kernel
+    def energy(system, k, energies):
+        """Energies, powers, tensions and velocities (modified) of the tether in its state, with its inputs; a status."""
+        n, parameters, state = segments_of(system, 0), system.parameters, system.state
+        wind_points.take_from_state(n, parameters, state)
+        v = variant.velocities_of(n, parameters, state, system.work)
+        return power_balance.balance(n, parameters, state, v, system.inputs, energies, system.work)
+
+    made = ModuleType(name)  # numba knows what is in a module
+    for each in (complete_plan, take_outputs, initialize, advance, energy):
+        setattr(made, each.__name__, each)
+    made.name = name
+    return made

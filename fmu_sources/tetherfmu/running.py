@@ -1,0 +1,65 @@
+"""What a tether and a system of tethers of the Python API share: lines that run, and what can be read of them."""
+
+from __future__ import annotations
+
+from warnings import warn
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.instance import Instance
+from tetherfmu.runtime.limits import most_of_a_step
+
+from . import arguments, compiled_flight
+from .results import PlausibilityWarning, StepRefused
+
+
+class Running:
+    """Lines in an `Instance`, once they are started."""
+
+    _instance: Instance
+    _runs: bool = False
+
+    @property
+    def implausible(self) -> list[str]:
+        """Sentences on what has been implausible since the start, each also a `PlausibilityWarning`."""
+        return self._instance.said()
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Work since the start: dict of accepted steps, rejected steps, and Newton iterations for shapes."""
+        state, first = self._instance.state, self._instance.states_at
+        iterations = sum(state[place + at.ITERATIONS] for place in first)
+        return {"steps": int(state[at.STEPS]), "rejections": int(state[at.REJECTIONS]), "iterations": int(iterations)}
+
+    @property
+    def most_factorizations(self) -> int:
+        """Bound on the factorizations of each line for one fixed step; 0 with adaptive steps, which have none."""
+        numbers = [self._instance.parameters_of(k) for k in range(len(self._instance.lines))]
+        if numbers[0][at.FIXED_STEP] == 0.0:
+            return 0
+        has_drum = any(each[at.WINCH_CONTROL] == at.WINCH_BY_FORCE for each in numbers)
+        return most_of_a_step(numbers[0][at.FIXED_STEP_METHOD] == at.BACKWARD_EULER, has_drum)
+
+    def _check_started(self):
+        """StepRefused before `initialize`."""
+        if not self._runs:
+            raise StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
+
+    def _warn(self, deeper=0):
+        """Warn the caller of a public method of what is implausible, each once since the start.
+
+        deeper : calls between that method and the one that calls this.
+        """
+        for sentence in self._instance.warnings():
+            warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
+
+    def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
+        """What `fly` does; flown_of : function that makes its result of what `compiled_flight.fly` gives."""
+        arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
+        every = arguments.whole("every", every)
+        found = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip", winds)
+        flown, refusals = flown_of(*found), found[-1]
+        self._warn(deeper=1)
+        if refusals and on_refusal == "raise":
+            ((place, problem, status),) = refusals
+            raise StepRefused(f"step {place + 1} of {len(inputs)}: {problem}", status, flown)
+        return flown
