@@ -12,6 +12,7 @@ from tetherfmu.kernels.packing import count_of_quantities
 from tetherfmu.kernels.step.power_balance import size as energies_size
 from tetherfmu.libraries.webassembly import IMPORTS
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.kernel_library import Kernels
 
 PAGE = 65536
@@ -69,28 +70,29 @@ class Engine:
         """Length of each array by its place among the arguments."""
         if verb == "segments":
             return {1: count_of_quantities(arguments[0], 0)}
-        if verb == "work_size":
-            return {}
-        n = arguments[0]
         if verb == "pack":
             tethers, kites = arguments[:2]
             quantities = {2: count_of_quantities(tethers, kites)}
             segments = self._packed_segments(name, arguments)
             return {**quantities, 4: at.parameters_size(segments)}
-        work = self.exports[f"{name.rpartition('_')[0]}_work_size"](self.store, n)
-        parameters, state = at.parameters_size(n), at.state_size(n)
-        if verb == "initialize":
-            return {1: parameters, 2: at.INPUTS, 3: state, 5: at.outputs_size(arguments[4]), 6: work}
+        size = places.plan_size(1)
+        plan = (ctypes.c_int64 * size).from_address(arguments[0])
+        if verb == "complete":
+            return {0: size}
+        names = ("PARAMETERS", "INPUTS", "STATE", "OUTPUTS", "WORK")
+        parameters, inputs, state, outputs, work = (plan[getattr(places, f"{each}_SIZE")] for each in names)
+        first = {0: size, 1: parameters, 2: inputs}
+        n = plan[places.PLAN_HEADER + places.SEGMENTS]
+        if verb in ("initialize", "outputs"):
+            return {**first, 3: state, 4: outputs, 5: work}
         if verb == "advance":
-            return {1: parameters, 2: at.INPUTS, 4: state, 5: state, 7: at.outputs_size(arguments[6]), 8: work}
-        if verb == "outputs":
-            return {1: parameters, 2: state, 4: at.outputs_size(arguments[3]), 5: work}
+            return {**first, 4: state, 5: state, 6: outputs, 7: work}
         if verb == "energy":
-            return {1: parameters, 2: state, 3: at.INPUTS, 4: energies_size(n), 5: work}
-        steps, every, outputs, points = (arguments[k] for k in (3, 5, 6, 9))
-        width = 3 * (n + 1) + (at.outputs_size(points) + 1 if outputs != at.NEVER else 0)
+            return {**first, 4: state, 5: energies_size(n), 6: work}
+        steps, every, when = (arguments[k] for k in (3, 5, 6))
+        width = 6 * (n + 1) + (outputs + 1 if when != at.NEVER else 0)
         rows = width * (steps // every + 1 if every else 1)
-        return {1: parameters, 2: at.INPUTS * steps, 7: state, 8: state, 10: rows, 11: work}
+        return {**first, 2: inputs * steps, 7: state, 8: state, 9: rows, 10: work}
 
     def _packed_segments(self, name, arguments):
         """Number of segments of these quantities."""

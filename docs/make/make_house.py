@@ -20,7 +20,7 @@ ROOMS_OF_FILES = {  # modules that stand beside the folders
         *("models", "tether_model", "given_inputs", "compiled_flight", "arguments"),
         *("energy", "input_files", "materials", "paths", "results", "states"),
     ),
-    "kernels.entry_points": ("kernels.entry_points", "kernels.system_entry_points"),
+    "kernels.entry_points": ("kernels.entry_points",),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
 
@@ -92,7 +92,7 @@ def without_detours(pairs):
 def contents(room):
     """What is in a room: its folders, or else its modules, one line."""
     if room == "kernels.entry_points":
-        return "segments  pack  work_size  initialize  advance  outputs  fly  energy, for each variant"
+        return "segments  pack  complete  initialize  advance  outputs  fly  energy, for each library"
     if room == "kernels.packing":
         return "pack  count_segments"
     if room in ROOMS_OF_FILES and room != "commands":

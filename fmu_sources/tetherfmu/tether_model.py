@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
-from tetherfmu.runtime.instance import Instance, Line
+from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
-from tetherfmu.runtime.variables import input_names
+from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
 from . import arguments, energy, given_inputs, states
@@ -104,8 +104,7 @@ class TetherModel(Running):
         """Make the arrays, and what leads into them."""
         self._variant = BY_NAME[self.variant]
         kernels = self._kernels or ready.kernels(library_of(self.variant))
-        line = Line("", input_names(self.wind_points), self._points, self.wind_points)
-        self._instance = instance = Instance(kernels, (line,))
+        self._instance = instance = Instance(kernels, (line_of_tether(self._points, self.wind_points),))
         self.segments, parameters = pack_records(kernels, *self._records, **self._more)
         instance.set_up((self.segments,), parameters)
         values, self._parameters, self._state = map(np.frombuffer, (instance.values, instance.parameters, instance.state))

@@ -29,8 +29,7 @@ static struct {
     fmi2DoStepTYPE *step;
     fmi2ResetTYPE *reset;
 } fmi;
-static int32_t (*kernel_advance)(
-    int64_t, const double *, const double *, double, double *, double *, int64_t, double *, double *);
+static int32_t (*kernel_advance)(int64_t *, double *, double *, double, double *, double *, double *, double *);
 
 static void *find(void *library, const char *name)
 {
@@ -89,8 +88,8 @@ static double with_kernels(const char *guid)
         memcpy(instance->values, inputs[k], sizeof inputs[k]);
         double *values = instance->values;
         if (kernel_advance(
-                arrays->segments, arrays->parameters, values, STEP, arrays->state, arrays->before, SHAPE_POINTS,
-                values + OUTPUTS_AT, arrays->work))
+                arrays->plan, arrays->parameters, values, STEP, arrays->state, arrays->before, values + OUTPUTS_AT,
+                arrays->work))
             exit(6);
     }
     return (now() - began) / STEPS;

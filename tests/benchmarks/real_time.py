@@ -16,9 +16,10 @@ import numpy as np
 
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.instance import OUTPUTS_AT, Instance, address
+from tetherfmu.runtime.instance import Instance, address
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.study.measuring.tables import circumstances
 
 WIND = (8.0, 0.0, 0.0)
@@ -41,21 +42,22 @@ def snaps(time):
 def run(path, steps, segments, fixed_step):
     """Times of all steps [us], of the processor and of the clock, and the largest number of iterations in a step."""
     solver = Solver(fixed_step=fixed_step, initial_shape=2)
-    instance = Instance(kernels("dynamic"), segments + 1)
+    instance = Instance(kernels("dynamic"), (line_of_tether(segments + 1),))
     tether = Tether(segments=segments, initial_length=525.0)
-    instance.set_up(*pack_records(instance.kernels, (tether,), Environment(), solver))
+    _, parameters = pack_records(instance.kernels, (tether,), Environment(), solver)
+    instance.set_up((segments,), parameters)
     motion, inputs = slice(at.KITE_POSITION, at.KITE_VELOCITY + 3), np.frombuffer(instance.values)
     inputs[motion] = np.concatenate(path(0.0))
     inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = WIND
     assert instance.start() is None
-    arrays = instance.parameters, instance.values, instance.state, instance.before, instance.work
-    advance, (parameters, values, state, previous, work) = instance.kernels.advance, map(address, arrays)
-    outputs = values + 8 * OUTPUTS_AT
+    arrays = instance.plan, instance.parameters, instance.values, instance.state, instance.before, instance.work
+    advance, (plan, parameters, values, state, previous, work) = instance.kernels.advance, map(address, arrays)
+    outputs = values + 8 * instance.outputs_at
     times, most, before = np.zeros((steps, 2)), 0, 0.0
     for k in range(steps):
         inputs[motion] = np.concatenate(path(k * fixed_step))
         clock, processor = perf_counter_ns(), thread_time_ns()
-        status = advance(segments, parameters, values, fixed_step, state, previous, segments + 1, outputs, work)
+        status = advance(plan, parameters, values, fixed_step, state, previous, outputs, work)
         times[k] = thread_time_ns() - processor, perf_counter_ns() - clock
         assert status == 0, status
         most = max(most, instance.state[at.ITERATIONS] - before)

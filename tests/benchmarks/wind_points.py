@@ -44,17 +44,15 @@ def flight(variant, segments, points, profile, outputs):
     model.initialize(columns["kite_position"][0], columns["kite_velocity"][0], **wind)
     inputs = np.ascontiguousarray(np.concatenate([inputs, np.tile(WIND, (STEPS, points))], axis=1))
     start, instance = model.get_state(), model._instance
-    kept = np.zeros(at.outputs_size(instance.points) + 1 + 3 * (instance.segments + 1))
+    kept = np.zeros(len(instance.values) + 1 + 6 * (instance.segments + 1))  # room enough for a row
 
     def fly():
         model.set_state(start)
-        arrays = instance.parameters, instance.state, instance.before, instance.work
-        parameters, state, before, work = map(address, arrays)
+        arrays = instance.plan, instance.parameters, instance.state, instance.before, instance.work
+        plan, parameters, state, before, work = map(address, arrays)
         flown = inputs.ctypes.data, STEPS, STEP, 0, outputs
         began = process_time()
-        done = instance.kernels.fly(
-            instance.segments, parameters, *flown, state, before, instance.points, kept.ctypes.data, work
-        )
+        done = instance.kernels.fly(plan, parameters, *flown, state, before, kept.ctypes.data, work)
         taken = process_time() - began
         assert done == STEPS
         return taken

@@ -1,16 +1,16 @@
 /* Runs a compiled kernel library on Windows: windows_host LIBRARY VARIANT INPUT OUTPUT, without spaces in the names.
 
-INPUT  : doubles n, sizes of parameters, state, work, outputs, count of steps, step, shape points; the parameters; then
+INPUT  : the plan; then doubles: sizes of parameters, state, work, outputs, count of steps, step; the parameters; then
          count + 1 rows of inputs.
 OUTPUT : the outputs of the start and of every step.
 
 It calls the system and no C library, which would take a minute to compile. */
 #include <windows.h>
 
-typedef int (*initialize_t)(long long, double *, double *, double *, long long, double *, double *);
-typedef int (*advance_t)(long long, double *, double *, double, double *, double *, long long, double *, double *);
+typedef int (*initialize_t)(double *, double *, double *, double *, double *, double *);
+typedef int (*advance_t)(double *, double *, double *, double, double *, double *, double *, double *);
 
-enum { INPUTS = 21 };
+enum { INPUTS = 21, PLAN = PLAN_SIZE };
 
 static void check(int fine, unsigned status)
 {
@@ -41,7 +41,7 @@ static void read(HANDLE file, double *numbers, double count)
 void start(void)
 {
     char *argument[5], *next = GetCommandLineA();
-    double head[8], row[INPUTS];
+    double plan[PLAN], head[6], row[INPUTS]; /* the kernels read whole numbers in the plan */
     for (int k = 0; k < 5; k++) { /* the names of the program, the library, the variant, the input and the output */
         argument[k] = next;
         while (*next && *next != ' ') next++;
@@ -53,18 +53,18 @@ void start(void)
     advance_t advance = (advance_t)find(library, argument[2], "_advance");
     HANDLE in = CreateFileA(argument[3], GENERIC_READ, 0, NULL, OPEN_EXISTING, 0, NULL);
     HANDLE out = CreateFileA(argument[4], GENERIC_WRITE, 0, NULL, CREATE_ALWAYS, 0, NULL);
-    read(in, head, 8);
-    double *parameters = zeros(head[1]), *state = zeros(head[2]), *before = zeros(head[2]);
-    double *work = zeros(head[3]), *outputs = zeros(head[4]);
-    long long n = (long long)head[0], points = (long long)head[7];
-    read(in, parameters, head[1]);
-    for (int k = 0; k <= (int)head[5]; k++) {
+    read(in, plan, PLAN);
+    read(in, head, 6);
+    double *parameters = zeros(head[0]), *state = zeros(head[1]), *before = zeros(head[1]);
+    double *work = zeros(head[2]), *outputs = zeros(head[3]);
+    read(in, parameters, head[0]);
+    for (int k = 0; k <= (int)head[4]; k++) {
         DWORD done;
         read(in, row, INPUTS);
-        int status = k == 0 ? initialize(n, parameters, row, state, points, outputs, work)
-                            : advance(n, parameters, row, head[6], state, before, points, outputs, work);
+        int status = k == 0 ? initialize(plan, parameters, row, state, outputs, work)
+                            : advance(plan, parameters, row, head[5], state, before, outputs, work);
         check(status == 0, 7);
-        check(WriteFile(out, outputs, 8 * (DWORD)head[4], &done, NULL), 6);
+        check(WriteFile(out, outputs, 8 * (DWORD)head[3], &done, NULL), 6);
     }
     ExitProcess(0);
 }

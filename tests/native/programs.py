@@ -5,7 +5,7 @@ import subprocess
 
 from tetherfmu.export.native import HEADERS
 from tetherfmu.export.native_arrays import arrays
-from tetherfmu.export.native_tables import header
+from tetherfmu.export.native_tables import header, wiring_of
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, unit
@@ -29,7 +29,7 @@ def compiled(folder, variant, fmi, source, options, segments=3, shape_points=5, 
     """
     table = table_of(variant, {"segments": segments, "shape_points": shape_points})
     widths = {each.reference: len(each.variables) for each in arrays(table, shape_points)} if fmi == 3 else None
-    (folder / "tables.h").write_text(header(variant, table, shape_points, widths, "{token}"))
+    (folder / "tables.h").write_text(header(wiring_of(variant, table, shape_points), widths, "{token}"))
     (folder / "unit.c").write_text(f'{unit(fmi) if shell else ""}#include "{source}"\n')
     library = library_of(variant)
     kernels = ready.folders([library], [this_platform()])[library] / object_name(this_platform())

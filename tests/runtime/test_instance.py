@@ -6,9 +6,10 @@ import pytest
 
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.instance import OUTPUTS_AT, Instance, address
+from tetherfmu.runtime.instance import Instance, address
 from tetherfmu.runtime.packing import pack, pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, numbers_of
+from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import VARIANTS
 
 POINTS, ROOM, STEP = 5, 3, 0.02
@@ -26,11 +27,12 @@ def set_inputs(instance, kite=KITE, wind=(8.0, 1.0, 0.0), velocity=(-4.0, 19.0, 
 
 def set_up(instance, environment=THIN_AIR, **changes):
     tether = Tether(**{"initial_length": 505.0, "segments": 6, **changes})
-    instance.set_up(*pack_records(instance.kernels, (tether,), environment, Solver()))
+    segments, parameters = pack_records(instance.kernels, (tether,), environment, Solver())
+    instance.set_up((segments,), parameters)
 
 
 def running(variant, **changes):
-    instance = Instance(kernels(variant), POINTS, ROOM)
+    instance = Instance(kernels(variant), (line_of_tether(POINTS),), room=ROOM)
     set_up(instance, **changes)
     set_inputs(instance)
     assert instance.start() is None
@@ -38,7 +40,7 @@ def running(variant, **changes):
 
 
 def outputs(instance):
-    return instance.values[OUTPUTS_AT : instance.parameters_at].tobytes()
+    return instance.values[instance.outputs_at : instance.parameters_at].tobytes()
 
 
 def flown(instance, steps=5, velocity=(-4.0, 19.0, 1.0)):
@@ -90,7 +92,7 @@ def test_outputs_out_of_the_range_of_numbers():
 
 @every_variant
 def test_a_refused_first_start_gives_no_outputs(variant):
-    instance = Instance(kernels(variant), POINTS, ROOM)
+    instance = Instance(kernels(variant), (line_of_tether(POINTS),), room=ROOM)
     set_up(instance)
     set_inputs(instance, kite=UNDER_GROUND)
     assert instance.start()

@@ -8,8 +8,8 @@ from array import array
 from typing import NamedTuple
 
 from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
-from tetherfmu.runtime.instance import Line, address
-from tetherfmu.runtime.variables import PARAMETER, input_names, parameters_at, references, wind_points_in
+from tetherfmu.runtime.instance import address
+from tetherfmu.runtime.variables import PARAMETER, line_of_tether, parameters_at, references, wind_points_in
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
@@ -54,7 +54,7 @@ def wiring_of(variant, table, shape_points):
     given, first = layout.inputs_size(points), parameters_at(shape_points, points)
     listed = [each for each in table if each.causality == PARAMETER]
     own = {each.name: first + each.place for each in listed}
-    line = Line("", input_names(points), shape_points, points)
+    line = line_of_tether(shape_points, points)
     force_places = [layout.GROUND_FORCE, layout.KITE_FORCE]
     return Wiring(
         variant,
@@ -217,6 +217,11 @@ def room_of(kernels, lines, free=(), band=0):
         kernels.complete(address(plan))
         states.append(plan[plan_layout.STATE_SIZE])
         others.append(sum(plan[place] for place in beside))
+    return most_room(states, others)
+
+
+def most_room(states, others):
+    """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments in each line."""
     return "\n".join(
         [
             "#ifndef MAX_SEGMENTS",

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from . import layout, refusals, saved_state, status, variables
 from .base_slave import WARNING, BaseSlave
-from .instance import Instance, Line, zeros
+from .instance import Instance, zeros
 from .kernel_library import load
 from .packing import pack
 from .parameters import DEFAULT_TOLERANCE, diameter_in_doubt
@@ -36,8 +36,7 @@ class TetherSlave(BaseSlave):
         table = variables.table_of(self.variant, options)
         names = variables.names_of(table, variables.PARAMETER)
         points = options["shape_points"], options["wind_points"]
-        line = Line("", variables.input_names(points[1]), *points)
-        self._instance = Instance(self._kernels(), (line,), room=len(names))
+        self._instance = Instance(self._kernels(), (variables.line_of_tether(*points),), room=len(names))
         self._outputs_at, self._parameters_at = self._instance.outputs_at, self._instance.parameters_at
         self._places = {name: self._parameters_at + k for k, name in enumerate(names)}
         self._diameters = [self._places["diameter"]]

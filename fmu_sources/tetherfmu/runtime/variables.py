@@ -13,6 +13,7 @@ from . import inputs, outputs
 from . import layout as at
 from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
+from .instance import Line
 from .outputs import ARRAY_ORDER, LOCAL, OUTPUT, POINTS, SCALAR, VECTOR
 from .parameters import RECORDS, FreeKite
 from .quantities import Quantity, quantities
@@ -42,6 +43,11 @@ INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.nam
 def input_names(wind_points):
     """FMI names of all inputs by their places, with so many points at which the wind is given."""
     return INPUT_NAMES + wind_at_names(wind_points)
+
+
+def line_of_tether(shape_points, wind_points=0):
+    """The `instance.Line` of a tether alone."""
+    return Line("", input_names(wind_points), shape_points, wind_points)
 
 
 def _elements(name, meaning, shape, shape_points):

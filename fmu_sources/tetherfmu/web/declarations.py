@@ -13,6 +13,7 @@ from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
 from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.runtime import __version__, inputs, outputs, parameters, plausibility, quantities, status
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import PARAMETERS, records_of
@@ -163,10 +164,13 @@ def of_variants():
 
 
 def of_arrays():
-    """Sizes of the flat arrays and the places in them that the page reads, see `runtime.layout`."""
-    wanted = ("PARAMETER_SCALARS", "SEGMENT_PROPERTIES", "INPUTS", "SHAPE", "STATE_HEADER", "LENGTH", "WARNINGS")
-    wanted += ("WARNED_VALUES", "WINCH_FRICTION", "SHORTEST_LENGTH", "LONGEST_LENGTH", "RELATIVE_TOLERANCE", "FIXED_STEP")
-    return {name: getattr(at, name) for name in (*wanted, "NO_STOP", "ITERATION_BUDGET")}
+    """Places in the flat arrays that the page reads, see `runtime.layout`, and in the plan of one line."""
+    wanted = ("INPUTS", "SHAPE", "LENGTH", "WARNINGS", "WARNED_VALUES", "WINCH_FRICTION", "SHORTEST_LENGTH")
+    wanted += ("LONGEST_LENGTH", "RELATIVE_TOLERANCE", "FIXED_STEP", "NO_STOP", "ITERATION_BUDGET")
+    of_line = ("SEGMENTS", "START_POINT", "END_POINT", "SHAPE_POINTS")
+    plan = {name: places.PLAN_HEADER + getattr(places, name) for name in of_line} | {"LINES": places.LINES}
+    plan |= {name: getattr(places, name) for name in ("PARAMETERS_SIZE", "STATE_SIZE", "OUTPUTS_SIZE", "WORK_SIZE")}
+    return {**{name: getattr(at, name) for name in wanted}, "PLAN": plan, "PLAN_SIZE": places.plan_size(1)}
 
 
 def of_sentences():

@@ -108,11 +108,11 @@ static bool check_points(const double *values, char *problem)
     return true;
 }
 
-/* A sentence on a line, with its name if it has one. */
+/* A sentence on a line, with its name if it has one; line : -1 for none. */
 static void about_line(char *text, int line, const char *said)
 {
-    fill_in(text, LONGEST_TEXT, *LINE_NAME[line] ? "the line {line}: {said}" : "{said}", FACTS(
-        word("line", LINE_NAME[line]), word("said", said)));
+    const char *name = line < 0 ? "" : LINE_NAME[line];
+    fill_in(text, LONGEST_TEXT, *name ? "the line {line}: {said}" : "{said}", FACTS(word("line", name), word("said", said)));
 }
 
 /* What is wrong with the quantities of a line. */
@@ -131,8 +131,7 @@ static void refuse_quantities(const double *quantities, int line, int32_t result
         fact_of("shortest_stop", quantities, line, QUANTITY_SHORTEST_LENGTH),
         fact_of("longest_stop", quantities, line, QUANTITY_LONGEST_LENGTH),
         fact_of("segments", quantities, line, QUANTITY_SEGMENTS)));
-    if (is_alone) fill_in(problem, LONGEST_TEXT, "{said}", FACTS(word("said", said)));
-    else about_line(problem, line, said);
+    about_line(problem, is_alone ? -1 : line, said);
 }
 
 /* Say in the parameters of a line which ends of it are free points, and how much of their masses it carries. */
@@ -184,10 +183,11 @@ static double *outputs_in(const Arrays *arrays, double *values)
     return DIRECT ? values + OUTPUTS_AT : arrays->found;
 }
 
-/* Put the inputs among the values into the array of the kernels. */
+/* Put the inputs among the values into the array of the kernels, unless they are it. */
 static void give(const Arrays *arrays, const double *values)
 {
-    for (int i = 0; i < INPUTS_FROM; i++) arrays->given[INPUT_FROM[i].place] = values[INPUT_FROM[i].reference];
+    for (int i = 0; !DIRECT && i < INPUTS_FROM; i++)
+        arrays->given[INPUT_FROM[i].place] = values[INPUT_FROM[i].reference];
 }
 
 /* Put the outputs of the kernels into the values if the status is 0, and return it; the force on a point is the sum of those of
@@ -262,6 +262,5 @@ void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *va
         .parameters = parameters_of(arrays, line),
         .length = state_of(arrays, line)[AT_LENGTH],
         .segments = about < 0 ? arrays->segments : segments_of(arrays, line)});
-    if (about < 0) fill_in(text, LONGEST_TEXT, "{said}", FACTS(word("said", said)));
-    else about_line(text, line, said);
+    about_line(text, about, said);
 }

@@ -53,9 +53,13 @@ static void put_in_lines(const Arrays *arrays, unsigned reference, double value)
     for (int i = 0; i < INPUTS_FROM; i++) {
         int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
         if (INPUT_FROM[i].reference != (int)reference) continue;
-        if (behind < 0) put_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, value);
-        else if (WIND_POINTS) arrays->state[STATE_SIZE(arrays->segments) - 3 * WIND_POINTS + behind] = value;
-        else put_rate_of_load(arrays, behind / 3, behind % 3, value);
+        if (behind < 0) {
+            put_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, value);
+        } else if (WIND_POINTS) {
+            arrays->state[STATE_SIZE(arrays->segments) - 3 * WIND_POINTS + behind] = value;
+        } else {
+            put_rate_of_load(arrays, behind / 3, behind % 3, value);
+        }
     }
 }
 
@@ -123,11 +127,15 @@ static double scale_of(const Arrays *arrays, unsigned input, double step, double
     for (int i = 0; i < INPUTS_FROM; i++) {
         int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
         if (INPUT_FROM[i].reference != (int)input) continue;
-        if (behind < 0) least = fmin(least, scale_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, step, part));
-        if (behind >= 0 && WIND_POINTS) least = fmin(least, scale_in_line(arrays, 0, place, step, part));
-        for (int k = 0; behind >= 0 && !WIND_POINTS && k < LINES; k++)
-            if (is_at_point(arrays, k, 0, behind / 3) || is_at_point(arrays, k, 1, behind / 3))
-                least = fmin(least, scale_in_line(arrays, k, AT_KITE_LOAD, step, part));
+        if (behind < 0) {
+            least = fmin(least, scale_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, step, part));
+        } else if (WIND_POINTS) {
+            least = fmin(least, scale_in_line(arrays, 0, place, step, part));
+        } else {
+            for (int k = 0; k < LINES; k++)
+                if (is_at_point(arrays, k, 0, behind / 3) || is_at_point(arrays, k, 1, behind / 3))
+                    least = fmin(least, scale_in_line(arrays, k, AT_KITE_LOAD, step, part));
+        }
     }
     return least;
 }

@@ -68,16 +68,16 @@ export class Tether {
     const numbers = known.map((each) => values[each.name] ?? each.start);
     const quantities = library.array(numbers.length);
     library.view(quantities, numbers.length).set(numbers);
-    this.n = this.entry("segments")(1n, quantities);
-    const segments = Number(this.n);
-    this.sizes = {
-      parameters: arrays.PARAMETER_SCALARS + arrays.SEGMENT_PROPERTIES * segments + 4 * (segments + 1),
-      inputs: arrays.INPUTS,
-      state: arrays.STATE_HEADER + 6 * (segments + 1),
-      outputs: arrays.SHAPE + 3 * (variant.nodes ? segments + 1 : 33),
-    };
-    this.points = (this.sizes.outputs - arrays.SHAPE) / 3;
-    this.segments = segments;
+    const segments = this.entry("segments")(1n, quantities);
+    this.segments = Number(segments);
+    this.points = variant.nodes ? this.segments + 1 : 33;
+    this.plan = library.array(arrays.PLAN_SIZE);
+    const plan = new BigInt64Array(library.memory.buffer, this.plan, arrays.PLAN_SIZE);
+    const given = { LINES: 1n, SEGMENTS: segments, START_POINT: -1n, END_POINT: -1n, SHAPE_POINTS: BigInt(this.points) };
+    for (const [name, number] of Object.entries(given)) plan[arrays.PLAN[name]] = number;
+    this.entry("complete")(this.plan);
+    const size = (name) => Number(plan[arrays.PLAN[`${name}_SIZE`]]);
+    this.sizes = { parameters: size("PARAMETERS"), state: size("STATE"), outputs: size("OUTPUTS"), work: size("WORK") };
     this.parameters = library.array(this.sizes.parameters);
     const status = this.entry("pack")(1n, variant.free ? 1n : 0n, quantities, 0, this.parameters);
     if (status !== 0) throw new Refused(this.sentenceOfParameters(status, known, numbers));
@@ -85,7 +85,7 @@ export class Tether {
     this.state = library.array(this.sizes.state);
     this.before = library.array(this.sizes.state);
     this.outputs = library.array(this.sizes.outputs);
-    this.work = library.array(Number(this.entry("work_size")(this.n)));
+    this.work = library.array(this.sizes.work);
     this.places = Object.fromEntries(library.declared.inputs.map((each) => [each.name, each.place]));
     this.at = Object.fromEntries(library.declared.outputs.map((each) => [each.name, each.place]));
     for (const each of library.declared.inputs) this.give(each.name, each.start);
@@ -102,11 +102,10 @@ export class Tether {
   /** Find the first shape; `Refused` says why there is none. */
   start() {
     const status = this.entry("initialize")(
-      this.n,
+      this.plan,
       this.parameters,
       this.inputs,
       this.state,
-      BigInt(this.points),
       this.outputs,
       this.work,
     );
@@ -116,15 +115,13 @@ export class Tether {
   /** Do a communication step [s]; `Refused` says why it cannot be done, and the tether is as it was. */
   advance(step) {
     this.advanceEntry ??= this.entry("advance");
-    this.count ??= BigInt(this.points);
     const status = this.advanceEntry(
-      this.n,
+      this.plan,
       this.parameters,
       this.inputs,
       step,
       this.state,
       this.before,
-      this.count,
       this.outputs,
       this.work,
     );
