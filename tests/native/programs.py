@@ -36,7 +36,8 @@ def compiled(folder, variant, fmi, source, options, segments=3, shape_points=5, 
     places = [f"-I{place}" for place in (folder, SHELL, HEADERS)]
     parts = ["unit.c", *([str(kernels)] if shell else [])]
     program = folder / source.stem
-    command = ["gcc", "-std=c99", *WARNINGS, f"-DFMI={fmi}", *places, *parts, *options, "-o", str(program)]
+    defined = f"-DFMI={fmi}", f"-DSHAPE_POINTS={shape_points}"
+    command = ["gcc", "-std=c99", *WARNINGS, *defined, *places, *parts, *options, "-o", str(program)]
     done = subprocess.run([*command, "-lm"], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return program

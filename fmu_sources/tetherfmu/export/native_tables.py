@@ -221,7 +221,7 @@ def room_of(kernels, lines, free=(), band=0):
 
 
 def most_room(states, others):
-    """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments in each line."""
+    """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments."""
     return "\n".join(
         [
             "#ifndef MAX_SEGMENTS",

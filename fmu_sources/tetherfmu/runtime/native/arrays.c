@@ -60,7 +60,7 @@ Arrays *make_arrays(Instance *instance, const double *values)
     size_t parameters = (size_t)plan[PLAN_PARAMETERS_SIZE], state = (size_t)plan[PLAN_STATE_SIZE];
     size_t inputs = DIRECT ? 0 : (size_t)plan[PLAN_INPUTS_SIZE], outputs = DIRECT ? 0 : (size_t)plan[PLAN_OUTPUTS_SIZE];
     size_t work = (size_t)plan[PLAN_WORK_SIZE];
-    size_t numbers = parameters + inputs + STATES_HELD * state + outputs + work + VALUES;
+    size_t numbers = PLAN_SIZE + parameters + inputs + STATES_HELD * state + outputs + work + VALUES;
     Arrays *arrays = take_room(instance, sizeof *arrays + numbers * sizeof(double));
     if (!arrays) return NULL;
 #if KERNELS_IN_C
@@ -68,8 +68,9 @@ Arrays *make_arrays(Instance *instance, const double *values)
 #endif
     arrays->segments = segments;
     arrays->quantities = instance->quantities;
-    memcpy(arrays->plan, plan, sizeof arrays->plan);
-    arrays->parameters = (double *)(arrays + 1);
+    arrays->plan = (int64_t *)(arrays + 1);
+    memcpy(arrays->plan, plan, sizeof instance->plan);
+    arrays->parameters = (double *)(arrays->plan + PLAN_SIZE);
     arrays->given = arrays->parameters + parameters;
     arrays->state = arrays->given + inputs;
     arrays->before = arrays->state + state;

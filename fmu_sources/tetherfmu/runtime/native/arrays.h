@@ -16,7 +16,7 @@ typedef struct {
     unsigned char *memory; /* of the kernels, see kernels_in_c.h */
 #endif
     int64_t segments; /* in all lines */
-    int64_t plan[PLAN_SIZE];
+    int64_t *plan;
     double *given, *found; /* inputs and outputs of the kernels, where these are not among the values */
     double *quantities;    /* of the instance */
     double *parameters, *state, *work;

@@ -120,22 +120,29 @@ static double scale_in_line(const Arrays *arrays, int line, unsigned place, doub
     }
 }
 
-/* Scale of an input: the smallest one of the lines that have it; of a load on a free point that of a load on a kite. */
-static double scale_of(const Arrays *arrays, unsigned input, double step, double part)
+/* The same of a load on a free point: the smallest one of a load on a kite at the ends of the lines there. */
+static double scale_of_load(const Arrays *arrays, int point, double step, double part)
 {
     double least = INFINITY;
+    for (int k = 0; k < LINES; k++) {
+        if (!is_at_point(arrays, k, 0, point) && !is_at_point(arrays, k, 1, point)) continue;
+        double scale = scale_in_line(arrays, k, AT_KITE_LOAD, step, part);
+        if (scale < least) least = scale;
+    }
+    return least;
+}
+
+/* The same of an input of the FMU: the smallest one of the lines that have it. */
+static double scale_of(const Arrays *arrays, unsigned input, double step, double part)
+{
+    double least = INFINITY, scale;
     for (int i = 0; i < INPUTS_FROM; i++) {
         int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
         if (INPUT_FROM[i].reference != (int)input) continue;
-        if (behind < 0) {
-            least = fmin(least, scale_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, step, part));
-        } else if (WIND_POINTS) {
-            least = fmin(least, scale_in_line(arrays, 0, place, step, part));
-        } else {
-            for (int k = 0; k < LINES; k++)
-                if (is_at_point(arrays, k, 0, behind / 3) || is_at_point(arrays, k, 1, behind / 3))
-                    least = fmin(least, scale_in_line(arrays, k, AT_KITE_LOAD, step, part));
-        }
+        if (behind < 0) scale = scale_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, step, part);
+        else if (WIND_POINTS) scale = scale_in_line(arrays, 0, place, step, part);
+        else scale = scale_of_load(arrays, behind / 3, step, part);
+        if (scale < least) least = scale;
     }
     return least;
 }

@@ -14,7 +14,8 @@ enum { ALIGNED = 16 };
 enum { PLACES = 2 }; /* for the arrays in use, and for those of a start or a saved state that may be refused */
 static const size_t INSTANCE_AT = WHOLE(FREE_AT), ARRAYS_AT = WHOLE(FREE_AT) + WHOLE(sizeof(Instance));
 static const size_t PLACE = WHOLE(
-    sizeof(Arrays) + sizeof(double) * (STATES_HELD * MOST_STATE(MAX_SEGMENTS) + MOST_OTHERS(MAX_SEGMENTS) + VALUES));
+    sizeof(Arrays) +
+    sizeof(double) * (PLAN_SIZE + STATES_HELD * MOST_STATE(MAX_SEGMENTS) + MOST_OTHERS(MAX_SEGMENTS) + VALUES));
 
 Instance *make_room(void)
 {
