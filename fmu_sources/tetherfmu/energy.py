@@ -102,23 +102,21 @@ class Energy:
 POWERS = tuple(field.name for field in fields(Energy) if field.name.endswith(("_power", "_loss")))
 
 
-def account(instance, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
-    """Of a started `Instance` with nodes: `Energy`, tensions of the segments [N], velocities of the nodes [m/s], arrays.
+def account(instance, line=0, **given):
+    """Of a line of a started `Instance`, with nodes: `Energy`, tensions of the segments [N], velocities of the nodes [m/s].
 
-    reel_out_speed [m/s], wind_velocity [m/s], kite_load [N], winch_force [N] : None for those of the last step.
+    given : other values of inputs in `WITH_POWER` than those of the last step, by name; None is none.
     """
-    inputs, state = np.array(instance.values[: at.INPUTS]), np.frombuffer(instance.state)
-    columns = by_name(inputs)
-    columns["reel_out_speed"][:] = state[at.REELING] if reel_out_speed is None else reel_out_speed
-    columns["wind_velocity"][:] = state[at.WIND : at.WIND + 3] if wind_velocity is None else wind_velocity
-    if kite_load is not None:
-        columns["kite_load"][:] = kite_load
-    if winch_force is not None:
-        columns["winch_force"][:] = winch_force
-    places = np.cumsum((len(fields(Energy)), instance.segments))
-    found = np.zeros(places[-1] + 3 * (instance.segments + 1))
+    inputs, state = np.array(instance.values[: instance.outputs_at]), instance.state_of(line)
+    columns = by_name(inputs[at.INPUTS * line : at.INPUTS * (line + 1)])
+    known = {"reel_out_speed": state[at.REELING], "wind_velocity": state[at.WIND : at.WIND + 3]}
+    for name, value in {**known, **{name: value for name, value in given.items() if value is not None}}.items():
+        columns[name][:] = value
+    segments = instance.counts[line]
+    places = np.cumsum((len(fields(Energy)), segments))
+    found = np.zeros(places[-1] + 3 * (segments + 1))
     plan, parameters, state_at, work = map(address, (instance.plan, instance.parameters, instance.state, instance.work))
-    instance.kernels.energy(plan, parameters, inputs.ctypes.data, 0, state_at, found.ctypes.data, work)
+    instance.kernels.energy(plan, parameters, inputs.ctypes.data, line, state_at, found.ctypes.data, work)
     energies, tensions, velocities = np.split(found, places)
     return Energy(*energies.tolist()), tensions, velocities.reshape(-1, 3)
 

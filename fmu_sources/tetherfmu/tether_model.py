@@ -419,7 +419,8 @@ class TetherModel(Running):
         they are None. The powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up
         along a run.
         """
-        found, _, _ = self._account(reel_out_speed, wind_velocity, kite_load, winch_force)
+        given = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity}
+        found, _, _ = self._account(**given, kite_load=kite_load, winch_force=winch_force)
         return found
 
     @property
@@ -451,12 +452,12 @@ class TetherModel(Running):
         """Bound on the factorizations for one fixed step, each of an iteration; 0 with adaptive steps, which have none."""
         return super().most_factorizations if self._variant.has_waves else 0
 
-    def _account(self, reel_out_speed=None, wind_velocity=None, kite_load=None, winch_force=None):
+    def _account(self, **given):
         """`Energy`, tensions [N] and velocities [m/s] of the present state, see `energy.account`."""
         if not self._variant.has_nodes:
             raise ValueError(f"{type(self).__name__} has no nodes, so no energy and no tensions of segments")
         self._check_started()
-        return energy.account(self._instance, reel_out_speed, wind_velocity, kite_load, winch_force)
+        return energy.account(self._instance, **given)
 
     def _motion(self):
         """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""

@@ -160,8 +160,6 @@ def _check_system(parser, options):
             "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
             "--material, --wind-points, --examples and --scene"
         )
-    if options.header:
-        parser.error("--header is for the FMUs of single tethers; it goes without --system")
 
 
 def build_for_system(wanted):
@@ -170,10 +168,11 @@ def build_for_system(wanted):
 
     try:
         native = wanted.fmi if wanted.native else None
-        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native, wanted.sources)
+        beside = wanted.header, wanted.sources
+        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native, *beside)
     except ValueError as error:
         raise WrongUse(one_line(error)) from None
-    show(made, wanted.platforms)
+    show(made, wanted.platforms, wanted.header)
     return 0
 
 
@@ -193,9 +192,11 @@ def build_for_scene(wanted):
     return 0
 
 
-def show(path, platforms):
-    """Print a line on a finished FMU."""
+def show(path, platforms, with_header=False):
+    """Print a line on a finished FMU, and one on its header."""
     print(f"{path}  {path.stat().st_size / 1000:.0f} kB  for {', '.join(platforms)}")
+    if with_header:
+        print(f"{path.with_suffix('.h')}  value references for hosts in C")
 
 
 def build(wanted, name, options):
@@ -204,9 +205,7 @@ def build(wanted, name, options):
         made = native.build(name, wanted.out, options, wanted.fmi, wanted.header, wanted.sources)
     else:
         made = archive.build(name, wanted.out, options)
-    show(made, options.platforms)
-    if wanted.header:
-        print(f"{made.with_suffix('.h')}  value references for hosts in C")
+    show(made, options.platforms, wanted.header)
 
 
 @command

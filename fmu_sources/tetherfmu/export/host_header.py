@@ -6,11 +6,11 @@ Hosts in C and C++ include it instead of reading the model description.
 import re
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, references
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER
 
 from .documents import meaning
-from .native_arrays import arrays
-from .native_tables import c_text, count_of_values
+from .native_arrays import arrays_at
+from .native_tables import c_text
 
 PREFIX = "TETHER_"
 HEADS = {INPUT: "inputs", OUTPUT: "outputs", LOCAL: "local variables", PARAMETER: "parameters"}
@@ -39,16 +39,16 @@ def c_name(name):
     return PREFIX + re.sub(r"\W+", "_", name.rstrip("]")).upper()
 
 
-def text(file, identifier, table, shape_points, fmi, token):
+def text(file, identifier, table, places, fmi, token):
     """Text of the header of a native FMU.
 
-    file : name of the FMU without ending.  identifier : model identifier.  table : of `variables.Variable`.  fmi : 2 or 3.
-    token : guid of FMI 2, instantiation token of FMI 3.
+    file : name of the FMU without ending.  identifier : model identifier.  table : of `variables.Variable`.
+    places : their `native_arrays.Places`.  fmi : 2 or 3.  token : guid of FMI 2, instantiation token of FMI 3.
     """
-    listed = arrays(table, shape_points)
-    parts = [_enumeration(HEADS[causality], _references(table, listed, shape_points, fmi, causality)) for causality in HEADS]
+    listed = arrays_at(table, places)
+    parts = [_enumeration(HEADS[causality], _references(table, listed, places, fmi, causality)) for causality in HEADS]
     if fmi == 3:
-        time = (c_name("time"), count_of_values(table, shape_points), "Float64 [s]: simulation time")
+        time = (c_name("time"), places.count, "Float64 [s]: simulation time")
         parts.append(_enumeration("independent", [time]))
     parts.append(_enumeration("numbers of values", _sizes(listed)))
     parts.append(_enumeration("choices", _choices(table)))
@@ -65,13 +65,18 @@ def text(file, identifier, table, shape_points, fmi, token):
     )
 
 
-def _references(table, listed, shape_points, fmi, causality):
+def write(fmu, identifier, table, places, fmi, token):
+    """Write the header of a native FMU beside it; fmu : its path.  The others are the arguments of `text`."""
+    made = text(fmu.stem, identifier, table, places, fmi, token)
+    fmu.with_suffix(".h").write_text(made, encoding="utf-8", newline="\n")
+
+
+def _references(table, listed, places, fmi, causality):
     """Names, value references and comments of the variables of a causality: in FMI 3 of arrays, in FMI 2 of all elements."""
     if fmi == 3:
         found = [(each.name, each.reference, each.variables) for each in listed]
     else:
-        places = references(table, shape_points)
-        found = [(each.name, place, (each,)) for each, place in zip(table, places, strict=True)]
+        found = [(each.name, place, (each,)) for each, place in zip(table, places.references, strict=True)]
     for name, reference, variables in found:
         first = variables[0]
         if first.causality == causality:

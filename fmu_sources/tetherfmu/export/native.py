@@ -53,9 +53,8 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
         files |= native_sources.sources(name, library_of(variant), texts[1](token), room, fmi, HEADERS)
     made = write(files, folder, name, options.purpose)
     if with_header:
-        table, shape_points = table_of(variant, given), given["shape_points"]
-        text = host_header.text(made.stem, name, table, shape_points, fmi, token)
-        made.with_suffix(".h").write_text(text, encoding="utf-8", newline="\n")
+        table = table_of(variant, given)
+        host_header.write(made, name, table, places_of(table, given["shape_points"]), fmi, token)
     return made
 
 

@@ -20,7 +20,7 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import native_sources, native_system, osp, related_files, system_evidence
+from . import host_header, native_sources, native_system, osp, related_files, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
 from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
 from .native import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
@@ -30,13 +30,13 @@ SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
-def build(path, folder, platforms, shape_points=None, native=None, with_sources=False):
+def build(path, folder, platforms, shape_points=None, native=None, with_header=False, with_sources=False):
     """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
 
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
     variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
     each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
-    PythonFMU's.  with_sources : whether a native one can also be compiled by its importer, see `native_sources`.
+    PythonFMU's.  with_header, with_sources : of a native one, see `native.build`.
     """
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points), Path(folder)
@@ -47,7 +47,11 @@ def build(path, folder, platforms, shape_points=None, native=None, with_sources=
     )
     evidence = system_evidence.files(structure.name, found, native == 3)
     if native:
-        return write(_native(structure, about, platforms, evidence, native, with_sources), folder, structure.name, None)
+        files, token = _native(structure, about, platforms, evidence, native, with_sources)
+        fmu, table = write(files, folder, structure.name, None), table_of(structure)
+        if with_header:
+            host_header.write(fmu, structure.name, table, native_system.places_of(structure, table), native, token)
+        return fmu
     options = {"system": structure.as_dict(), "about": about}
     made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
     made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
@@ -56,7 +60,7 @@ def build(path, folder, platforms, shape_points=None, native=None, with_sources=
 
 
 def _native(structure, about, platforms, evidence, fmi, with_sources):
-    """Files of a native FMU, dict of path in the archive to bytes."""
+    """Files of a native FMU, dict of path in the archive to bytes; and its token."""
     table = table_of(structure)
     places = native_system.places_of(structure, table)
     about = f"{runpy.run_path(str(SCRIPTS / SCRIPT))[SLAVE].description} {about}"
@@ -70,7 +74,7 @@ def _native(structure, about, platforms, evidence, fmi, with_sources):
     if with_sources:
         room = room_of(ready.kernels(SYSTEM), lines_of(structure), structure.free, structure.band)
         made |= native_sources.sources(structure.name, SYSTEM, tabulate(token), room, fmi, HEADERS)
-    return made
+    return made, token
 
 
 def read(path):

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tetherfmu.energy import Energy
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import Outputs
 
@@ -41,6 +42,32 @@ class SystemOutputs(NamedTuple):
     points: dict[str, PointOutputs]
     lines: dict[str, Outputs]
     solver_iteration_limit: int
+
+
+class SystemEnergy(NamedTuple):
+    """Energies and powers of a system at an instant.
+
+    Attributes
+    ----------
+    lines : dict of str to `tetherfmu.energy.Energy`
+        By the names of the lines. The mass of a free point is in the first line there; the power of an end is that of what
+        drives the point, 0 at a free one.
+    loads : dict of str to float
+        Powers of the loads on free points [W].
+    """
+
+    lines: dict[str, Energy]
+    loads: dict[str, float]
+
+    @property
+    def total(self) -> float:
+        """Kinetic + elastic + potential energy of all lines and points [J]."""
+        return sum(each.total for each in self.lines.values())
+
+    @property
+    def power(self) -> float:
+        """Sum of all powers minus the losses [W]: the rate at which `total` has to change."""
+        return sum(each.power for each in self.lines.values()) + sum(self.loads.values())
 
 
 class SystemFlown(NamedTuple):

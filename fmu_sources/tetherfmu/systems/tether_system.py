@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu import arguments
+from tetherfmu.energy import account
 from tetherfmu.results import StepRefused, outputs_of
 from tetherfmu.running import Running
 from tetherfmu.runtime import layout as at
@@ -20,7 +21,7 @@ from . import files
 from .arrays import Arrays, instance_of
 from .inputs import Given, first_winches_of, put, winches_of
 from .records import Line, Point, check_system
-from .results import SystemFlown, SystemOutputs, points_of
+from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
 
 Vectors = Mapping[str, ArrayLike]
 
@@ -325,6 +326,20 @@ class TetherSystem(Running):
         lines = {name: outputs_of(each) for name, each in values.items()}
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
         return SystemOutputs(points_of(self.points, self.lines, motion, values), lines, most)
+
+    def energy(self) -> SystemEnergy:
+        """Energies and powers of the present state, with the inputs of the last step; StepRefused before `initialize`."""
+        self._check_started()
+        found = {line.name: account(self._instance, k)[0] for k, line in enumerate(self.lines)}
+        loads = self._arrays.inputs[len(self.lines) * at.INPUTS :].reshape(-1, 3)
+        velocities = {name: self._velocity_of(name) for name in self._instance.free}
+        powers = {name: float(load @ velocities[name]) for name, load in zip(velocities, loads, strict=True)}
+        return SystemEnergy(found, powers)
+
+    def _velocity_of(self, name):
+        """Velocity of a point [m/s]: that of a line there."""
+        k, line = next((k, line) for k, line in enumerate(self.lines) if name in (line.start, line.end))
+        return self._motion(k)[1][0 if line.start == name else -1]
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:
