@@ -20,7 +20,6 @@ from . import packing
 from .arrays import copy, inputs_size, outputs_size, parameters_size, positions_and_velocities, state_size
 from .compilation import kernel, view
 from .equations import wind_points
-from .equations.boundary import inputs_of_step
 from .flat_arrays import flat, part
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance, transaction
@@ -64,8 +63,7 @@ def entry_points(variant):
     @kernel
     def take_outputs(n, p, s, shape_points, outputs, w):
         """Outputs (modified) that belong to a state; a status: OK or OUTPUT_NOT_FINITE."""
-        if has_nodes:
-            wind_points.take_from_state(n, p, s)
+        wind_points.take_from_state(n, p, s)
         variant.outputs_of(n, p, s, shape_points, outputs, w)
         return complete(n, s, outputs)
 
@@ -73,19 +71,12 @@ def entry_points(variant):
     def take_step(n, p, inputs, step, s, before, w):
         """One communication step of `step` [s]; on any status but OK the state is as it was.
 
-        s (modified) : the state.  before (modified) : the state of before, if the inputs allow a step.
+        s (modified) : the state.  before (modified) : the state of before.
         """
-        status = transaction.check_step(inputs, step)
-        if status != OK:
-            return status
-        given = inputs_of_step(p, inputs, step, s)
-        status = transaction.check_reeling(n, p, given)
-        if status != OK:
-            return status
         copy(s, before)
-        transaction.remember(p, inputs, given, s)
-        wind_points.advance(n, p, inputs, step, has_nodes, has_waves, s)
-        status = variant.advance(n, p, given, before, s, w)
+        status, given = transaction.begin(n, p, inputs, step, has_waves, s)
+        if status == OK:
+            status = variant.advance(n, p, given, before, s, w)
         return transaction.commit(n, p, status, before, s)
 
     @kernel

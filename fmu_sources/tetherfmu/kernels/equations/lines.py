@@ -92,6 +92,12 @@ def size_of_blocks(system):
 
 
 @view
+def with_states(system, state):
+    """The system with other states of all lines."""
+    return System(system.plan, system.parameters, system.inputs, state, system.work)
+
+
+@view
 def parameters_of(system, k):
     """`parameters` of line k."""
     return part(system.parameters, number_of_line(system, k, places.PARAMETERS_AT), parameters_size(segments_of(system, k)))
@@ -142,47 +148,22 @@ def places_of_load(end):
 
 
 @kernel
-def rate_of_load(system, k, end, step):
-    """Rate [N/s] of the load on the free point at an end of line k, estimated for a step [s] as `boundary.rate_of_load`."""
-    state, (last, recent, _) = state_of(system, k), places_of_load(end)
-    now = load_on(system, point_at(system, k, end))
-    return estimated_rates(
-        now, vector_at(state, last), vector_at(state, recent), state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step
-    )
+def take_loads(system, k, step, before):
+    """Loads on the free points at line k in a step [s] from the states `before`: how they go on, and what is kept of them.
 
-
-@kernel
-def take_load_rates(system, step):
-    """Rates at which the loads on the free points continue in a step [s] into `Points.load_rate` (modified) [N/s].
-
-    Those that are given, else estimates, or 0 where inputs are held.
+    Their rates [N/s], as of a load on a kite end (`boundary.load_rate`), go into `Points.load_rate`, loads and recent rates
+    into the state of the line (both modified).
     """
-    rates = points_of(system).load_rate
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if is_at_point(system, k, end):
-                estimate = rate_of_load(system, k, end, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
-                _, _, place = places_of_load(end)
-                put(rates, point_at(system, k, end), given_derivatives(state_of(system, k), place, estimate))
-
-
-@kernel
-def recent_load_rates(system, k):
-    """Rates of the loads at start and end of line k [N/s] as the next steps take them after a much shorter one."""
-    longest = state_of(system, k)[at.LONGEST_SO_FAR]
-    at_start = rate_of_load(system, k, 0, longest) if is_at_point(system, k, 0) else ZERO_VECTOR
-    return at_start, rate_of_load(system, k, 1, longest) if is_at_point(system, k, 1) else ZERO_VECTOR
-
-
-@kernel
-def remember_loads(system, k, recent):
-    """Loads on the free points at line k, and their `recent_load_rates`, into the state of the line (modified)."""
-    state, (at_start, at_end) = state_of(system, k), recent
+    old, state = state_of(with_states(system, before), k), state_of(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
-            last, rate, _ = places_of_load(end)
-            put_at(state, last, load_on(system, point_at(system, k, end)))
-            put_at(state, rate, at_end if end == 1 else at_start)
+            (last, recent, place), point = places_of_load(end), point_at(system, k, end)
+            load, longest = load_on(system, point), old[at.LONGEST_SO_FAR]
+            change = load, vector_at(old, last), vector_at(old, recent), old[at.LAST_STEP], longest
+            estimate = estimated_rates(*change, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
+            put(points_of(system).load_rate, point, given_derivatives(old, place, estimate))
+            put_at(state, last, load)
+            put_at(state, recent, estimated_rates(*change, longest))
 
 
 @view

@@ -82,11 +82,11 @@ def start(n, parameters, inputs, state):
 
 
 @kernel
-def advance(n, parameters, inputs, step, has_nodes, is_mean, state):
+def advance(n, parameters, inputs, step, is_mean, state):
     """Take the winds of the inputs for a step [s] into a state (modified), and to the nodes in the parameters (modified).
 
-    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes, of a
-    tether that has them, the mean over the step if `is_mean`, else the same.
+    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes the
+    mean over the step if `is_mean`, as waves need it, else the same.
     """
     count = 3 * count_of(parameters)
     if count == 0:
@@ -100,8 +100,7 @@ def advance(n, parameters, inputs, step, has_nodes, is_mean, state):
     if changes:
         for k in range(count):
             winds[k] += step * rates[k]
-    if has_nodes:
-        put_node_winds(n, parameters, state, 0.5 * step if is_mean and changes else 0.0)
+    put_node_winds(n, parameters, state, 0.5 * step if is_mean and changes else 0.0)
     if changes:
         for k in range(count):
             rates[k] = 0.0

@@ -11,6 +11,7 @@ from ..equilibrium import end_tensions, newton, solve
 from ..equilibrium.rigid_body import Body, rigid_motion, straighten
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
+from ..step.plausibility import note_damping_of_steps
 
 
 @kernel
@@ -18,6 +19,7 @@ def initialize(n, parameters, shape, state, work):
     """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
+    note_damping_of_steps(chain, parameters, state)
     if shape == at.STRAIGHT:
         straighten(chain, x)
         straighten(chain, v)

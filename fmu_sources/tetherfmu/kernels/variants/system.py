@@ -9,32 +9,25 @@ from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
 from ..arrays import copy, outputs_size, parameters_size, state_size
 from ..compilation import kernel
-from ..equations.boundary import conditions_of_chain, inputs_of_step
 from ..equations.lines import (
-    System,
     free_points,
     inputs_of,
     lines_of,
-    motion_of,
     outputs_of_line,
     parameters_of,
     points_size,
-    recent_load_rates,
-    remember_loads,
     room_of,
     segments_of,
     state_of,
-    store_conditions,
-    take_load_rates,
+    take_loads,
+    with_states,
 )
-from ..equations.properties import chain_of
 from ..flat_arrays import part
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_fixed_room
 from ..step import transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
 
 # --- the plan
@@ -123,7 +116,6 @@ def start_line(system, k):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status == OK:
-        note_damping_of_steps(chain_of(n, parameters, state), parameters, state)
         status = dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, room_of(system, k))
     return transaction.commit_start(n, parameters, status, state)
 
@@ -161,68 +153,42 @@ def check_loads(system):
 
 
 @kernel
-def begin_line(system, k, step):
+def begin_line(system, k, step, before):
     """Conditions of line k in a communication step [s], and the header of its state (modified); a status."""
-    n, parameters, inputs, state = (
-        segments_of(system, k),
-        parameters_of(system, k),
-        inputs_of(system, k),
-        state_of(system, k),
-    )
-    status = transaction.check_step(inputs, step)
-    if status != OK:
-        return status
-    given = inputs_of_step(parameters, inputs, step, state)
-    status = transaction.check_reeling(n, parameters, given)
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status, given = transaction.begin(n, parameters, inputs_of(system, k), step, True, state)
     if status == OK:
-        x, v = motion_of(system, k)
         shape = parameters[at.INITIAL_SHAPE]
         if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
             shape = float(at.STATIC_EQUILIBRIUM)
-        store_conditions(conditions_of_chain(n, parameters, shape, given, state, x, v), room_of(system, k))
-        recent = recent_load_rates(system, k)
-        transaction.remember(parameters, inputs, given, state)
-        remember_loads(system, k, recent)
+        moving_lines.begin_line(system, k, shape, given, before)
+        take_loads(system, k, step, before)
     return status
 
 
 @kernel
-def begin(system, step):
+def begin(system, step, before):
     """`begin_line` of all lines, until one is refused; returns the status."""
     status = check_loads(system)
-    if status != OK:
-        return status
-    take_load_rates(system, step)
     for k in range(lines_of(system)):
-        system.plan[places.STATUS_LINE] = k
-        status = begin_line(system, k, step)
-        if status != OK:
-            return status
-    return OK
-
-
-@kernel
-def commit_line(system, k, before):
-    """Check the state of line k, and note in it (modified) what is implausible; a status."""
-    n, state = segments_of(system, k), state_of(system, k)
-    status = transaction.check_state(n, state)
-    if status == OK:
-        old = System(system.plan, system.parameters, system.inputs, before, system.work)
-        transaction.note_step(n, parameters_of(system, k), state_of(old, k), state)
+        if status == OK:
+            system.plan[places.STATUS_LINE] = k
+            status = begin_line(system, k, step, before)
     return status
 
 
 @kernel
 def commit(system, step, before):
-    """End the step of all lines, and `commit_line` until one is refused; returns the status."""
+    """End the step of all lines, until the state of one is refused; returns the status."""
+    status = OK
     for k in range(lines_of(system)):
         moving_lines.end_line(system, k, step)
     for k in range(lines_of(system)):
-        system.plan[places.STATUS_LINE] = k
-        status = commit_line(system, k, before)
-        if status != OK:
-            return status
-    return OK
+        if status == OK:
+            system.plan[places.STATUS_LINE] = k
+            old = state_of(with_states(system, before), k)
+            status = transaction.commit(segments_of(system, k), parameters_of(system, k), OK, old, state_of(system, k))
+    return status
 
 
 @kernel
@@ -238,7 +204,7 @@ def advance(system, step, before):
     before (modified) : room for all states.  The plan (modified) says which line a status is about.
     """
     copy(system.state, before)
-    status = begin(system, step)
+    status = begin(system, step, before)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
         status = moving_lines.advance(system, step, before)
