@@ -8,7 +8,16 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 
-from ..arrays import behind, outputs_size, parameters_size, places_of, positions_and_velocities, split, state_size
+from ..arrays import (
+    behind,
+    inputs_size,
+    outputs_size,
+    parameters_size,
+    places_of,
+    positions_and_velocities,
+    split,
+    state_size,
+)
 from ..compilation import kernel, view
 from ..flat_arrays import part
 from ..linear_algebra.condensed import Rows
@@ -106,7 +115,8 @@ def parameters_of(system, k):
 @view
 def state_of(system, k):
     """`state` of line k."""
-    return part(system.state, number_of_line(system, k, places.STATE_AT), state_size(segments_of(system, k)))
+    size = state_size(segments_of(system, k), number_of_line(system, k, places.WIND_POINTS))
+    return part(system.state, number_of_line(system, k, places.STATE_AT), size)
 
 
 @view
@@ -117,16 +127,23 @@ def outputs_of_line(system, k, outputs):
     )
 
 
+@kernel
+def place_of_inputs(system, k):
+    """First place and number of the inputs of line k."""
+    return number_of_line(system, k, places.INPUTS_AT), inputs_size(number_of_line(system, k, places.WIND_POINTS))
+
+
 @view
 def inputs_of(system, k):
     """`inputs` of line k."""
-    return part(system.inputs, at.INPUTS * k, at.INPUTS)
+    return part(system.inputs, *place_of_inputs(system, k))
 
 
 @kernel
 def load_on(system, point):
     """Load on a free point [N] at the start of the communication step."""
-    return vector_at(system.inputs, at.INPUTS * lines_of(system) + 3 * point)
+    first, size = place_of_inputs(system, lines_of(system) - 1)
+    return vector_at(system.inputs, first + size + 3 * point)
 
 
 @kernel

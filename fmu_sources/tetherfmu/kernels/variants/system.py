@@ -7,12 +7,14 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import system_layout as places
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
-from ..arrays import copy, outputs_size, parameters_size, state_size
+from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
+from ..equations import wind_points
 from ..equations.lines import (
     free_points,
     inputs_of,
     lines_of,
+    load_on,
     outputs_of_line,
     parameters_of,
     points_size,
@@ -42,16 +44,18 @@ def line_work_size(n):
 @kernel
 def complete_plan(plan):
     """Write all numbers of a plan (modified) that follow from those that are given, see `system_layout.py`."""
-    parameters, state, outputs, work = 0, 0, 0, 0
+    parameters, inputs, state, outputs, work = 0, 0, 0, 0, 0
     for k in range(plan[places.LINES]):
         row = places.PLAN_HEADER + places.LINE_NUMBERS * k
-        n = plan[row + places.SEGMENTS]
+        n, winds = plan[row + places.SEGMENTS], plan[row + places.WIND_POINTS]
         plan[row + places.PARAMETERS_AT] = parameters
+        plan[row + places.INPUTS_AT] = inputs
         plan[row + places.STATE_AT] = state
         plan[row + places.OUTPUTS_AT] = outputs
         plan[row + places.WORK_AT] = work
         parameters += parameters_size(n)
-        state += state_size(n)
+        inputs += inputs_size(winds)
+        state += state_size(n, winds)
         outputs += outputs_size(plan[row + places.SHAPE_POINTS])
         work += line_work_size(n)
     plan[places.STATUS_LINE] = places.ALL_LINES
@@ -60,7 +64,7 @@ def complete_plan(plan):
     work += points_size(points, band) + resting_forces.search_size(points, band)
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
-    plan[places.INPUTS_SIZE] = at.INPUTS * plan[places.LINES] + 3 * plan[places.FREE_POINTS]
+    plan[places.INPUTS_SIZE] = inputs + 3 * plan[places.FREE_POINTS]
     plan[places.STATE_SIZE] = state
     plan[places.OUTPUTS_SIZE] = outputs
     plan[places.WORK_SIZE] = work + outputs
@@ -88,6 +92,7 @@ def take_outputs(system, outputs):
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, found)
         points = system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.SHAPE_POINTS]
+        wind_points.take_from_state(n, parameters_of(system, k), state)
         dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
         own[at.SOLVER_ITERATION_LIMIT] = most
         status = complete(n, state, own)
@@ -144,11 +149,11 @@ def initialize(system, before, outputs):
 @kernel
 def check_loads(system):
     """OK, or INPUT_NOT_FINITE about ALL_LINES, with the number of the free point whose load is no number or a huge one."""
-    first = at.INPUTS * lines_of(system)
-    for i in range(3 * free_points(system)):
-        if not abs(system.inputs[first + i]) <= at.LARGEST_INPUT:
-            system.plan[places.STATUS_LINE] = places.ALL_LINES
-            return INPUT_NOT_FINITE | (i // 3) << 8
+    for point in range(free_points(system)):
+        for component in load_on(system, point):
+            if not abs(component) <= at.LARGEST_INPUT:
+                system.plan[places.STATUS_LINE] = places.ALL_LINES
+                return INPUT_NOT_FINITE | point << 8
     return OK
 
 
