@@ -113,7 +113,8 @@ def advance(plan, parameters, inputs, step, state, before, outputs, work):
     """
     p = plan_at(plan)
     system = system_at(p, parameters, flat(inputs, p[places.INPUTS_SIZE]), state, work)
-    return variant.advance_with_outputs(system, step, states_at(p, before), outputs_at(p, outputs))
+    old = states_at(p, before)
+    return variant.with_outputs(system, variant.advance(system, step, old), old, outputs_at(p, outputs))
 
 
 def outputs(plan, parameters, state, outputs, work):

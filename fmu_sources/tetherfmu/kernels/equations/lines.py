@@ -215,19 +215,11 @@ def points_of(system):
 
 
 @kernel
-def put_curve(room, first, curve):
-    """Write the curve of an end to a place of the scratch space of a line (modified), see `end_motion.curve`."""
-    put_at(room, first, curve[0])
-    put_at(room, first + 3, curve[1])
-    put_at(room, first + 6, curve[2])
-    put_at(room, first + 9, curve[3])
-
-
-@kernel
 def store_conditions(conditions, room):
     """Write `BoundaryConditions` to the start of the scratch space of a line (modified)."""
-    put_curve(room, GROUND, conditions.ground)
-    put_curve(room, KITE, conditions.kite)
+    for place, end in ((GROUND, conditions.ground), (KITE, conditions.kite)):
+        for i in range(len(end)):
+            put_at(room, place + _VECTOR * i, end[i])
     room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = conditions.reeling
     put_at(room, WIND, conditions.wind)
     put_at(room, LOAD, conditions.load)
@@ -245,7 +237,7 @@ def put_reeling(system, k, reeling):
 
 @kernel
 def curve_at(room, first):
-    """The curve that `put_curve` wrote."""
+    """The curve of an end from a place of the scratch space of a line on."""
     return vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)
 
 

@@ -153,12 +153,6 @@ def note_unconverged(count, h, state):
 
 
 @kernel
-def note_unresolved(h, state):
-    """Note the fixed step [s] in the state (modified) with which a communication step was done that was given up."""
-    note(state, limits.UNRESOLVED, h * h, 0.0)
-
-
-@kernel
 def note_acceleration(position, velocity, reached, step, kind, state):
     """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m]."""
     time = step + state[at.CORRECTION_LEFT]

@@ -66,9 +66,9 @@ def start(n, parameters, inputs, state):
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, wind_of(inputs))
     wind_points.start(n, parameters, inputs, state)
-    if winch.follows_force(parameters):
-        return check_stops(parameters, state[at.LENGTH])
-    return check_length(n, parameters, state[at.LENGTH])
+    if not winch.follows_force(parameters):
+        return check_length(n, parameters, state[at.LENGTH])
+    return OK if parameters[at.SHORTEST_LENGTH] <= state[at.LENGTH] <= parameters[at.LONGEST_LENGTH] else START_BEYOND_STOP
 
 
 @kernel
@@ -105,12 +105,6 @@ def check_length(n, parameters, length):
         if rest_length(chain, s) < at.MIN_SEGMENT_LENGTH:
             return WINCH_TOO_SHORT if winch.follows_length(parameters) else REELED_TOO_SHORT
     return OK
-
-
-@kernel
-def check_stops(parameters, length):
-    """OK, or START_BEYOND_STOP if an unstretched length [m] is out of reach of the drum."""
-    return OK if parameters[at.SHORTEST_LENGTH] <= length <= parameters[at.LONGEST_LENGTH] else START_BEYOND_STOP
 
 
 @kernel

@@ -5,6 +5,7 @@ solver, see `step_control.is_given_up`.
 """
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 
 from ..arrays import state_size
@@ -27,7 +28,7 @@ from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fixed_steps
 from ..points import system_fixed_room, system_room
-from ..step.plausibility import note_stiff_and_slack, note_unconverged, note_unresolved
+from ..step.plausibility import note, note_stiff_and_slack, note_unconverged
 
 
 @kernel
@@ -80,7 +81,7 @@ def move_coarsely(system, step, before):
     status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
     memory = state_of(system, 0)
     memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
-    note_unresolved(h, memory)
+    note(memory, limits.UNRESOLVED, h * h, 0.0)
     return status
 
 

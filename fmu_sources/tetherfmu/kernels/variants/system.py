@@ -197,12 +197,6 @@ def commit(system, step, before):
 
 
 @kernel
-def advance_with_outputs(system, step, before, outputs):
-    """`advance`, then the outputs of all lines (modified), which are as they were on any status but OK, too."""
-    return with_outputs(system, advance(system, step, before), before, outputs)
-
-
-@kernel
 def advance(system, step, before):
     """One communication step of `step` [s]; on any status but OK the states of all lines are as they were.
 
