@@ -40,7 +40,10 @@ SIGNATURES = Kernels(
 
 
 def entry_points(variant):
-    """Entry points of a variant, functions to be compiled with `SIGNATURES`; variant : module of `kernels.variants`."""
+    """Entry points of a variant, functions to be compiled with `SIGNATURES`; variant : module of `kernels.variants`.
+
+    They are defined in here, in one long function, because the compiler has to know the variant as a constant.
+    """
     declared = BY_NAME[variant.__name__.rpartition(".")[2]]
     has_nodes, has_waves = declared.has_nodes, declared.has_waves
 
