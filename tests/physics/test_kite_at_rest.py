@@ -11,7 +11,17 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from tetherfmu import Line, Point, StepRefused, Tether, TetherDynamicFree, TetherSystem, tether_of
+from tetherfmu import (
+    Line,
+    PlausibilityWarning,
+    Point,
+    Solver,
+    StepRefused,
+    Tether,
+    TetherDynamicFree,
+    TetherSystem,
+    tether_of,
+)
 
 G, TIP = 9.81, np.array((3.0, -2.0, 60.0))
 WIRE = tether_of("steel", 0.012, initial_length=40.0, segments=6)
@@ -153,3 +163,10 @@ def test_nodes_that_are_given_are_not_sought():
     kite, _ = started(500.0)
     nodes = np.add(kite.positions, (0.0, 1.0, 0.0))
     assert kite.initialize(positions=nodes).kite_position == pytest.approx(nodes[-1], abs=1e-12)
+
+
+def test_warnings_of_the_start_are_those_of_any_other_start():
+    """`plausibility.note_damping_of_steps`: 0.02 s x EA is more than a tenth of the axial damping."""
+    solver = Solver(fixed_step=0.02, fixed_step_method="backward_euler")
+    with pytest.warns(PlausibilityWarning, match="backward Euler with this fixed_step damps"):
+        started(5.0, solver=solver)

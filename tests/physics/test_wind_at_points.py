@@ -8,9 +8,13 @@ from scipy.integrate import quad
 
 from mechanics import wind_factor
 from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherDynamicFree, TetherQuasiSteady, TetherStraight
+from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu.runtime.status import OK
 
 GROUND, KITE = np.array([0.0, 0.0, 60.0]), np.array([240.0, 50.0, 380.0])
 LENGTH = 1.02 * np.linalg.norm(KITE - GROUND)
@@ -230,3 +234,61 @@ def test_winds_that_cannot_be(wind_points, given, said):
 def test_numbers_of_points_that_cannot_be(wind_points):
     with pytest.raises(ValueError, match="wind_points is"):
         TetherStraight(wind_points=wind_points)
+
+
+def lines_of_a_system(model, lines):
+    """A step of a system of so many lines, whose numbers and inputs are those of a dynamic tether with wind points.
+
+    A function of their inputs that starts with them, at its first call, or does a step, and returns states and outputs.
+    """
+    kernels, instance, points = ready.kernels(SYSTEM), model._instance, model._instance.wind_points
+    plan = np.zeros(places.plan_size(lines), np.int64)
+    plan[places.LINES] = lines
+    given = [places.SEGMENTS, places.START_POINT, places.END_POINT, places.SHAPE_POINTS, places.WIND_POINTS]
+    plan[places.PLAN_HEADER :].reshape(lines, -1)[:, given] = (
+        *(instance.segments, places.DRIVEN, places.DRIVEN),
+        *(instance.points, points),
+    )
+    assert kernels.complete(plan.ctypes.data) == OK
+    parameters = np.tile(np.array(instance.parameters), lines)
+    sizes = [plan[size] for size in (places.STATE_SIZE, places.STATE_SIZE, places.OUTPUTS_SIZE, places.WORK_SIZE)]
+    results = [np.zeros(size) for size in sizes]
+    state, _, outputs, _ = results
+    assert len(state) == lines * at.state_size(instance.segments, points)
+    steps = []
+
+    def take(inputs):
+        inputs = np.tile(inputs, lines)
+        assert len(inputs) == plan[places.INPUTS_SIZE]
+        do, step = (kernels.advance, [STEP]) if steps else (kernels.initialize, [])
+        arrays = [each.ctypes.data for each in results]
+        assert do(plan.ctypes.data, parameters.ctypes.data, inputs.ctypes.data, *step, *arrays) == OK
+        steps.append(inputs)
+        return state.reshape(lines, -1), outputs.reshape(lines, -1)
+
+    return take
+
+
+@pytest.mark.parametrize("lines", [1, 2])
+def test_lines_of_a_system_have_wind_points_of_their_own(lines):
+    """Each moves as the dynamic tether does, which is compiled for one line: the same arithmetic."""
+    winds, solver = gusts(5), Solver(initial_shape="static_equilibrium")
+    model = TetherDynamic(initial_length=LENGTH, segments=9, wind_points=5, solver=solver)
+    at_rest(model, wind_at=winds)
+    take = lines_of_a_system(model, lines)
+    inputs = np.zeros(at.inputs_size(5))
+    columns = by_name(inputs[: at.INPUTS])
+    columns["kite_position"][:], columns["ground_position"][:] = KITE, GROUND
+    inputs[at.INPUTS :] = np.ravel(winds)
+    take(inputs)
+    for k in range(STEPS):
+        kite = KITE + np.array((0.0, 5.0 * STEP * k, 0.0))
+        winds = gusts(5, seed=k)
+        model.step(STEP, kite_position=kite, kite_velocity=(0.0, 5.0, 0.0), wind_at=winds)
+        columns["kite_position"][:], columns["kite_velocity"][:] = kite, (0.0, 5.0, 0.0)
+        inputs[at.INPUTS :] = np.ravel(winds)
+        states, outputs = take(inputs)
+    moved = slice(at.STATE_HEADER, None)  # nodes and winds; the first line alone has the memory of the solver
+    for state, found in zip(states, outputs, strict=True):
+        np.testing.assert_array_equal(state[moved], np.array(model._instance.state)[moved])
+        np.testing.assert_array_equal(found[at.KITE_FORCE : at.KITE_FORCE + 3], model.outputs().kite_force)

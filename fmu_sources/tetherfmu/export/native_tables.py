@@ -39,7 +39,7 @@ class Wiring(NamedTuple):
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
     of_lines: dict  # references of what each line has, by the name of the table in C
     forces: list  # references of the forces whose smoothness counts in directional derivatives
-    inputs: list = ()  # (place, reference)
+    inputs: list = ()  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
     outputs: list = ()  # (reference, place)
     motion: list = ()  # (reference, line, 1 at its end, component)
     starts: list = ()  # (place in the plan, reference)
@@ -68,7 +68,7 @@ def wiring_of(variant, table, shape_points):
         [[(each.name, own[each.name], 0.0) for each in listed]],
         {"DIAMETER_AT": [own["diameter"]], "SLACK_SEGMENTS_AT": [given + layout.SLACK_SEGMENTS]},
         [given + place + i for place in force_places for i in range(3)],
-        [(place, place) for place in range(given)],
+        [(place, place, 0, place) for place in range(given)],
     )
 
 
@@ -176,7 +176,8 @@ def _sizes(wiring):
     """Sizes of the arrays; that of the state is a macro of the number of segments in all lines."""
     given, end, values = wiring.ends
     sizes = {"INPUTS": given, "OUTPUTS_AT": given, "PARAMETERS_AT": end, "PARAMETERS": values - end, "VALUES": values}
-    sizes |= {"TIME": values, "LINES": len(wiring.lines), "WIND_POINTS": wiring.lines[0].wind_points}
+    sizes |= {"TIME": values, "LINES": len(wiring.lines), "FREE_POINTS": len(wiring.free)}
+    sizes |= {"INPUTS_OF_A_LINE": len(wiring.lines[0].inputs)}
     empty = sum(layout.state_size(0, line.wind_points) for line in wiring.lines)
     slope = layout.state_size(1) - layout.state_size(0)
     return [
@@ -198,7 +199,6 @@ def _inputs(wiring):
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
         c_numbers("unsigned char INPUT_SCALE", numbers),
         c_texts("INPUT_NAME", [own[place] for place in range(wiring.ends[0])]),
-        c_enumeration({"INPUT_NAMES": len(names[0])}),
         f"static const char *const LINE_INPUT_NAME[][{len(names[0])}] = {{\n    {rows}}};",
     ]
 
@@ -284,7 +284,7 @@ def _maps(wiring):
     masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried or [(-1, -1)])
     return [
         c_enumeration({name: len(listed) for name, listed in counts.items()}),
-        _table("INPUT_FROM", ("place", "reference"), wiring.inputs),
+        _table("INPUT_FROM", ("place", "reference", "line", "own"), wiring.inputs),
         _table("OUTPUT_FROM", ("reference", "place"), wiring.outputs),
         _table("MOTION", ("reference", "line", "is_end", "component"), wiring.motion),
         _table("START_FROM", ("place", "reference"), wiring.starts),

@@ -183,7 +183,8 @@ class Instance:
             first = self.outputs_at + 3 * (place - len(self.free))
             return status.sentence(result, name=f"{self.free[place]}.load", value=self.values[first : first + 3].tolist())
         k = max(about, 0)
-        line, inputs, parameters = self.lines[k], self.values[at.INPUTS * k :], self.parameters_of(k)
+        line, parameters = self.lines[k], self.parameters_of(k)
+        inputs = self.values[self.plan[self._rows()[k] + places.INPUTS_AT] :]
         name = line.inputs[place] if place < len(line.inputs) else ""
         if at_start and not line.name and parameters[at.KITE_IS_FREE] != 0.0 and place in _KITE_MOTION:
             name = f"{name} at the start"  # which is no input

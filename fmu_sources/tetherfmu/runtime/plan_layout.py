@@ -5,7 +5,7 @@ Each line has arrays of its own (`layout.py`), one behind the other:
 =============  ======================================================================
 `plan`         whole numbers: how many lines and free points there are, and of each line what the constants below say
 `parameters`   those of all lines
-`inputs`       those of all lines, then the load on each free point [N]
+`inputs`       those of all lines, each with its wind points, then the load on each free point [N]
 `state`        those of all lines; the memory of the solver stands in that of the first line
 `outputs`      those of all lines
 `work`         scratch space of all lines, then that of the free points, then room for outputs
@@ -43,8 +43,9 @@ OUTPUTS_AT = 6
 WORK_AT = 7
 START_IS_SOUGHT = 8  # given: 1 if `initialize` is to find where the free point at its start is in equilibrium, else 0
 END_IS_SOUGHT = 9  # given; all lines at a point say the same
-WIND_POINTS = 10  # given: points of its input `wind_at`, 0 for none; of a tether alone
-LINE_NUMBERS = 11
+WIND_POINTS = 10  # given: at which the wind along it is an input, 0 for none; its parameters say so, too
+INPUTS_AT = 11  # its first place in `inputs`
+LINE_NUMBERS = 12
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

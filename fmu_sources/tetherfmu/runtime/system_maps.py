@@ -18,26 +18,28 @@ from .variables import INPUT_NAMES
 
 
 def inputs_of(structure, places):
-    """Pairs (place in the `inputs` array, value reference) of a system.
+    """Rows (place in the `inputs` array, value reference, line, place among its inputs) of a system; of a load (place,
+    value reference, -1, place among the loads).
 
     Free points have the motion of their start there. places : dict of the names of variables to value references.
     """
     free = {point.name for point in structure.points if point.is_free}
-    named = {}  # place: name
+    found, first = [], 0
     for k, line in enumerate(structure.lines):
-        first = at.INPUTS * k
+        named = {}  # place: name
         for end, point in line.ends:
             for what in ("position", "velocity"):
                 own = f"{point}.{'initial_' if point in free else ''}{what}"
-                named |= dict(zip(count(first + inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
+                named |= dict(zip(count(inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
         for name in GIVEN:
-            named[first + inputs.PLACES[name]] = f"{line.name}.{name}"
+            named[inputs.PLACES[name]] = f"{line.name}.{name}"
         for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
-            named |= dict(zip(count(first + inputs.PLACES[each.name]), components(each.name, each.size), strict=False))
-    first = at.INPUTS * len(structure.lines)
-    for k, point in enumerate(structure.free):
-        named |= dict(zip(count(first + 3 * k), components(f"{point}.load", 3), strict=False))
-    return [(place, places[name]) for place, name in named.items()]
+            named |= dict(zip(count(inputs.PLACES[each.name]), components(each.name, each.size), strict=False))
+        named |= {at.INPUTS + i: f"{line.name}.{name}" for i, name in enumerate(inputs.wind_at_names(line.wind_points))}
+        found += [(first + own, places[name], k, own) for own, name in named.items()]
+        first += at.inputs_size(line.wind_points)
+    loads = [name for point in structure.free for name in components(f"{point}.load", 3)]
+    return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
 
 
 def outputs_of(structure, places):

@@ -66,7 +66,7 @@ class SystemSlave(TetherSlave):
     def _give(self):
         """Put the values of the inputs into the array of the kernels."""
         given, values = self._instance.values, self.values
-        for place, reference in self._inputs_from:
+        for place, reference, _, _ in self._inputs_from:
             given[place] = values[reference]
 
     def _shown(self, problem):

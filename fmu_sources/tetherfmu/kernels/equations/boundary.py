@@ -28,9 +28,7 @@ from .continuation import given_derivatives, is_continued
 from .end_motion import (
     between_middles,
     centripetal_accelerations,
-    correction_time,
     curve,
-    difference,
     estimated_rates,
     position_at,
     target,
@@ -38,11 +36,12 @@ from .end_motion import (
 )
 from .properties import chain_at, chain_of
 from .winch import (
+    OF_FORCE,
+    OF_REELING,
     force_rate,
     length_at,
     rate_at,
-    rate_of_force,
-    reel_rate,
+    rate_of,
     reeling_of_step,
     winch_acceleration,
     winch_speed,
@@ -120,10 +119,15 @@ def are_derived(parameters):
 
 @kernel
 def velocity_of_end(parameters, inputs, state, position, velocity, last_position):
-    """Velocity [m/s] of an end: its input, or that over the last step; places of its inputs and of its last position."""
-    if are_derived(parameters):
-        return difference(vector_at(inputs, position), vector_at(state, last_position), state[at.LAST_STEP])
-    return vector_at(inputs, velocity)
+    """Velocity [m/s] of an end: its input, or that over the last step; places of its inputs and of its last position.
+
+    A derived velocity is 0 before the second step.
+    """
+    if not are_derived(parameters):
+        return vector_at(inputs, velocity)
+    if state[at.LAST_STEP] <= 0.0:
+        return ZERO_VECTOR
+    return scale(1.0 / state[at.LAST_STEP], sub(vector_at(inputs, position), vector_at(state, last_position)))
 
 
 @kernel
@@ -215,7 +219,7 @@ def spring_at_ground(n, parameters, state):
 def inputs_of_step(parameters, inputs, step, state):
     """`StepInputs` of a communication step of `step` [s] from a state."""
     ground, kite = end_velocities(parameters, inputs, state)
-    longest, correction = state[at.LONGEST_SO_FAR], correction_time(state[at.LAST_STEP], state[at.CORRECTION_LEFT], step)
+    longest, correction = state[at.LONGEST_SO_FAR], max(step, state[at.LAST_STEP], state[at.CORRECTION_LEFT])
     of_ground = ground, vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.RECENT_GROUND_ACCELERATION)
     of_kite = kite, vector_at(state, at.LAST_KITE_VELOCITY), vector_at(state, at.RECENT_KITE_ACCELERATION)
     ground_acceleration = acceleration_of_end(parameters, *of_ground, step, state)
@@ -238,10 +242,10 @@ def inputs_of_step(parameters, inputs, step, state):
         (
             acceleration_of_end(parameters, *of_ground, longest, state),
             acceleration_of_end(parameters, *of_kite, longest, state),
-            reel_rate(inputs, longest, state),
+            rate_of(OF_REELING, inputs, longest, state),
             winch_acceleration(parameters, inputs, longest, state),
             rate_of_load(inputs, longest, state),
-            rate_of_force(inputs, longest, state),
+            rate_of(OF_FORCE, inputs, longest, state),
         ),
     )
 

@@ -60,12 +60,6 @@ def estimated_rates(now, last, recent, last_step, longest, step):
 
 
 @kernel
-def correction_time(last_step, left, step):
-    """Time H [s] in which an end comes to its given motion, from a communication step [s] on; `left` of the last H [s]."""
-    return max(step, last_step, left)
-
-
-@kernel
 def centripetal_accelerations(ground, kite, step):
     """Accelerations [m/s2] of two ends that turn around each other, for a first step [s], which knows no last velocity.
 
@@ -81,14 +75,6 @@ def centripetal_accelerations(ground, kite, step):
     across = add_scaled(velocity, -dot(chord, velocity) / square, chord)
     turning = scale(min(dot(across, across) / square, (LARGEST_ANGLE / step) ** 2) / speeds, chord)
     return scale(dot(ground[1], ground[1]), turning), scale(-dot(kite[1], kite[1]), turning)
-
-
-@kernel
-def difference(position, last_position, last_step):
-    """Velocity [m/s] over the last communication step [s]; 0 before the second."""
-    if last_step <= 0.0:
-        return ZERO_VECTOR
-    return scale(1.0 / last_step, sub(position, last_position))
 
 
 @kernel

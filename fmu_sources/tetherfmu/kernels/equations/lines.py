@@ -8,7 +8,16 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 
-from ..arrays import behind, outputs_size, parameters_size, places_of, positions_and_velocities, split, state_size
+from ..arrays import (
+    behind,
+    inputs_size,
+    outputs_size,
+    parameters_size,
+    places_of,
+    positions_and_velocities,
+    split,
+    state_size,
+)
 from ..compilation import kernel, view
 from ..flat_arrays import part
 from ..linear_algebra.condensed import Rows
@@ -92,6 +101,12 @@ def size_of_blocks(system):
 
 
 @view
+def with_states(system, state):
+    """The system with other states of all lines."""
+    return System(system.plan, system.parameters, system.inputs, state, system.work)
+
+
+@view
 def parameters_of(system, k):
     """`parameters` of line k."""
     return part(system.parameters, number_of_line(system, k, places.PARAMETERS_AT), parameters_size(segments_of(system, k)))
@@ -100,7 +115,8 @@ def parameters_of(system, k):
 @view
 def state_of(system, k):
     """`state` of line k."""
-    return part(system.state, number_of_line(system, k, places.STATE_AT), state_size(segments_of(system, k)))
+    size = state_size(segments_of(system, k), number_of_line(system, k, places.WIND_POINTS))
+    return part(system.state, number_of_line(system, k, places.STATE_AT), size)
 
 
 @view
@@ -111,16 +127,23 @@ def outputs_of_line(system, k, outputs):
     )
 
 
+@kernel
+def place_of_inputs(system, k):
+    """First place and number of the inputs of line k."""
+    return number_of_line(system, k, places.INPUTS_AT), inputs_size(number_of_line(system, k, places.WIND_POINTS))
+
+
 @view
 def inputs_of(system, k):
     """`inputs` of line k."""
-    return part(system.inputs, at.INPUTS * k, at.INPUTS)
+    return part(system.inputs, *place_of_inputs(system, k))
 
 
 @kernel
 def load_on(system, point):
     """Load on a free point [N] at the start of the communication step."""
-    return vector_at(system.inputs, at.INPUTS * lines_of(system) + 3 * point)
+    first, size = place_of_inputs(system, lines_of(system) - 1)
+    return vector_at(system.inputs, first + size + 3 * point)
 
 
 @kernel
@@ -142,47 +165,22 @@ def places_of_load(end):
 
 
 @kernel
-def rate_of_load(system, k, end, step):
-    """Rate [N/s] of the load on the free point at an end of line k, estimated for a step [s] as `boundary.rate_of_load`."""
-    state, (last, recent, _) = state_of(system, k), places_of_load(end)
-    now = load_on(system, point_at(system, k, end))
-    return estimated_rates(
-        now, vector_at(state, last), vector_at(state, recent), state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step
-    )
+def take_loads(system, k, step, before):
+    """Loads on the free points at line k in a step [s] from the states `before`: how they go on, and what is kept of them.
 
-
-@kernel
-def take_load_rates(system, step):
-    """Rates at which the loads on the free points continue in a step [s] into `Points.load_rate` (modified) [N/s].
-
-    Those that are given, else estimates, or 0 where inputs are held.
+    Their rates [N/s], as of a load on a kite end (`boundary.load_rate`), go into `Points.load_rate`, loads and recent rates
+    into the state of the line (both modified).
     """
-    rates = points_of(system).load_rate
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if is_at_point(system, k, end):
-                estimate = rate_of_load(system, k, end, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
-                _, _, place = places_of_load(end)
-                put(rates, point_at(system, k, end), given_derivatives(state_of(system, k), place, estimate))
-
-
-@kernel
-def recent_load_rates(system, k):
-    """Rates of the loads at start and end of line k [N/s] as the next steps take them after a much shorter one."""
-    longest = state_of(system, k)[at.LONGEST_SO_FAR]
-    at_start = rate_of_load(system, k, 0, longest) if is_at_point(system, k, 0) else ZERO_VECTOR
-    return at_start, rate_of_load(system, k, 1, longest) if is_at_point(system, k, 1) else ZERO_VECTOR
-
-
-@kernel
-def remember_loads(system, k, recent):
-    """Loads on the free points at line k, and their `recent_load_rates`, into the state of the line (modified)."""
-    state, (at_start, at_end) = state_of(system, k), recent
+    old, state = state_of(with_states(system, before), k), state_of(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
-            last, rate, _ = places_of_load(end)
-            put_at(state, last, load_on(system, point_at(system, k, end)))
-            put_at(state, rate, at_end if end == 1 else at_start)
+            (last, recent, place), point = places_of_load(end), point_at(system, k, end)
+            load, longest = load_on(system, point), old[at.LONGEST_SO_FAR]
+            change = load, vector_at(old, last), vector_at(old, recent), old[at.LAST_STEP], longest
+            estimate = estimated_rates(*change, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
+            put(points_of(system).load_rate, point, given_derivatives(old, place, estimate))
+            put_at(state, last, load)
+            put_at(state, recent, estimated_rates(*change, longest))
 
 
 @view
@@ -223,19 +221,11 @@ def points_of(system):
 
 
 @kernel
-def put_curve(room, first, curve):
-    """Write the curve of an end to a place of the scratch space of a line (modified), see `end_motion.curve`."""
-    put_at(room, first, curve[0])
-    put_at(room, first + 3, curve[1])
-    put_at(room, first + 6, curve[2])
-    put_at(room, first + 9, curve[3])
-
-
-@kernel
 def store_conditions(conditions, room):
     """Write `BoundaryConditions` to the start of the scratch space of a line (modified)."""
-    put_curve(room, GROUND, conditions.ground)
-    put_curve(room, KITE, conditions.kite)
+    for place, end in ((GROUND, conditions.ground), (KITE, conditions.kite)):
+        for i in range(len(end)):
+            put_at(room, place + _VECTOR * i, end[i])
     room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = conditions.reeling
     put_at(room, WIND, conditions.wind)
     put_at(room, LOAD, conditions.load)
@@ -253,7 +243,7 @@ def put_reeling(system, k, reeling):
 
 @kernel
 def curve_at(room, first):
-    """The curve that `put_curve` wrote."""
+    """The curve of an end from a place of the scratch space of a line on."""
     return vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)
 
 

@@ -23,6 +23,10 @@ from ..linear_algebra.vectors import NEUTRAL
 from .continuation import given_derivative, is_continued
 from .end_motion import between_middles, curve, estimated_rate
 
+# of the reel-out speed and of the force of the winch, see `rate_of`
+OF_REELING = at.REEL_OUT_SPEED, at.LAST_REEL_OUT_SPEED, at.RECENT_REEL_ACCELERATION
+OF_FORCE = at.WINCH_FORCE, at.LAST_WINCH_FORCE, at.RECENT_WINCH_FORCE_RATE
+
 
 @kernel
 def length_at(reeling, time):
@@ -99,22 +103,17 @@ def first_length(parameters, inputs, state):
 
 
 @kernel
-def rate_of(inputs, place, last, recent, step, state):
-    """Rate of an input [unit/s] for a step [s], from its place and those of its last value and rate in the state."""
+def rate_of(places, inputs, step, state):
+    """Rate of an input [unit/s], estimated for a step [s]; places : of the input, its last value and its recent rate."""
+    place, last, recent = places
     change = inputs[place] - state[last]
     return estimated_rate(change, state[recent], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
 
 
 @kernel
-def reel_rate(inputs, step, state):
-    """Rate [m/s2] of the reel-out speed, estimated for a step [s]."""
-    return rate_of(inputs, at.REEL_OUT_SPEED, at.LAST_REEL_OUT_SPEED, at.RECENT_REEL_ACCELERATION, step, state)
-
-
-@kernel
 def reel_acceleration(parameters, inputs, step, state):
     """Rate [m/s2] at which the reel-out speed continues in a step [s]."""
-    estimate = reel_rate(inputs, step, state) if is_continued(parameters) else 0.0
+    estimate = rate_of(OF_REELING, inputs, step, state) if is_continued(parameters) else 0.0
     return given_derivative(state, at.REEL_OUT_SPEED, estimate)
 
 
@@ -135,18 +134,12 @@ def winch_acceleration(parameters, inputs, step, state):
 
 
 @kernel
-def rate_of_force(inputs, step, state):
-    """Rate [N/s] of the force of the winch, estimated for a step [s]."""
-    return rate_of(inputs, at.WINCH_FORCE, at.LAST_WINCH_FORCE, at.RECENT_WINCH_FORCE_RATE, step, state)
-
-
-@kernel
 def force_rate(parameters, inputs, step, state):
     """Rate [N/s] at which the force of the winch continues in a step [s].
 
     A winch without mass can pull only: its force is extrapolated to no less than minus its friction.
     """
-    estimate = rate_of_force(inputs, step, state) if is_continued(parameters) else 0.0
+    estimate = rate_of(OF_FORCE, inputs, step, state) if is_continued(parameters) else 0.0
     if parameters[at.WINCH_MASS] == 0.0:
         estimate = max(estimate, -(inputs[at.WINCH_FORCE] + parameters[at.WINCH_FRICTION]) / step)
     return given_derivative(state, at.WINCH_FORCE, estimate)

@@ -18,6 +18,7 @@ from ..arrays import copy, state_size
 from ..compilation import kernel
 from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
+from ..linear_algebra.vectors import add_scaled, sub, vector_at
 from .properties import put_node_wind, share_of
 
 KITE_END = 1.0  # its s
@@ -30,23 +31,21 @@ def count_of(parameters):
 
 
 @kernel
+def between(state, first, part):
+    """Vector at a part [-] of the way from the vector at place `first` of a state to the next one."""
+    start = vector_at(state, first)
+    return add_scaled(start, part, sub(vector_at(state, first + 3), start))
+
+
+@kernel
 def wind_between(n, parameters, state, s, back):
     """Wind [m/s] at a part s [-] of the unstretched length, a time `back` [s] before that of the winds in the state."""
     points = count_of(parameters)
     place = s * (points - 1)
     k = min(int(place), points - 2)
-    part = place - k
     first = state_size(n) + 3 * k
-    rates = first + 3 * points
-    x = state[first] + part * (state[first + 3] - state[first])
-    y = state[first + 1] + part * (state[first + 4] - state[first + 1])
-    z = state[first + 2] + part * (state[first + 5] - state[first + 2])
-    if back == 0.0:
-        return x, y, z
-    x -= back * (state[rates] + part * (state[rates + 3] - state[rates]))
-    y -= back * (state[rates + 1] + part * (state[rates + 4] - state[rates + 1]))
-    z -= back * (state[rates + 2] + part * (state[rates + 5] - state[rates + 2]))
-    return x, y, z
+    wind = between(state, first, place - k)
+    return wind if back == 0.0 else add_scaled(wind, -back, between(state, first + 3 * points, place - k))
 
 
 @kernel
@@ -82,11 +81,11 @@ def start(n, parameters, inputs, state):
 
 
 @kernel
-def advance(n, parameters, inputs, step, has_nodes, is_mean, state):
+def advance(n, parameters, inputs, step, is_mean, state):
     """Take the winds of the inputs for a step [s] into a state (modified), and to the nodes in the parameters (modified).
 
-    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes, of a
-    tether that has them, the mean over the step if `is_mean`, else the same.
+    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes the
+    mean over the step if `is_mean`, as waves need it, else the same.
     """
     count = 3 * count_of(parameters)
     if count == 0:
@@ -100,8 +99,7 @@ def advance(n, parameters, inputs, step, has_nodes, is_mean, state):
     if changes:
         for k in range(count):
             winds[k] += step * rates[k]
-    if has_nodes:
-        put_node_winds(n, parameters, state, 0.5 * step if is_mean and changes else 0.0)
+    put_node_winds(n, parameters, state, 0.5 * step if is_mean and changes else 0.0)
     if changes:
         for k in range(count):
             rates[k] = 0.0

@@ -72,11 +72,9 @@ def condense(rows, matrix, columns):
 def find_all_columns(rows, matrix, columns):
     """Columns of the shared ends (modified) of a `Matrix` whose inner rows are factorized."""
     n = rows.n
-    if rows.start_is_shared and rows.end_is_shared:
-        find_both_columns(n, matrix, columns_of(n, 0, columns), columns_of(n, 1, columns))
-    elif rows.start_is_shared:
+    if rows.start_is_shared:
         find_columns(n, pair(get_matrix(matrix.lower, 9), ZERO_MATRIX), matrix, columns_of(n, 0, columns))
-    elif rows.end_is_shared:
+    if rows.end_is_shared:
         find_columns(n, pair(ZERO_MATRIX, get_matrix(matrix.upper, 9 * (n - 1))), matrix, columns_of(n, 1, columns))
 
 
@@ -111,26 +109,6 @@ def solve_middle(n, right, matrix):
 
 
 @kernel
-def solve_middle_for_both(n, right, matrix):
-    """`solve_middle` of the columns of both ends, which have a right-hand side in the row of their own half only.
-
-    Two lanes: the columns of the start and those of the end.
-    """
-    diagonal, lower, upper = matrix
-    middle, below = n // 2, n - n // 2
-    inverted = broadcast(get_matrix(diagonal, 9 * middle), right[0])
-    if middle == below:
-        both = multiply(inverted, right)
-        return pair(first(both), first(both)), pair(second(both), second(both))
-    in_middle, in_below = pair(first(right), ZERO_MATRIX), pair(ZERO_MATRIX, second(right))
-    in_middle = subtract(in_middle, multiply(broadcast(get_matrix(upper, 9 * middle), right[0]), in_below))
-    at_middle = multiply(inverted, in_middle)
-    in_below = subtract(in_below, multiply(broadcast(get_matrix(lower, 9 * below), right[0]), at_middle))
-    at_below = multiply(broadcast(get_matrix(diagonal, 9 * below), right[0]), in_below)
-    return pair(first(at_middle), first(at_below)), pair(second(at_middle), second(at_below))
-
-
-@kernel
 def put_middle(n, two, blocks):
     """Write the columns in the middle to `blocks` (modified)."""
     middle, below = n // 2, n - n // 2
@@ -155,26 +133,6 @@ def find_columns(n, right, matrix, blocks):
         )
         two = multiply(get_packed_blocks(diagonal, i, diagonal, n - i), rest)
         pack_blocks(blocks, i, blocks, n - i, two)
-
-
-@kernel
-def find_both_columns(n, matrix, at_start, at_end):
-    """`find_columns` of both ends at once (both modified): on the way inwards, each has one half to itself."""
-    diagonal, lower, upper = matrix
-    coupling = pair(get_matrix(lower, 9), get_matrix(upper, 9 * (n - 1)))
-    right = pass_inwards(n, coupling, matrix, at_start)
-    of_start, of_end = solve_middle_for_both(n, right, matrix)
-    put_middle(n, of_start, at_start)
-    put_middle(n, of_end, at_end)
-    for i in range(n // 2 - 1, 0, -1):
-        outwards, inverted = get_packed_blocks(upper, i, lower, n - i), get_packed_blocks(diagonal, i, diagonal, n - i)
-        right = get_packed_blocks(at_start, i, at_start, n - i)
-        rest = subtract(pair(first(right), ZERO_MATRIX), multiply(outwards, of_start))
-        of_start = multiply(inverted, rest)
-        pack_blocks(at_start, i, at_start, n - i, of_start)
-        rest = subtract(pair(ZERO_MATRIX, second(right)), multiply(outwards, of_end))
-        of_end = multiply(inverted, rest)
-        pack_blocks(at_end, i, at_end, n - i, of_end)
 
 
 @kernel
@@ -250,11 +208,9 @@ def what_is_left(n, end, matrix, b):
 def expand(rows, columns, y):
     """Solution in the inner rows (modified) from that of the shared ends, after `reduce`."""
     n = rows.n
-    if rows.start_is_shared and rows.end_is_shared:
-        subtract_both_columns(n, columns_of(n, 0, columns), columns_of(n, 1, columns), y)
-    elif rows.start_is_shared:
+    if rows.start_is_shared:
         subtract_columns(n, columns_of(n, 0, columns), get(y, 0), y)
-    elif rows.end_is_shared:
+    if rows.end_is_shared:
         subtract_columns(n, columns_of(n, 1, columns), get(y, n), y)
 
 
@@ -266,17 +222,3 @@ def subtract_columns(n, blocks, at_end, y):
         put_two(y, i, n - i, sub(get_two(y, i, n - i), apply(get_packed_blocks(blocks, i, blocks, n - i), both)))
     if n % 2 == 0:
         put(y, n // 2, sub(get(y, n // 2), apply(get_matrix(blocks, 9 * (n // 2)), at_end)))
-
-
-@kernel
-def subtract_both_columns(n, at_start, at_end, y):
-    """`subtract_columns` of both ends, of which these are the columns."""
-    start, end = get(y, 0), get(y, n)
-    starts, ends = broadcast(start, pair(0.0, 0.0)), broadcast(end, pair(0.0, 0.0))
-    for i in range(1, (n + 1) // 2):
-        rest = sub(get_two(y, i, n - i), apply(get_packed_blocks(at_start, i, at_start, n - i), starts))
-        put_two(y, i, n - i, sub(rest, apply(get_packed_blocks(at_end, i, at_end, n - i), ends)))
-    if n % 2 == 0:
-        middle = n // 2
-        rest = sub(get(y, middle), apply(get_matrix(at_start, 9 * middle), start))
-        put(y, middle, sub(rest, apply(get_matrix(at_end, 9 * middle), end)))

@@ -150,30 +150,54 @@ def swapped(typing, a):
     return a(a), code
 
 
-def _operate(operation, instruction):
-    """Let an operator of Python work on pairs."""
+def _of_vectors(build):
+    """Code of an operation on pairs and plain numbers: what `build` makes of a builder and their vectors."""
+    return lambda context, builder, signature, values: build(builder, *_as_vectors(builder, signature.args, values))
+
+
+def _larger(builder, a, b):
+    return builder.select(builder.fcmp_ordered(">", b, a), b, a)
+
+
+def _root(builder, a):
+    kind = ir.FunctionType(_TWO_DOUBLES, [_TWO_DOUBLES])
+    return builder.call(cgutils.get_or_insert_function(builder.module, kind, "llvm.sqrt.v2f64"), [a])
+
+
+def _selected(builder, sign, a, b):
+    zero = ir.Constant(_TWO_DOUBLES, [ir.Constant(ir.DoubleType(), 0.0)] * 2)
+    return builder.select(builder.fcmp_ordered(">", sign, zero), a, b)
+
+
+def _let_work_on_pairs(function, build):
+    """Let a function, or an operator of Python, of two numbers take pairs."""
 
     @intrinsic
     def of_pairs(typing, a, b):
-        def code(context, builder, signature, values):
-            return getattr(builder, instruction)(*_as_vectors(builder, signature.args, values))
+        return _PAIR(a, b), _of_vectors(build)
 
-        return _PAIR(a, b), code
-
-    @overload(operation)
+    @overload(function)
     def overloaded(a, b):
         if _are_pairs(a, b):
             return lambda a, b: of_pairs(a, b)
         return None
 
 
-for _operation, _instruction in (
-    (operator.add, "fadd"),
-    (operator.sub, "fsub"),
-    (operator.mul, "fmul"),
-    (operator.truediv, "fdiv"),
-):
-    _operate(_operation, _instruction)
+_let_work_on_pairs(operator.add, ir.IRBuilder.fadd)
+_let_work_on_pairs(operator.sub, ir.IRBuilder.fsub)
+_let_work_on_pairs(operator.mul, ir.IRBuilder.fmul)
+_let_work_on_pairs(operator.truediv, ir.IRBuilder.fdiv)
+_let_work_on_pairs(max, _larger)
+
+
+@intrinsic
+def _root_of_pair(typing, a):
+    return _PAIR(a), _of_vectors(_root)
+
+
+@intrinsic
+def _select_in_pairs(typing, sign, a, b):
+    return _PAIR(sign, a, b), _of_vectors(_selected)
 
 
 @overload(operator.neg)
@@ -183,31 +207,11 @@ def _negative(a):
     return None
 
 
-@intrinsic
-def _sqrt_of_pair(typing, a):
-    def code(context, builder, signature, values):
-        kind = ir.FunctionType(_TWO_DOUBLES, [_TWO_DOUBLES])
-        root = cgutils.get_or_insert_function(builder.module, kind, "llvm.sqrt.v2f64")
-        return builder.call(root, values)
-
-    return _PAIR(_PAIR), code
-
-
 @overload(sqrt)
 def _sqrt(a):
     if a is _PAIR:
-        return lambda a: _sqrt_of_pair(a)
+        return lambda a: _root_of_pair(a)
     return None
-
-
-@intrinsic
-def _select_in_pairs(typing, sign, a, b):
-    def code(context, builder, signature, values):
-        sign, a, b = _as_vectors(builder, signature.args, values)
-        zero = ir.Constant(_TWO_DOUBLES, [ir.Constant(ir.DoubleType(), 0.0)] * 2)
-        return builder.select(builder.fcmp_ordered(">", sign, zero), a, b)
-
-    return _PAIR(sign, a, b), code
 
 
 def select(sign, a, b):
@@ -220,22 +224,6 @@ def _select(sign, a, b):
     if _are_pairs(sign, a, b):
         return lambda sign, a, b: _select_in_pairs(sign, a, b)
     return select
-
-
-@intrinsic
-def _max_of_pairs(typing, a, b):
-    def code(context, builder, signature, values):
-        a, b = _as_vectors(builder, signature.args, values)
-        return builder.select(builder.fcmp_ordered(">", b, a), b, a)
-
-    return _PAIR(a, b), code
-
-
-@overload(max)
-def _max(a, b):
-    if _are_pairs(a, b):
-        return lambda a, b: _max_of_pairs(a, b)
-    return None
 
 
 def number_at(array, start, s):

@@ -39,6 +39,15 @@ from ..equations.ground import has_ground
 from ..equations.properties import chain_of, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
+# of each end: whether it is free among the parameters; its last inputs and its sums in the state; its warnings
+OF_GROUND = (
+    *(at.GROUND_IS_FREE, at.LAST_GROUND_POSITION, at.LAST_GROUND_VELOCITY, at.GROUND_RESIDUE),
+    *(limits.GROUND_ACCELERATION, limits.GROUND_RESIDUE),
+)
+OF_KITE = (
+    *(at.KITE_IS_FREE, at.LAST_KITE_POSITION, at.LAST_KITE_VELOCITY, at.KITE_RESIDUE),
+    *(limits.KITE_ACCELERATION, limits.KITE_RESIDUE),
+)
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
 
 
@@ -144,12 +153,6 @@ def note_unconverged(count, h, state):
 
 
 @kernel
-def note_unresolved(h, state):
-    """Note the fixed step [s] in the state (modified) with which a communication step was done that was given up."""
-    note(state, limits.UNRESOLVED, h * h, 0.0)
-
-
-@kernel
 def note_acceleration(position, velocity, reached, step, kind, state):
     """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m]."""
     time = step + state[at.CORRECTION_LEFT]
@@ -190,6 +193,20 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
 
 
 @kernel
+def note_end(n, i, places, parameters, before, state):
+    """Note what is implausible in the motion of an end in the state (modified): node i, `OF_GROUND` or `OF_KITE`."""
+    is_free, position, velocity, sums, acceleration, residue = places
+    if parameters[is_free] == 0.0:
+        x, v = positions_and_velocities(n, before)
+        reached, _ = positions_and_velocities(n, state)
+        note_acceleration(get(x, i), get(v, i), get(reached, i), state[at.LAST_STEP], acceleration, state)
+        if not are_derived(parameters):
+            way = sub(vector_at(state, position), vector_at(before, position))
+            last, now = vector_at(before, velocity), vector_at(state, velocity)
+            note_contradiction(way, last, now, before[at.LAST_STEP], sums, residue, state)
+
+
+@kernel
 def note_step(n, parameters, before, state):
     """Note what is implausible in a communication step from the state `before` to the state (modified).
 
@@ -198,22 +215,7 @@ def note_step(n, parameters, before, state):
     """
     note_shape(n, parameters, state)
     note_slack_winch(n, parameters, state)
-    derived = are_derived(parameters)
-    last_step = before[at.LAST_STEP]
-    if last_step <= 0.0 or (derived and before[at.STEP_BEFORE] <= 0.0):
+    if before[at.LAST_STEP] <= 0.0 or (are_derived(parameters) and before[at.STEP_BEFORE] <= 0.0):
         return
-    x, v = positions_and_velocities(n, before)
-    reached, _ = positions_and_velocities(n, state)
-    step = state[at.LAST_STEP]
-    if parameters[at.GROUND_IS_FREE] == 0.0:
-        note_acceleration(get(x, 0), get(v, 0), get(reached, 0), step, limits.GROUND_ACCELERATION, state)
-        if not derived:
-            way = sub(vector_at(state, at.LAST_GROUND_POSITION), vector_at(before, at.LAST_GROUND_POSITION))
-            last, now = vector_at(before, at.LAST_GROUND_VELOCITY), vector_at(state, at.LAST_GROUND_VELOCITY)
-            note_contradiction(way, last, now, last_step, at.GROUND_RESIDUE, limits.GROUND_RESIDUE, state)
-    if parameters[at.KITE_IS_FREE] == 0.0:
-        note_acceleration(get(x, n), get(v, n), get(reached, n), step, limits.KITE_ACCELERATION, state)
-        if not derived:
-            way = sub(vector_at(state, at.LAST_KITE_POSITION), vector_at(before, at.LAST_KITE_POSITION))
-            last, now = vector_at(before, at.LAST_KITE_VELOCITY), vector_at(state, at.LAST_KITE_VELOCITY)
-            note_contradiction(way, last, now, last_step, at.KITE_RESIDUE, limits.KITE_RESIDUE, state)
+    note_end(n, 0, OF_GROUND, parameters, before, state)
+    note_end(n, n, OF_KITE, parameters, before, state)

@@ -18,9 +18,9 @@ from tetherfmu.runtime.status import (
 )
 
 from ..arrays import copy, state_size
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations import winch, wind_points
-from ..equations.boundary import place_at_start, wind_of
+from ..equations.boundary import inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
 from ..equations.properties import chain_at, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, put_at, vector_at
@@ -66,9 +66,9 @@ def start(n, parameters, inputs, state):
     state[at.REELING] = inputs[at.REEL_OUT_SPEED]
     put_at(state, at.WIND, wind_of(inputs))
     wind_points.start(n, parameters, inputs, state)
-    if winch.follows_force(parameters):
-        return check_stops(parameters, state[at.LENGTH])
-    return check_length(n, parameters, state[at.LENGTH])
+    if not winch.follows_force(parameters):
+        return check_length(n, parameters, state[at.LENGTH])
+    return OK if parameters[at.SHORTEST_LENGTH] <= state[at.LENGTH] <= parameters[at.LONGEST_LENGTH] else START_BEYOND_STOP
 
 
 @kernel
@@ -81,13 +81,20 @@ def commit_start(n, parameters, status, state):
     return status
 
 
-@kernel
-def check_step(inputs, step):
-    """OK, or why a communication step of `step` [s] cannot be: INPUT_NOT_FINITE or STEP_NOT_POSITIVE."""
+@view
+def begin(n, parameters, inputs, step, is_mean, state):
+    """Why a communication step of `step` [s] cannot be, or OK; and its `StepInputs`, which have a meaning only then.
+
+    The header of the state and its wind points (modified, if OK) become those after the step; is_mean : see `wind_points`.
+    """
+    given = inputs_of_step(parameters, inputs, step, state)
     status = check_inputs(inputs)
-    if status == OK and not (step > 0.0 and step <= at.LONGEST_STEP):
-        return STEP_NOT_POSITIVE
-    return status
+    if status == OK:
+        status = check_step(n, parameters, given)
+    if status == OK:
+        remember(parameters, inputs, given, state)
+        wind_points.advance(n, parameters, inputs, step, is_mean, state)
+    return status, given
 
 
 @kernel
@@ -101,14 +108,10 @@ def check_length(n, parameters, length):
 
 
 @kernel
-def check_stops(parameters, length):
-    """OK, or START_BEYOND_STOP if an unstretched length [m] is out of reach of the drum."""
-    return OK if parameters[at.SHORTEST_LENGTH] <= length <= parameters[at.LONGEST_LENGTH] else START_BEYOND_STOP
-
-
-@kernel
-def check_reeling(n, parameters, given):
-    """OK, or why a winch cannot do what is asked of it in a step with `StepInputs`."""
+def check_step(n, parameters, given):
+    """OK, or why a step with `StepInputs` cannot be: its length, or what is asked of a winch in it."""
+    if not (given.step > 0.0 and given.step <= at.LONGEST_STEP):
+        return STEP_NOT_POSITIVE
     if not winch.follows_force(parameters):
         return check_length(n, parameters, winch.shortest_length(given.reeling, given.step))
     least = min(given.force, given.force + given.step * given.force_rate)

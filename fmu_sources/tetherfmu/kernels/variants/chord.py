@@ -16,7 +16,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import segment, wind_points
-from ..equations.air import air_density, varying_density
+from ..equations.air import varying_density
 from ..equations.properties import chain_of, has_node_winds, property_of
 from ..linear_algebra.pairs import first, pair, second, swapped
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put_at, scale, sub
@@ -48,24 +48,33 @@ def no_work_size(n):
 def is_same_along(line):
     """Whether wind and density are the same all along the chord: uniform air, or a wind that is given at the ends."""
     uniform_wind = line.parameters[at.WIND_PROFILE] == at.UNIFORM or has_node_winds(line)
-    return uniform_wind and line.parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
+    return uniform_wind and not thins_out(line)
+
+
+@kernel
+def thins_out(line):
+    """Whether the density of the air changes with the height."""
+    return line.parameters[at.AIR_DENSITY_SCALE_HEIGHT] > 0.0
 
 
 @kernel
 def chord_load(parameters, state):
     """Mean of f [N/m] along the chord, and its first moment, the mean of xi f [N/m]."""
     line, ground, chord, _ = chord_of(parameters, state)
-    _, v = positions_and_velocities(1, state)
     _, e = segment.geometry(chord)
-    if wind_points.count_of(parameters) > 0:
+    start, more = motion_along(state)
+    points = wind_points.count_of(parameters)
+    if points > 2:
         return load_by_points(line, state, ground[2], chord[2], e)
-    if not is_same_along(line):
-        return sheared_load(line, ground[2], chord[2], e, (get(v, 0), sub(get(v, 1), get(v, 0))))
+    if points == 0 and not is_same_along(line):
+        return sheared_load(line, ground[2], chord[2], e, (start, more))
     mean = moment = ZERO_VECTOR
     for i in range(len(POINTS)):
         xi = POINTS[i]
-        velocity = add_scaled(get(v, 0), xi, sub(get(v, 1), get(v, 0)))
-        half = segment.half_drag(line, 0, 1.0, e, ground[2] + xi * chord[2], velocity)
+        wind, density, _, _ = segment.air_of(line, 0, ground[2] + xi * chord[2])
+        if points == 2:
+            wind = wind_points.wind_between(1, parameters, state, xi, 0.0)
+        half = segment.half_drag_in(line, 0, 1.0, e, wind, density, add_scaled(start, xi, more))
         mean = add_scaled(mean, 2.0 * WEIGHTS[i], half)
         moment = add_scaled(moment, 2.0 * WEIGHTS[i] * xi, half)
     return mean, moment
@@ -79,33 +88,10 @@ def motion_along(state):
 
 
 @kernel
-def load_between_two_points(line, state, height, rise, e):
-    """`load_by_points` of two of them: one piece, at the points of uniform air."""
-    start, more = motion_along(state)
-    mean = moment = ZERO_VECTOR
-    for i in range(len(POINTS)):
-        xi = POINTS[i]
-        wind = wind_points.wind_between(1, line.parameters, state, xi, 0.0)
-        density, _ = air_density(height + xi * rise, line.parameters)
-        half = segment.half_drag_in(line, 0, 1.0, e, wind, density, add_scaled(start, xi, more))
-        mean = add_scaled(mean, 2.0 * WEIGHTS[i], half)
-        moment = add_scaled(moment, 2.0 * WEIGHTS[i] * xi, half)
-    return mean, moment
-
-
-@kernel
 def load_by_points(line, state, height, rise, e):
-    """`chord_load` in the wind at the points of a state: ground end at `height` [m], direction e of the chord."""
-    if wind_points.count_of(line.parameters) == 2:
-        return load_between_two_points(line, state, height, rise, e)
-    if line.parameters[at.AIR_DENSITY_SCALE_HEIGHT] > 0.0:
-        return load_of_pieces(line, state, height, rise, e, True)
-    return load_of_pieces(line, state, height, rise, e, False)
+    """`chord_load` in the wind at more than two points, by Simpson's rule in each piece between two.
 
-
-@view
-def load_of_pieces(line, state, height, rise, e, thins_out):
-    """`load_by_points` by Simpson's rule in each piece; thins_out : whether the density changes with the height.
+    height : of the ground end [m].  rise : of the kite end above it [m].  e : direction of the chord.
 
     Where the cross-wind is a at one end of a piece and b at the other, linear in between, the mean of |w| w in it is
 
@@ -118,7 +104,7 @@ def load_of_pieces(line, state, height, rise, e, thins_out):
     half, (at_ground, more) = 0.5 / pieces, motion_along(state)
     velocity, change = pair(at_ground, add(at_ground, more)), scale(pair(2.0 * half, -2.0 * half), more)
     a = across_at_points(line, state, e, velocity, 0)
-    load = scale(speed_in_density(line, height, rise, 0.0, a, thins_out), a)
+    load = scale(speed_in_density(line, height, rise, 0.0, a), a)
     moment = pair(ZERO_VECTOR, ZERO_VECTOR)  # about the middle of the chord, in half pieces: a load is added at each step
     for k in range(1, pieces // 2 + 1):
         part = 2 * k * half
@@ -126,17 +112,17 @@ def load_of_pieces(line, state, height, rise, e, thins_out):
         b = across_at_points(line, state, e, velocity, k)
         between = add(a, b)
         moment = add(moment, load)
-        load = add_scaled(load, speed_in_density(line, height, rise, part - half, between, thins_out), between)
+        load = add_scaled(load, speed_in_density(line, height, rise, part - half, between), between)
         moment = add(moment, load)
         share = 1.0 if 2 * k == pieces else 2.0
-        load = add_scaled(load, share * speed_in_density(line, height, rise, part, b, thins_out), b)
+        load = add_scaled(load, share * speed_in_density(line, height, rise, part, b), b)
         a = b
     if pieces % 2 == 1:
         between = add(a, swapped(a))
         moment = add(moment, load)
-        load = add_scaled(load, 0.5 * speed_in_density(line, height, rise, 0.5, between, thins_out), between)
+        load = add_scaled(load, 0.5 * speed_in_density(line, height, rise, 0.5, between), between)
     all_of_it, about_middle = add(first(load), second(load)), sub(second(moment), first(moment))
-    density = 1.0 if thins_out else line.parameters[at.AIR_DENSITY]
+    density = 1.0 if thins_out(line) else line.parameters[at.AIR_DENSITY]
     factor = 4.0 * half * OF_SIMPSON * segment.half_drag_factor(line, 0, 1.0, density)
     return scale(factor, all_of_it), scale(factor, add_scaled(scale(0.5, all_of_it), half, about_middle))
 
@@ -154,13 +140,13 @@ def across_at_points(line, state, e, velocity, k):
 
 
 @kernel
-def speed_in_density(line, height, rise, part, w, thins_out):
+def speed_in_density(line, height, rise, part, w):
     """|w| [m/s] at a part of the chord from the ground end and from the kite end; w [m/s] and this are pairs.
 
     If the air thins out, rho |w| [kg/(m2 s)].
     """
     speed = segment.speed_across(w)
-    if thins_out:
+    if thins_out(line):
         density, _ = varying_density(height + rise * pair(part, 1.0 - part), line.parameters)
         return speed * density
     return speed

@@ -8,13 +8,10 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..equations.boundary import conditions_of_chain
-from ..equations.lines import System, store_conditions
+from ..equations.lines import System
 from ..equations.plan import OneLine
-from ..equations.properties import chain_of
 from ..flat_arrays import part
 from ..motion import iteration_limit
-from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_kite
 
 
@@ -30,7 +27,6 @@ def initialize(n, parameters, inputs, state, work):
 
     A free kite that starts at rest is put there first, and the shape is that of static equilibrium.
     """
-    note_damping_of_steps(chain_of(n, parameters, state), parameters, state)
     shape = parameters[at.INITIAL_SHAPE]
     if parameters[at.KITE_START] == at.START_AT_REST:
         status = resting_kite.find(n, parameters, inputs, state, work)
@@ -46,9 +42,8 @@ def advance(n, parameters, given, before, state, work):
 
     Returns a status: OK, STATE_NOT_FINITE or one of the integrator's.
     """
-    x, v = positions_and_velocities(n, state)
     system = System(OneLine(n), parameters, part(work, 0, 0), state, work)
-    store_conditions(conditions_of_chain(n, parameters, parameters[at.INITIAL_SHAPE], given, before, x, v), work)
+    moving_lines.begin_line(system, 0, parameters[at.INITIAL_SHAPE], given, before)
     status = moving_lines.advance(system, given.step, before)
     if status == OK:
         moving_lines.end_line(system, 0, given.step)

@@ -5,12 +5,13 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
-from ..equations.ground import under
 from ..equations.properties import chain_of
-from ..equilibrium import end_tensions, newton, solve
-from ..equilibrium.rigid_body import Body, rigid_motion, straighten
+from ..equilibrium import newton
+from ..equilibrium.rigid_body import straighten
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
+from ..step.plausibility import note_damping_of_steps
+from . import quasi_steady
 
 
 @kernel
@@ -18,23 +19,16 @@ def initialize(n, parameters, shape, state, work):
     """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM."""
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
+    note_damping_of_steps(chain, parameters, state)
     if shape == at.STRAIGHT:
         straighten(chain, x)
         straighten(chain, v)
         return OK
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
-    spin, extension_rate = ZERO_VECTOR, 0.0
-    if shape == at.QUASI_STEADY:
-        spin, extension_rate = rigid_motion(n, x, v)
-    else:
+    if shape == at.STATIC_EQUILIBRIUM:
         put(v, 0, ZERO_VECTOR)
         put(v, n, ZERO_VECTOR)
-    body = Body(chain, spin, extension_rate, x, v, under(parameters), x, False)
-    w = newton.workspace(n, work)
-    status, iterations = solve.find(body, w)
-    state[at.ITERATIONS] = iterations
-    if status == OK:
-        end_tensions.store(body, state, w)
+    status = quasi_steady.settle_from(n, parameters, state, False, newton.workspace(n, work))
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
     return status

@@ -5,25 +5,45 @@ solver, see `step_control.is_given_up`.
 """
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 
 from ..arrays import state_size
-from ..compilation import kernel
-from ..equations.boundary import place_ends
-from ..equations.lines import System, conditions_of, lines_of, motion_of, parameters_of, segments_of, state_of
+from ..compilation import kernel, view
+from ..equations.boundary import conditions_of_chain, place_ends
+from ..equations.lines import (
+    conditions_of,
+    lines_of,
+    motion_of,
+    parameters_of,
+    room_of,
+    segments_of,
+    state_of,
+    store_conditions,
+    with_states,
+)
 from ..equations.properties import chain_of
 from ..equilibrium import compressed_chain, end_tensions
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fixed_steps
 from ..points import system_fixed_room, system_room
-from ..step.plausibility import note_stiff_and_slack, note_unconverged, note_unresolved
+from ..step.plausibility import note, note_stiff_and_slack, note_unconverged
 
 
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
     return max(system_room.line_work_size(n), system_fixed_room.line_work_size(n))
+
+
+@view
+def begin_line(system, k, shape, given, before):
+    """Store the conditions of line k, which started in a shape, in a step with `StepInputs` from the states `before`."""
+    x, v = motion_of(system, k)
+    old = state_of(with_states(system, before), k)
+    conditions = conditions_of_chain(segments_of(system, k), parameters_of(system, k), shape, given, old, x, v)
+    store_conditions(conditions, room_of(system, k))
 
 
 @kernel
@@ -45,9 +65,8 @@ def move(system, steps, step):
 @kernel
 def go_back(system, before):
     """Put the nodes and the drums of all lines (modified) back to the states of before."""
-    old = System(system.plan, system.parameters, system.inputs, before, system.work)
     for k in range(lines_of(system)):
-        n, state, first = segments_of(system, k), state_of(system, k), state_of(old, k)
+        n, state, first = segments_of(system, k), state_of(system, k), state_of(with_states(system, before), k)
         for i in range(at.STATE_HEADER, state_size(n)):
             state[i] = first[i]
         if system_room.has_drum(system, k):
@@ -62,7 +81,7 @@ def move_coarsely(system, step, before):
     status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
     memory = state_of(system, 0)
     memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
-    note_unresolved(h, memory)
+    note(memory, limits.UNRESOLVED, h * h, 0.0)
     return status
 
 

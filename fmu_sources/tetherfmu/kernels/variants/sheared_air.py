@@ -164,13 +164,7 @@ def sheared_load(line, height, rise, e, ends):
     is_graded = has_kink and low < STEEP * high
     # the part with wind is the largest one: it sets the size
     mean, moment, size = ZERO_VECTOR, ZERO_VECTOR, 0.0
-    for part in range(3):
-        if part == 0:
-            first, last = low, high
-        elif part == 1:
-            first, last = bottom, low
-        else:
-            first, last = high, top
+    for part, (first, last) in enumerate(((low, high), (bottom, low), (high, top))):
         if last > first:
             lower, upper = (first - height) / rise, (last - height) / rise
             more, further, size = integral(line, chord, ends, lower, upper, is_graded and part == 0, size)

@@ -8,34 +8,30 @@ from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
 
-from ..arrays import copy, outputs_size, parameters_size, state_size
+from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
-from ..equations.boundary import conditions_of_chain, inputs_of_step
+from ..equations import wind_points
 from ..equations.lines import (
-    System,
     free_points,
     inputs_of,
     lines_of,
+    load_on,
     motion_of,
     number_of_line,
     outputs_of_line,
     parameters_of,
     points_size,
-    recent_load_rates,
-    remember_loads,
     room_of,
     segments_of,
     state_of,
-    store_conditions,
-    take_load_rates,
+    take_loads,
+    with_states,
 )
-from ..equations.properties import chain_of
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_fixed_room
 from ..step import power_balance, transaction
 from ..step.outputs import complete
-from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
 
 name = SYSTEM
@@ -52,16 +48,18 @@ def line_work_size(n):
 @kernel
 def complete_plan(plan):
     """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
-    parameters, state, outputs, work = 0, 0, 0, 0
+    parameters, inputs, state, outputs, work = 0, 0, 0, 0, 0
     for k in range(plan[places.LINES]):
         row = places.PLAN_HEADER + places.LINE_NUMBERS * k
-        n = plan[row + places.SEGMENTS]
+        n, winds = plan[row + places.SEGMENTS], plan[row + places.WIND_POINTS]
         plan[row + places.PARAMETERS_AT] = parameters
+        plan[row + places.INPUTS_AT] = inputs
         plan[row + places.STATE_AT] = state
         plan[row + places.OUTPUTS_AT] = outputs
         plan[row + places.WORK_AT] = work
         parameters += parameters_size(n)
-        state += state_size(n)
+        inputs += inputs_size(winds)
+        state += state_size(n, winds)
         outputs += outputs_size(plan[row + places.SHAPE_POINTS])
         work += line_work_size(n)
     plan[places.STATUS_LINE] = places.ALL_LINES
@@ -70,7 +68,7 @@ def complete_plan(plan):
     work += points_size(points, band) + resting_forces.search_size(points, band)
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
-    plan[places.INPUTS_SIZE] = at.INPUTS * plan[places.LINES] + 3 * plan[places.FREE_POINTS]
+    plan[places.INPUTS_SIZE] = inputs + 3 * plan[places.FREE_POINTS]
     plan[places.STATE_SIZE] = state
     plan[places.OUTPUTS_SIZE] = outputs
     plan[places.WORK_SIZE] = work + outputs
@@ -97,6 +95,7 @@ def take_outputs(system, outputs):
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, outputs)
         points = number_of_line(system, k, places.SHAPE_POINTS)
+        wind_points.take_from_state(n, parameters_of(system, k), state)
         dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
         own[at.SOLVER_ITERATION_LIMIT] = most
         status = complete(n, state, own)
@@ -108,8 +107,10 @@ def take_outputs(system, outputs):
 @kernel
 def energy(system, k, energies):
     """Energies, powers, tensions and velocities (modified) of line k in its state, with its inputs; a status."""
-    n, state, (_, v) = segments_of(system, k), state_of(system, k), motion_of(system, k)
-    return power_balance.balance(n, parameters_of(system, k), state, v, inputs_of(system, k), energies, room_of(system, k))
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    _, v = motion_of(system, k)
+    wind_points.take_from_state(n, parameters, state)
+    return power_balance.balance(n, parameters, state, v, inputs_of(system, k), energies, room_of(system, k))
 
 
 # --- the start
@@ -121,7 +122,6 @@ def start_line(system, k):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if status == OK:
-        note_damping_of_steps(chain_of(n, parameters, state), parameters, state)
         status = dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, room_of(system, k))
     return transaction.commit_start(n, parameters, status, state)
 
@@ -149,77 +149,51 @@ def initialize(system):
 @kernel
 def check_loads(system):
     """OK, or INPUT_NOT_FINITE about ALL_LINES, with the number of the free point whose load is no number or a huge one."""
-    first = at.INPUTS * lines_of(system)
-    for i in range(3 * free_points(system)):
-        if not abs(system.inputs[first + i]) <= at.LARGEST_INPUT:
-            system.plan[places.STATUS_LINE] = places.ALL_LINES
-            return INPUT_NOT_FINITE | (i // 3) << 8
+    for point in range(free_points(system)):
+        for component in load_on(system, point):
+            if not abs(component) <= at.LARGEST_INPUT:
+                system.plan[places.STATUS_LINE] = places.ALL_LINES
+                return INPUT_NOT_FINITE | point << 8
     return OK
 
 
 @kernel
-def begin_line(system, k, step):
+def begin_line(system, k, step, before):
     """Conditions of line k in a communication step [s], and the header of its state (modified); a status."""
-    n, parameters, inputs, state = (
-        segments_of(system, k),
-        parameters_of(system, k),
-        inputs_of(system, k),
-        state_of(system, k),
-    )
-    status = transaction.check_step(inputs, step)
-    if status != OK:
-        return status
-    given = inputs_of_step(parameters, inputs, step, state)
-    status = transaction.check_reeling(n, parameters, given)
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status, given = transaction.begin(n, parameters, inputs_of(system, k), step, True, state)
     if status == OK:
-        x, v = motion_of(system, k)
         shape = parameters[at.INITIAL_SHAPE]
         if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
             shape = float(at.STATIC_EQUILIBRIUM)
-        store_conditions(conditions_of_chain(n, parameters, shape, given, state, x, v), room_of(system, k))
-        recent = recent_load_rates(system, k)
-        transaction.remember(parameters, inputs, given, state)
-        remember_loads(system, k, recent)
+        moving_lines.begin_line(system, k, shape, given, before)
+        take_loads(system, k, step, before)
     return status
 
 
 @kernel
-def begin(system, step):
+def begin(system, step, before):
     """`begin_line` of all lines, until one is refused; returns the status."""
     status = check_loads(system)
-    if status != OK:
-        return status
-    take_load_rates(system, step)
     for k in range(lines_of(system)):
-        system.plan[places.STATUS_LINE] = k
-        status = begin_line(system, k, step)
-        if status != OK:
-            return status
-    return OK
-
-
-@kernel
-def commit_line(system, k, before):
-    """Check the state of line k, and note in it (modified) what is implausible; a status."""
-    n, state = segments_of(system, k), state_of(system, k)
-    status = transaction.check_state(n, state)
-    if status == OK:
-        old = System(system.plan, system.parameters, system.inputs, before, system.work)
-        transaction.note_step(n, parameters_of(system, k), state_of(old, k), state)
+        if status == OK:
+            system.plan[places.STATUS_LINE] = k
+            status = begin_line(system, k, step, before)
     return status
 
 
 @kernel
 def commit(system, step, before):
-    """End the step of all lines, and `commit_line` until one is refused; returns the status."""
+    """End the step of all lines, until the state of one is refused; returns the status."""
+    status = OK
     for k in range(lines_of(system)):
         moving_lines.end_line(system, k, step)
     for k in range(lines_of(system)):
-        system.plan[places.STATUS_LINE] = k
-        status = commit_line(system, k, before)
-        if status != OK:
-            return status
-    return OK
+        if status == OK:
+            system.plan[places.STATUS_LINE] = k
+            old = state_of(with_states(system, before), k)
+            status = transaction.commit(segments_of(system, k), parameters_of(system, k), OK, old, state_of(system, k))
+    return status
 
 
 @kernel
@@ -229,7 +203,7 @@ def advance(system, step, before):
     before (modified) : room for all states.  The plan (modified) says which line a status is about.
     """
     copy(system.state, before)
-    status = begin(system, step)
+    status = begin(system, step, before)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
         status = moving_lines.advance(system, step, before)

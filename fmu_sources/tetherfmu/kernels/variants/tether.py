@@ -14,7 +14,6 @@ from tetherfmu.runtime.variants import BY_NAME
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
 from ..equations import wind_points
-from ..equations.boundary import inputs_of_step
 from ..equations.lines import number_of_line, segments_of
 from ..step import power_balance, transaction
 from ..step.outputs import complete
@@ -23,7 +22,7 @@ from ..step.outputs import complete
 def tether(variant):
     """What `entry_points` need of a tether alone, as `variants.system` has it of lines; variant : its module here."""
     name = variant.__name__.rpartition(".")[2]
-    has_nodes, has_waves = BY_NAME[name].has_nodes, BY_NAME[name].has_waves
+    has_waves = BY_NAME[name].has_waves
 
     @kernel
     def complete_plan(plan):
@@ -39,8 +38,7 @@ def tether(variant):
     def take_outputs(system, outputs):
         """Outputs (modified) that belong to the state: OK, or OUTPUT_NOT_FINITE, and then they have no meaning."""
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
-        if has_nodes:
-            wind_points.take_from_state(n, parameters, state)
+        wind_points.take_from_state(n, parameters, state)
         variant.outputs_of(n, parameters, state, number_of_line(system, 0, places.SHAPE_POINTS), outputs, system.work)
         return complete(n, state, outputs)
 
@@ -57,20 +55,13 @@ def tether(variant):
     def advance(system, step, before):
         """One communication step of `step` [s]; on any status but OK the state is as it was.
 
-        before (modified) : the state of before, if the inputs allow a step.
+        before (modified) : the state of before.
         """
-        n, parameters, inputs, state = segments_of(system, 0), system.parameters, system.inputs, system.state
-        status = transaction.check_step(inputs, step)
-        if status != OK:
-            return status
-        given = inputs_of_step(parameters, inputs, step, state)
-        status = transaction.check_reeling(n, parameters, given)
-        if status != OK:
-            return status
+        n, parameters, state = segments_of(system, 0), system.parameters, system.state
         copy(state, before)
-        transaction.remember(parameters, inputs, given, state)
-        wind_points.advance(n, parameters, inputs, step, has_nodes, has_waves, state)
-        status = variant.advance(n, parameters, given, before, state, system.work)
+        status, given = transaction.begin(n, parameters, system.inputs, step, has_waves, state)
+        if status == OK:
+            status = variant.advance(n, parameters, given, before, state, system.work)
         return transaction.commit(n, parameters, status, before, state)
 
     @kernel

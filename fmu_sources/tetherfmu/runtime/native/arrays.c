@@ -244,7 +244,7 @@ void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *va
     int about = (int)arrays->plan[PLAN_STATUS_LINE], line = about < 0 ? 0 : about, place = index_of(result);
     char said[LONGEST_TEXT], vector[LONGEST_TEXT];
     if (about < 0 && code_of(result) == INPUT_NOT_FINITE) { /* a load */
-        const double *load = arrays->given + AT_INPUTS * LINES + 3 * place;
+        const double *load = arrays->given + arrays->plan[PLAN_INPUTS_SIZE] + 3 * (place - FREE_POINTS);
         fill_in(said, sizeof said, "{point}.load", FACTS(word("point", FREE_POINT_NAME[place])));
         fill_in(vector, sizeof vector, "[{x}, {y}, {z}]", FACTS(real("x", load[0]), real("y", load[1]), real("z", load[2])));
         fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[INPUT_NOT_FINITE], FACTS(word("name", said), word("value", vector)));
@@ -254,8 +254,8 @@ void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *va
         fill_in(text, LONGEST_TEXT, KERNEL_SENTENCE[NO_EQUILIBRIUM_OF_POINT], FACTS(word("name", FREE_POINT_NAME[place])));
         return;
     }
-    const double *inputs = DIRECT ? values : arrays->given + AT_INPUTS * line;
-    bool is_input = place < INPUT_NAMES;
+    const double *inputs = DIRECT ? values : arrays->given + of_line(arrays, line, PLAN_INPUTS_AT);
+    bool is_input = place < INPUTS_OF_A_LINE;
     fill_sentence(said, result, step, (About){
         .name = is_input ? LINE_INPUT_NAME[line][place] : "",
         .value = is_input ? inputs[place] : 0.0,

@@ -21,8 +21,6 @@ static Status check_derivative(Instance *instance, unsigned reference, int32_t o
 
 /* --- where they wait: in the states of the lines; before the first step, in the instance */
 
-enum { INPUTS_OF_LINES = AT_INPUTS * LINES };
-
 static bool is_at_point(const Arrays *arrays, int line, int end, int point)
 {
     return arrays->plan[PLAN_HEADER + PLAN_LINE_NUMBERS * line + PLAN_START_POINT + end] == point;
@@ -46,20 +44,16 @@ static void put_rate_of_load(const Arrays *arrays, int point, int component, dou
     }
 }
 
-/* The same of an input, in all lines that have it. The last numbers of the state of a tether are derivatives of the wind at
+/* The same of an input, in all lines that have it. The last numbers of the state of a line are derivatives of the wind at its
 points, 0 where none is given. */
 static void put_in_lines(const Arrays *arrays, unsigned reference, double value)
 {
     for (int i = 0; i < INPUTS_FROM; i++) {
-        int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
+        int line = INPUT_FROM[i].line, own = INPUT_FROM[i].own;
         if (INPUT_FROM[i].reference != (int)reference) continue;
-        if (behind < 0) {
-            put_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, value);
-        } else if (WIND_POINTS) {
-            arrays->state[STATE_SIZE(arrays->segments) - 3 * WIND_POINTS + behind] = value;
-        } else {
-            put_rate_of_load(arrays, behind / 3, behind % 3, value);
-        }
+        if (line < 0) put_rate_of_load(arrays, own / 3, own % 3, value);
+        else if (own < AT_INPUTS) put_in_line(arrays, line, own, value);
+        else state_of(arrays, line)[state_size_of(arrays, line) + own - INPUTS_OF_A_LINE] = value;
     }
 }
 
@@ -137,11 +131,9 @@ static double scale_of(const Arrays *arrays, unsigned input, double step, double
 {
     double least = INFINITY, scale;
     for (int i = 0; i < INPUTS_FROM; i++) {
-        int place = INPUT_FROM[i].place, behind = place - INPUTS_OF_LINES;
+        int line = INPUT_FROM[i].line, own = INPUT_FROM[i].own;
         if (INPUT_FROM[i].reference != (int)input) continue;
-        if (behind < 0) scale = scale_in_line(arrays, place / AT_INPUTS, place % AT_INPUTS, step, part);
-        else if (WIND_POINTS) scale = scale_in_line(arrays, 0, place, step, part);
-        else scale = scale_of_load(arrays, behind / 3, step, part);
+        scale = line < 0 ? scale_of_load(arrays, own / 3, step, part) : scale_in_line(arrays, line, own, step, part);
         if (scale < least) least = scale;
     }
     return least;
