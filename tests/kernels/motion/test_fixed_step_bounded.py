@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from mechanics import energy
+from stability.flight import fly
+from stability.points import point
 from tetherfmu.models import TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, Tether
-from tetherfmu.study.stability.flight import fly
-from tetherfmu.study.stability.points import point
 
 KITE = np.array([300.0, 0.0, 400.0])
 

@@ -6,8 +6,9 @@ scipy's DOP853 at 1e-11 on the same equations.
 
 import numpy as np
 
-from tetherfmu.study.measuring.reference import error, exact, free_state
-from tetherfmu.study.scenes.standard import release_scene, tether_at_start
+from benchmark.reference import error, exact, free_state
+from benchmark.scenes import release_scene
+from tetherfmu.study.scenes.start import tether_at_start
 
 SEGMENTS, DURATION = 10, 4.0
 # one step may err by 1e-4 of a segment, 0.7 mm, at the default tolerance; with stages that see the kink it is 8 mm
