@@ -1,7 +1,7 @@
 """Fixed steps stay bounded at any step: tensions within what the motion can explain, energy within what was put in.
 
 Points of the stability map at which linearly implicit Euler (one iteration of such a step) exceeded the bound of
-`study/stability/flight.py` by 1e0 to 1e70, and the scenes in which it was known to diverge.
+`docs/make/stability/flight.py` by 1e0 to 1e70, and the scenes in which it was known to diverge.
 """
 
 import numpy as np

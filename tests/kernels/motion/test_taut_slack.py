@@ -1,6 +1,6 @@
 """A tether that falls slack and snaps taut many times: accurate with few steps, although its forces have kinks.
 
-Scene: 70 m held between two points until at rest, then the lower end is released (`study/scenes/standard.py`). Reference:
+Scene: 70 m held between two points until at rest, then the lower end is released (`docs/make/benchmark/scenes.py`). Reference:
 scipy's DOP853 at 1e-11 on the same equations.
 """
 

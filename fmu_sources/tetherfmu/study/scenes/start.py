@@ -1,4 +1,4 @@
-"""A tether at the start of a scene. With a driven kite end it starts turning with the kite (`initial_shape = quasi_steady`)."""
+"""A tether at the start of a scene."""
 
 from tetherfmu import models
 from tetherfmu.runtime import layout as at
@@ -10,6 +10,8 @@ MODELS = {variant: getattr(models, class_name(variant)) for variant in VARIANTS}
 
 def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, wind=None, **options):
     """A tether of a variant, initialized for a scene; `tolerance` 0 is the solver's default.
+
+    It starts turning with the kite (`initial_shape = quasi_steady`), with a free end at rest.
 
     first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  wind : at the wind points of a scene
     that has them [m/s], array (wind_points, 3).  options : of TetherModel.
