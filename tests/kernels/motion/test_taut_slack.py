@@ -1,7 +1,7 @@
 """A tether that falls slack and snaps taut many times: accurate with few steps, although its forces have kinks.
 
-Scene: 70 m held between two points until at rest, then the lower end is released (`docs/make/benchmark/scenes.py`). Reference:
-scipy's DOP853 at 1e-11 on the same equations.
+Scene: 70 m held between two points until at rest, then the lower end is released (`docs/make/benchmark/scenes.py`).
+Reference: scipy's DOP853 at 1e-11 on the same equations.
 """
 
 import numpy as np
