@@ -1,4 +1,4 @@
-"""Measure the unit costs that the advisor reads (costs.csv), on an idle machine: `python docs/make/make_costs.py`."""
+"""Measure the unit costs that the advisor reads (costs.csv), on an idle machine; `python docs/make/make_costs.py`."""
 
 import sys
 import tempfile

@@ -1,7 +1,4 @@
-"""Measure where each tether ceases to be adequate: thresholds.csv, which the advisor reads, and docs/make/advice/sweeps.csv.
-
-python docs/make/make_thresholds.py
-"""
+"""Measure thresholds.csv, which the advisor reads, and advice/sweeps.csv; `python docs/make/make_thresholds.py`."""
 
 import sys
 
