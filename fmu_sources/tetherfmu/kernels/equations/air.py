@@ -9,7 +9,8 @@
 z [m] above z = 0, h reference height [m], z0 surface roughness [m]. The factor f on the reference wind is never
 negative. Theory: docs/models/theory.md, "Air".
 
-With a calm layer of thickness c > 0 it grows linearly with the height below c: f(z) = f(c) z/c.
+In searches for an equilibrium, not in flight, there may be a calm layer of thickness c > 0: in it the factor grows in
+proportion to the height, f(z) = f(c) z/c.
 """
 
 from math import exp, log

@@ -1,12 +1,14 @@
 """The equations of motion of a chain: v' = F/m, one segment after the other. The first file for who wants to know the model.
 
-    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i + N_i + load at the kite end
+    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + half drags - m_i g e_z + N_i + load at the kite end
 
-with the weight f_i and the force N_i of the ground. `segment.py`, `node_loads.py` and `ground.py` have the laws. A driven
-end moves as it is driven, whatever acts on it.
+Segment i joins the nodes i and i + 1; N_i is the force of the ground. `segment.py`, `node_loads.py` and `ground.py` have the
+laws. A driven end moves as it is driven, whatever acts on it. Reeling changes L, the unstretched length, and with it the
+length l0 = L/n and the mass of each segment, without a thrust from m_i'; L' is the reel-out speed, or that of a `drum.py`.
 
 Nothing that flies calls this file: the solvers need derivatives, too, and find the same forces from both ends of the chain
-at once (`assembly.py`). Tests compare them with this one. Theory: docs/models/theory.md, "The chain".
+at once (`assembly.py`). tests/kernels/equations/test_motion.py compares them with this one; tests/reference has codes that
+share no law with this package. Theory: docs/models/theory.md, "The chain".
 """
 
 from ..compilation import kernel

@@ -95,7 +95,7 @@ def beyond_rest(r, rest):
 
 @kernel
 def seen_rate(chain, length, length_rate):
-    """Rate [m/s] that the damper of a segment of this length [m] and rate of the length [m/s] sees: that of its strain."""
+    """Rate [m/s] that the damper of a segment sees, of its length l [m] and l' [m/s]: l' - l l0'/l0, see `Chain`."""
     return length_rate - chain.seen_growth * length
 
 
@@ -156,7 +156,7 @@ def half_drag_in(chain, s, length, e, wind, density, velocity):
 
 @kernel
 def half_drag_factor(chain, s, length, density):
-    """F/(|w| w) [N s2/m2] of `half_drag`, in air of this density [kg/m3]."""
+    """F/(|w| w) [N s2/m2] of `half_drag`, in air of this density [kg/m3]; DRAG_WIDTH is cd d."""
     return 0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length
 
 
