@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from xdist.scheduler import LoadScopeScheduling
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "docs" / "make")]
 gc.disable()  # until all tests are collected
 # a worker has one core; threads of numpy's linear algebra would wait for each other, with up to 40 times the processor time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -39,7 +40,7 @@ SHARING = {  # tests that use what one process makes once: folder or file, and t
     "tests/libraries/test_same_bits.py": "compiled just in time",
     "tests/physics/test_energy_balance.py": "compiled just in time",
     "tests/physics/test_node_winds.py": "compiled just in time",
-    "tests/study/benchmark/test_benchmark_runs.py": "compiled just in time",
+    "tests/docs/make/test_benchmark_runs.py": "compiled just in time",
     "tests/runtime/test_c_host.py": "flown by FMPy",
     "tests/runtime/test_clients.py": "flown by FMPy",
 }

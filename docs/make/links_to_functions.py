@@ -1,9 +1,10 @@
 """Sphinx extension: on the pages of equations a name such as `segment.tension` becomes a link to that function."""
 
 from docutils import nodes
-from named_functions import FOLDER, MODULES, NAME, PAGES
 from sphinx import addnodes
 from sphinx.transforms.post_transforms import SphinxPostTransform
+
+from named_functions import FOLDER, MODULES, NAME, PAGES
 
 
 class Links(SphinxPostTransform):

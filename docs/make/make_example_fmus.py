@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 from make_interface import table
-
 from tetherfmu.export import documents
 from tetherfmu.export.documents import allowed, folded, meaning, unit
 from tetherfmu.export.example_fmus import SLAVES, slave, table_of

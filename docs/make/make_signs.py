@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+
 from make_assets import FORCE, MOTION, TETHER, arrow, draw_kite, draw_station, plt
 
 FIGURE = Path(__file__).resolve().parents[1] / "figures" / "signs.png"

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from make_interface import table
-
 from tetherfmu.export.host_header import TYPES, c_name
 from tetherfmu.export.native_arrays import arrays
 from tetherfmu.export.native_tables import count_of_values

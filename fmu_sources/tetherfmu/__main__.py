@@ -4,29 +4,17 @@ import sys
 from importlib import import_module
 
 from .console.ending import WrongUse, command
+from .console.subcommands import SUBCOMMANDS
 from .runtime import __version__
 
-STUDY = "tetherfmu.study.__main__"
-COMMANDS = {  # name: (module, what it does)
-    "build": ("tetherfmu.commands.build", "build FMUs"),
-    "fly": ("tetherfmu.commands.fly", "fly a kite on a circle, or the flight of a CSV file, with tether FMUs"),
-    "check": ("tetherfmu.check.__main__", "check FMUs on this machine"),
-    "tutorial": ("tetherfmu.commands.tutorial", "list, run and copy the lessons of the tutorial"),
-    "web": ("tetherfmu.commands.web", "write a page in which one flies a tether in the browser"),
-    "release": ("tetherfmu.commands.release", "make a folder with all that users download"),
-    "replay": (STUDY, "fly a measured flight, and compare the tethers with its log"),
-    "advise": (STUDY, "say which FMU, segments, tolerance and communication step a scene needs"),
-    "tradeoff": (STUDY, "measure error and cost of every configuration in a scene"),
-    "stability": (STUDY, "find where the tethers are stable and where they refuse"),
-    "benchmark": (STUDY, "measure what the tethers cost, including comparisons"),
-}
+HEAD = "usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the options, --version the version"
 
 
 def usage():
-    """All commands, a line each."""
-    lines = [f"  {name:<10} {about}" for name, (_, about) in COMMANDS.items()]
-    head = "usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the options, --version the version"
-    return "\n".join([head, "", *lines])
+    """All commands: what each does, and an example."""
+    width = max(map(len, SUBCOMMANDS)) + 2
+    lines = (f"  {name:<{width}}{each.about}\n  {'':<{width}}  {each.example}" for name, each in SUBCOMMANDS.items())
+    return "\n".join([HEAD, "", *lines])
 
 
 @command
@@ -39,11 +27,9 @@ def main(arguments=None):
     if name == "--version":
         print(f"tetherfmu {__version__}")
         return 0
-    if name not in COMMANDS:
-        raise WrongUse(f"tetherfmu: there is no command {name!r}; choose from {', '.join(COMMANDS)}")
-    module, _ = COMMANDS[name]
-    run = import_module(module).main
-    return run([name, *rest], prog="tetherfmu") if module == STUDY else run(rest, prog=f"tetherfmu {name}")
+    if name not in SUBCOMMANDS:
+        raise WrongUse(f"tetherfmu: there is no command {name!r}; choose from {', '.join(SUBCOMMANDS)}")
+    return import_module(SUBCOMMANDS[name].module).main(rest, prog=f"tetherfmu {name}")
 
 
 if __name__ == "__main__":

@@ -8,13 +8,18 @@ were given, and the time of the processor. Fifteen scenes take some two minutes,
 """
 
 import argparse
+import sys
+from pathlib import Path
 
 from tetherfmu.results import StepRefused
-from tetherfmu.study.advice.page import NAMES, asking, judged, summary
 from tetherfmu.study.advice.tradeoff import REFERENCE_ERROR
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.tables import circumstances, markdown, percent
-from tetherfmu.study.scenes.standard import random_scenes
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
+
+from advice.page import NAMES, asking, judged, summary  # noqa: E402
+from advice.random_scenes import random_scenes  # noqa: E402
 
 
 def line(seed, found):

@@ -10,14 +10,20 @@ position of the kite in each communication step; given velocities have none.
 """
 
 import argparse
+import sys
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.scenes.flights import Circle
-from tetherfmu.study.scenes.standard import MODELS, circle_scene, figure_of_eight_scene
+from tetherfmu.study.scenes.start import MODELS
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
+
+from benchmark.scenes import circle_scene, figure_of_eight_scene  # noqa: E402
 
 FINER, DURATION, SETTLED, SEGMENTS = 20, 60.0, 30.0, 20
 MODES = {"given": "given", "left at 0": "given", "derived": "derived"}

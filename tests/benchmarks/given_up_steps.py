@@ -9,15 +9,20 @@ the result. Some 10 s of processor time.
 """
 
 import argparse
+import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import COARSE_WORK
 from tetherfmu.runtime.plausibility import UNRESOLVED, kinds
-from tetherfmu.study.stability.flight import model_of, winch_input
-from tetherfmu.study.stability.points import CALLS, kite, point
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
+
+from stability.flight import model_of, winch_input  # noqa: E402
+from stability.points import CALLS, kite, point  # noqa: E402
 
 
 def inputs(p, start, time):

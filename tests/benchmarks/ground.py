@@ -11,6 +11,8 @@ the circle without ground, which versions without ground can do too: called in t
 
 import argparse
 import gc
+import sys
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -18,7 +20,10 @@ import pandas as pd
 
 from tetherfmu import TetherDynamic
 from tetherfmu.study.measuring.tables import circumstances, markdown
-from tetherfmu.study.scenes.standard import circle_scene
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
+
+from benchmark.scenes import circle_scene  # noqa: E402
 
 STEP, STEPS = 0.02, 500
 FAR = {"ground_contact": "flat", "ground_height": -1000.0}

@@ -9,7 +9,9 @@ communication step, at 1e-9, against twice as many segments and half the step. 3
 """
 
 import argparse
+import sys
 from itertools import cycle, islice
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,7 +21,10 @@ from tetherfmu.results import StepRefused
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.study.measuring.runs import UNWARNED, catch_warnings
 from tetherfmu.study.measuring.tables import circumstances, markdown
-from tetherfmu.study.scenes.standard import random_scenes
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
+
+from advice.random_scenes import random_scenes  # noqa: E402
 
 STEP, DURATION = 0.02, 10.0  # [s]
 TOLERANCES, REFERENCE, DEFAULT = (1e-3, 1e-4, 1e-5), 1e-9, 1e-4

@@ -23,7 +23,7 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "examples" / "tutorial")]
+sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "docs" / "make"), str(ROOT / "examples" / "tutorial")]
 
 import lessons  # noqa: E402
 import tether_05  # noqa: E402
@@ -31,12 +31,12 @@ import tether_06  # noqa: E402
 import tether_07  # noqa: E402
 import tether_08  # noqa: E402
 
+from benchmark import cvodes  # noqa: E402
+from benchmark.races import interleaved, seconds_at  # noqa: E402
+from benchmark.reference import right_hand_side  # noqa: E402
 from scenes import nodes, read  # noqa: E402
 from tetherfmu import PlausibilityWarning, TetherDynamic, inputs_along  # noqa: E402
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, Tether  # noqa: E402
-from tetherfmu.study.benchmark import cvodes  # noqa: E402
-from tetherfmu.study.benchmark.races import interleaved, seconds_at  # noqa: E402
-from tetherfmu.study.measuring.reference import right_hand_side  # noqa: E402
 from tetherfmu.study.measuring.tables import circumstances, markdown  # noqa: E402
 from tetherfmu.study.scenes.files import Wind  # noqa: E402
 

@@ -10,6 +10,8 @@ in one for 2000 steps, as in scenes.
 """
 
 import argparse
+import sys
+from pathlib import Path
 from time import process_time
 from timeit import repeat
 
@@ -23,9 +25,12 @@ from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
 from tetherfmu.study.measuring.tables import circumstances, markdown
-from tetherfmu.study.scenes.standard import STEP, circle_scene
 from tetherfmu.wind.frozen_turbulence import FrozenTurbulence, MeanWind
 from tetherfmu.wind.wind_boxes import of_space
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
+
+from benchmark.scenes import STEP, circle_scene  # noqa: E402
 
 STEPS, SEGMENTS, POINTS, SAMPLED = 2000, (5, 10, 20, 40), 11, 21
 WIND = (8.0, 0.0, 0.0)

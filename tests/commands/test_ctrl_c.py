@@ -22,6 +22,7 @@ TIMEOUT = 900.0  # seconds, for what hangs
 EACH_WAY = pytest.mark.parametrize("send", [os.kill, getattr(os, "killpg", None)], ids=["process", "group"])
 LISTENING = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # also in the background
 COMMAND = f"{LISTENING}import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+STABILITY = COMMAND.replace("tetherfmu.__main__", "make_stability")
 COLD_BUILD = f"""{LISTENING}
 import sys
 from pathlib import Path
@@ -152,7 +153,7 @@ def test_the_stability_map_keeps_finished_points(tmp_path):
     results = tmp_path / "points.jsonl"
     begun = lambda _: results.exists() and results.read_bytes().count(b"\n") > 1  # noqa: E731
     options = ("--quick", "--out", tmp_path, "--results", results, "--processes", 2)
-    said = stopped(os.killpg, COMMAND, "stability", *options, begun=begun, cwd=tmp_path)
+    said = stopped(os.killpg, STABILITY, *options, begun=begun, cwd=tmp_path)
     assert said == ["stopped; the finished points are kept, and the same command continues from them"]
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from foreign import foreign
 from tetherfmu import __version__
-from tetherfmu.__main__ import COMMANDS
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import WrongUse, remedy
+from tetherfmu.console.subcommands import SUBCOMMANDS
 from tetherfmu.study.measuring.through_fmpy import fmus_in
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -110,8 +110,8 @@ WRONG = [  # what is typed, status, what must be said
     ("check none.fmu", 2, ("FILE.fmu", "no file none.fmu")),
     ("check folder", 2, ("FILE.fmu", "'folder'", "is a folder")),
     ("check ''", 2, ("FILE.fmu", "''")),
-    ("release --out folder", 2, ("--out", "folder", "not empty", "new folder")),
-    ("release --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
+    ("make_release --out folder", 2, ("--out", "folder", "not empty", "new folder")),
+    ("make_release --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("advise", 2, ("tetherfmu advise", "SCENE")),
     ("advise none.toml", 2, ("none.toml", "cannot be read")),
     ("advise folder", 2, ("folder", "cannot be read")),
@@ -126,15 +126,15 @@ WRONG = [  # what is typed, status, what must be said
     ("tradeoff key.toml --dask ''", 2, ("--dask", "''", "tcp://127.0.0.1:8786")),
     ("tradeoff key.toml --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("tradeoff key.toml", 2, ("key.toml", "tether.diametre")),
-    ("stability --dask nonsense", 2, ("--dask", "'nonsense'", "tcp://127.0.0.1:8786")),
-    ("stability --points many", 2, ("tetherfmu stability", "--points", "'many'", "whole number")),
-    ("stability --seed -1", 2, ("--seed", "'-1'", "at least 0")),
-    ("stability --before none.jsonl", 2, ("--before", "none.jsonl")),
-    ("stability --point 1.5", 2, ("--point", "'1.5'", "whole number")),
-    ("stability --results folder", 2, ("--results", "'folder'", "is a folder")),
-    ("benchmark --fmus text.txt", 2, ("tetherfmu benchmark", "--fmus", "'text.txt'")),
-    ("benchmark --figure folder", 2, ("--figure", "'folder'", "is a folder")),
-    ("benchmark --figure diagram.docx", 2, ("--figure", "'diagram.docx'", ".png")),
+    ("make_stability --dask nonsense", 2, ("--dask", "'nonsense'", "tcp://127.0.0.1:8786")),
+    ("make_stability --points many", 2, ("make_stability.py", "--points", "'many'", "whole number")),
+    ("make_stability --seed -1", 2, ("--seed", "'-1'", "at least 0")),
+    ("make_stability --before none.jsonl", 2, ("--before", "none.jsonl")),
+    ("make_stability --point 1.5", 2, ("--point", "'1.5'", "whole number")),
+    ("make_stability --results folder", 2, ("--results", "'folder'", "is a folder")),
+    ("make_benchmarks --fmus text.txt", 2, ("make_benchmarks.py", "--fmus", "'text.txt'")),
+    ("make_benchmarks --figure folder", 2, ("--figure", "'folder'", "is a folder")),
+    ("make_benchmarks --figure diagram.docx", 2, ("--figure", "'diagram.docx'", ".png")),
     ("at_rest.catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("at_rest.catenary 7", 2, ("unrecognized arguments: 7",)),
     ("at_rest.forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
@@ -182,9 +182,9 @@ def place(tmp_path_factory):
 
 
 def run(name, *arguments):
-    """Exit status of a command, or of an example by its room and name."""
+    """Exit status of a command, of an example by its room and name, or of a script of `docs/make`."""
     try:
-        if "." in name:
+        if "." in name or name.startswith("make_"):
             return importlib.import_module(name).main(list(arguments))
         return tetherfmu([name, *arguments])
     except SystemExit as end:
@@ -214,10 +214,10 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, status,
         ("fly sound.csv --length 500", "pandas", "study"),
         ("at_rest.catenary", "matplotlib", "examples"),
         ("tutorial 01", "matplotlib", "examples"),
-        ("stability --quick", "pebble", "study"),
+        ("make_stability --quick", "pebble", "stability"),
         ("advise --fast key.toml", "pandas", "study"),
         ("tradeoff sound.toml --dask tcp://127.0.0.1:1", "distributed", "cluster"),
-        ("stability --quick --dask tcp://127.0.0.1:1", "distributed", "cluster"),
+        ("make_stability --quick --dask tcp://127.0.0.1:1", "distributed", "cluster"),
     ],
 )
 def test_a_missing_package_is_named_with_its_extra(place, fmu_folder, tmp_path, line, package, extra):
@@ -225,8 +225,8 @@ def test_a_missing_package_is_named_with_its_extra(place, fmu_folder, tmp_path, 
     (tmp_path / "dist").symlink_to(fmu_folder, target_is_directory=True)
     (tmp_path / "sound.toml").write_text(SOUND)
     name, *arguments = words(line)
-    module = "tetherfmu.__main__" if name in COMMANDS else name
-    call = f"sys.exit({module}.main({[name, *arguments] if name in COMMANDS else arguments}))"
+    module = "tetherfmu.__main__" if name in SUBCOMMANDS else name
+    call = f"sys.exit({module}.main({[name, *arguments] if name in SUBCOMMANDS else arguments}))"
     code = f"import sys\nsys.modules[{package!r}] = None\nimport {module}\n{call}"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path])}
     command = [sys.executable, "-c", code]
@@ -260,7 +260,7 @@ def test_a_free_kite_cannot_be_flown_on_a_circle(fmu_folder, capsys, tmp_path):
     assert "no tether is called dynamic-free; choose from straight" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", list(COMMANDS))
+@pytest.mark.parametrize("name", list(SUBCOMMANDS))
 def test_help_shows_the_command_as_it_is_typed(name, capsys):
     assert run(name, "--help") == 0
     assert capsys.readouterr().out.startswith(f"usage: tetherfmu {name} ")
@@ -280,9 +280,9 @@ def test_a_release_that_fails_leaves_an_empty_folder(monkeypatch, capsys, tmp_pa
         assert list(folder.iterdir())
         raise RuntimeError("no release: a reason")
 
-    monkeypatch.setattr("tetherfmu.commands.release.build.main", lambda line: (Path(line[1]) / "made").touch() or 0)
-    monkeypatch.setattr("tetherfmu.commands.release.make_packages", no_packages)
-    assert run("release", "--out", str(tmp_path)) == 1
+    monkeypatch.setattr("make_release.build.main", lambda line: (Path(line[1]) / "made").touch() or 0)
+    monkeypatch.setattr("make_release.make_packages", no_packages)
+    assert run("make_release", "--out", str(tmp_path)) == 1
     assert capsys.readouterr().err == "no release: a reason\n"
     assert not list(tmp_path.iterdir())
 

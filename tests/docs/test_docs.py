@@ -11,14 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import make_fmu_table
 import tetherfmu
+from named_functions import MODULES, NAME, PAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
-sys.path.append(str(ROOT / "docs" / "make"))
-
-import make_fmu_table  # noqa: E402
-from named_functions import MODULES, NAME, PAGES  # noqa: E402
 
 
 def page(name):
@@ -45,8 +43,7 @@ def cited_sections():
 
 
 @pytest.mark.parametrize("name", ["make_interface", "make_value_references", "make_keys_of_maps"])
-def test_pages_are_what_their_scripts_write(monkeypatch, name):
-    monkeypatch.syspath_prepend(ROOT / "docs" / "make")
+def test_pages_are_what_their_scripts_write(name):
     script = importlib.import_module(name)
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 

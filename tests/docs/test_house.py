@@ -1,16 +1,13 @@
 """The house: import contract, figure and manual agree; imports point downwards, without a circle."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
+import make_house
+
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "docs" / "make"))
-
-import make_house  # noqa: E402
-
 HEIGHT = {room: -level for level, floor in enumerate(make_house.floors()) for room in floor}
 
 

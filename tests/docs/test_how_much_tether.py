@@ -12,14 +12,15 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from advice.figures import draw_scenes, questions
+from advice.page import BY_SCENE, declared
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import VARIANTS
-from tetherfmu.study.advice.figures import draw_scenes, questions
-from tetherfmu.study.advice.page import BY_SCENE, declared
-from tetherfmu.study.measuring.tables import TEMPLATES
+from tetherfmu.study.measuring.tables import templates_of
 
-TEMPLATE = "advice/page.md.j2"
+TEMPLATE = "page.md.j2"
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+TEMPLATES = templates_of(DOCS / "make" / "advice")
 PAGE = (DOCS / "use" / "how_much_tether.md").read_text(encoding="utf-8")
 
 

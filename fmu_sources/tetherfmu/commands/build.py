@@ -69,7 +69,7 @@ def starts_of(diameter, material):
 
 def parse(arguments, prog="tetherfmu build"):
     """Command line options; wrong ones end the program with status 2."""
-    parser = Parser(prog=prog, description="build tether FMUs")
+    parser = Parser(prog=prog)
     option = parser.add_argument
     option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build, of {', '.join(SLAVES)} (default: all)")
     option("--out", default="dist", type=folder, metavar="DIR", help="folder of the FMUs (default: dist)")

@@ -38,7 +38,7 @@ def lesson(text):
 
 def parse(arguments, prog):
     """Command line options; wrong ones end the program with status 2."""
-    parser = Parser(prog=prog, description="list the lessons of the tutorial, run some, or copy all examples")
+    parser = Parser(prog=prog)
     option = parser.add_argument
     option(
         "lessons", nargs="*", type=lesson, metavar="LESSON", help="lessons to run, such as 06b, or all (default: list them)"

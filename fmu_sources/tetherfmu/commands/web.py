@@ -52,7 +52,7 @@ def serve(server):
 @command
 def main(arguments=None, prog="tetherfmu web"):
     """Write the page; with --serve also serve it until Ctrl-C. Returns the exit status."""
-    parser = Parser(prog=prog, description="write a page in which one flies a tether in the browser")
+    parser = Parser(prog=prog)
     option = parser.add_argument
     option("--out", default="web", type=folder, metavar="DIR", help="folder of the page (default: web)")
     option("--serve", action="store_true", help="also serve it on this machine, until Ctrl-C; a browser needs a server")

@@ -8,12 +8,22 @@ from pathlib import Path
 from tetherfmu.runtime.quantities import Quantity
 
 from .ending import WRONG_USE
+from .subcommands import SUBCOMMANDS
 
 ADDRESS = re.compile(r"(\w+://)?[^\s:/]+:\d+")
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong with the command line in one line."""
+    """Says what is wrong with the command line in one line; that of a subcommand ends its help with an example."""
+
+    def __init__(self, prog=None, **options):
+        known = SUBCOMMANDS.get((prog or "").removeprefix("tetherfmu "))
+        super().__init__(prog, **({"description": known.about} if known else {}) | options)
+        self._end_of_help = f"\nexample: {known.example}\n" if known else ""
+
+    def format_help(self):
+        """Description and options; the example is one line, however narrow the terminal is, so that it can be copied."""
+        return super().format_help() + self._end_of_help
 
     def error(self, message):
         """Leave with status 2."""
@@ -23,6 +33,13 @@ class Parser(argparse.ArgumentParser):
         """Add the option --out: the folder of what the command writes."""
         about = f"folder of {what} (default: plots)"
         self.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help=about)
+
+    def add_workers(self):
+        """Add options on who does the work of a study."""
+        about = "number of processes (default: one per core)"
+        self.add_argument("--processes", type=number(1, whole=True), metavar="N", help=about)
+        about = "use the cluster of this Dask scheduler (extra: cluster)"
+        self.add_argument("--dask", type=address, metavar="ADDRESS", help=about)
 
 
 def number(minimum=-float("inf"), maximum=float("inf"), unit="", whole=False):
@@ -61,20 +78,6 @@ def address(text):
     if not ADDRESS.fullmatch(text):
         raise argparse.ArgumentTypeError(f"{text!r} is no address; it must be one such as tcp://127.0.0.1:8786")
     return text
-
-
-def new_file(ending):
-    """Type of an option that is a file to write to, with this ending of its name."""
-
-    def checked(text):
-        if Path(text).is_dir():
-            raise argparse.ArgumentTypeError(f"{text!r} is a folder; it must be a file")
-        if Path(text).suffix != ending:
-            raise argparse.ArgumentTypeError(f"{text!r} is not possible; the name of the file must end in {ending}")
-        folder(str(Path(text).parent))
-        return Path(text)
-
-    return checked
 
 
 def folder(text):

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from balance import residual
+from stability.points import kite, point
 from tetherfmu import StepRefused, TetherQuasiSteady
 from tetherfmu.kernels.equilibrium import load_continuation, newton
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.study.stability.points import kite, point
 
 # iterations of the searches at the levels 1, 1/2, 1/4, 1/8 (two at each, one with a perturbation), and of the rise to 1
 SEARCH = 2 * (newton.MOST_ITERATIONS + newton.MOST_PSEUDO_STEPS)

@@ -10,13 +10,13 @@ from warnings import catch_warnings
 import numpy as np
 import pytest
 
+from stability import flight
+from stability.points import point
 from tetherfmu.kernels.equilibrium.solve import BUDGET
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.study.measuring.runs import UNWARNED
-from tetherfmu.study.stability import flight
-from tetherfmu.study.stability.points import point
 
 FOUND = ((11, 95909), (11, 12935), (7, 3011))
 REFUSED = ((11, 12727), (11, 94455))

@@ -1,18 +1,18 @@
 """Fixed steps stay bounded at any step: tensions within what the motion can explain, energy within what was put in.
 
 Points of the stability map at which linearly implicit Euler (one iteration of such a step) exceeded the bound of
-`study/stability/flight.py` by 1e0 to 1e70, and the scenes in which it was known to diverge.
+`docs/make/stability/flight.py` by 1e0 to 1e70, and the scenes in which it was known to diverge.
 """
 
 import numpy as np
 import pytest
 
 from mechanics import energy
+from stability.flight import fly
+from stability.points import point
 from tetherfmu.models import TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, Tether
-from tetherfmu.study.stability.flight import fly
-from tetherfmu.study.stability.points import point
 
 KITE = np.array([300.0, 0.0, 400.0])
 

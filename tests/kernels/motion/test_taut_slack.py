@@ -1,13 +1,14 @@
 """A tether that falls slack and snaps taut many times: accurate with few steps, although its forces have kinks.
 
-Scene: 70 m held between two points until at rest, then the lower end is released (`study/scenes/standard.py`). Reference:
-scipy's DOP853 at 1e-11 on the same equations.
+Scene: 70 m held between two points until at rest, then the lower end is released (`docs/make/benchmark/scenes.py`).
+Reference: scipy's DOP853 at 1e-11 on the same equations.
 """
 
 import numpy as np
 
-from tetherfmu.study.measuring.reference import error, exact, free_state
-from tetherfmu.study.scenes.standard import release_scene, tether_at_start
+from benchmark.reference import error, exact, free_state
+from benchmark.scenes import release_scene
+from tetherfmu.study.scenes.start import tether_at_start
 
 SEGMENTS, DURATION = 10, 4.0
 # one step may err by 1e-4 of a segment, 0.7 mm, at the default tolerance; with stages that see the kink it is 8 mm

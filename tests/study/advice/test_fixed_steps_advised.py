@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.__main__ import main
 from tetherfmu.runtime.limits import STAGES, WORST_WORK
-from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise_in_words
 from tetherfmu.study.advice.fixed import Fixed, candidates, fly
 from tetherfmu.study.measuring.errors import converged

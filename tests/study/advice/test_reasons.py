@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from advice.random_scenes import random_scenes
+from advice.thresholds import SWEEPS, crossing, drag_scene, slack_scene, wave_scene, weight_scene, write
 from tetherfmu.study.advice.reasons import LEVELS, TABLE, numbers, thresholds_at
-from tetherfmu.study.advice.thresholds import SWEEPS, crossing, drag_scene, slack_scene, wave_scene, weight_scene, write
-from tetherfmu.study.scenes.standard import random_scenes
 
 
 @pytest.mark.parametrize(("load", "stretch"), [(0.01, 1e-2), (0.03, 1e-3)])

@@ -13,8 +13,8 @@ from functools import partial
 import pytest
 
 from study.scenes_of_tests import written
+from tetherfmu.__main__ import main
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.tradeoff import cheapest, front, ladder, study
 from tetherfmu.study.measuring import store
 from tetherfmu.study.measuring.executors import executor_of
@@ -31,7 +31,7 @@ def folder(tmp_path_factory):
     """Results of the whole ladder in a short scene, of a run that was killed and one that went on."""
     folder = tmp_path_factory.mktemp("tradeoff")
     scene = written(folder)
-    command = [sys.executable, "-m", "tetherfmu.study", "tradeoff", str(scene), "--out", str(folder / "out"), "--no-fmpy"]
+    command = [sys.executable, "-m", "tetherfmu", "tradeoff", str(scene), "--out", str(folder / "out"), "--no-fmpy"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     points = folder / "out" / "points.jsonl"
     process = subprocess.Popen([*command, "--processes", "1"], env=environment, start_new_session=True)
@@ -82,7 +82,7 @@ def test_a_changed_default_anywhere_in_the_package_makes_another_key(tmp_path, m
     scene = load(written(tmp_path))
     copy = shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(store, "PACKAGE", copy)
-    monkeypatch.setattr(store, "package_digest", store.package_digest.__wrapped__)
+    monkeypatch.setattr(store, "digest", store.digest.__wrapped__)
     keys = [key(scene.digest, *FEW[0])]
     for name, old, new in (("runtime/parameters.py", "0.958", "0.959"), ("study/measuring/costs.csv", "host,1", "host,2")):
         text = (copy / name).read_text(encoding="utf-8")
@@ -94,7 +94,7 @@ def test_a_changed_default_anywhere_in_the_package_makes_another_key(tmp_path, m
 
 def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
     """All processes of the terminal get the signal, as Ctrl-C sends it; the finished points are kept."""
-    command = [sys.executable, "-m", "tetherfmu.study", "tradeoff", str(written(tmp_path)), "--out", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "tetherfmu", "tradeoff", str(written(tmp_path)), "--out", str(tmp_path / "out")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     listening = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # also where the tests run in the background
     process = subprocess.Popen(

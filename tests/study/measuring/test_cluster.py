@@ -12,11 +12,12 @@ from operator import methodcaller
 import pytest
 from pebble import ProcessExpired
 
+from stability.flight import judge_all
+from stability.isolated import isolated
+from stability.points import point
 from study.scenes_of_tests import written
 from tetherfmu.console.ending import WorkersLost
-from tetherfmu.study.measuring.executors import executor_of, isolated
-from tetherfmu.study.stability.flight import judge_all
-from tetherfmu.study.stability.points import point
+from tetherfmu.study.measuring.executors import executor_of
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
@@ -28,7 +29,7 @@ import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # also in the background
 from tetherfmu.study.measuring import cluster
 cluster.PATIENCE = float(sys.argv.pop(1))
-from tetherfmu.__main__ import main
+from {} import main
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -82,11 +83,11 @@ def end_of(folder, command, address, event, patience=TIMEOUT):
     event : function of its process, called after three points.  patience : of the command [s].
     """
     file = folder / "points.jsonl"
-    given = {
-        "tradeoff": ["tradeoff", str(written(folder)), "--out", str(folder)],
-        "stability": ["stability", "--points", "1000", "--out", str(folder), "--results", str(file)],
+    module, given = {
+        "tradeoff": ("tetherfmu.__main__", ["tradeoff", str(written(folder)), "--out", str(folder)]),
+        "make_stability": ("make_stability", ["--points", "1000", "--out", str(folder), "--results", str(file)]),
     }[command]
-    call = [sys.executable, "-c", RUN, str(patience), *given, "--dask", address]
+    call = [sys.executable, "-c", RUN.format(module), str(patience), *given, "--dask", address]
     process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
     wait_for(lambda: file.exists() and file.read_bytes().count(b"\n") >= 3, process)
     event(process)
@@ -94,7 +95,7 @@ def end_of(folder, command, address, event, patience=TIMEOUT):
     return process.returncode, said.splitlines()
 
 
-EACH_COMMAND = pytest.mark.parametrize("command", ["tradeoff", "stability"])
+EACH_COMMAND = pytest.mark.parametrize("command", ["tradeoff", "make_stability"])
 
 
 @EACH_COMMAND
@@ -107,7 +108,7 @@ def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, com
     ("lost", "words", "command"),
     [
         ("scheduler", "the Dask scheduler at {} is lost", "tradeoff"),
-        ("worker", "the Dask scheduler at {} has had no worker for 2 s", "stability"),
+        ("worker", "the Dask scheduler at {} has had no worker for 2 s", "make_stability"),
     ],
 )
 def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, lost, words, command):

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmark.scenes import BREEZE
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.__main__ import main
 from tetherfmu.runtime.parameters import Environment
-from tetherfmu.study.__main__ import main
 from tetherfmu.study.advice.figures import draw_wind
 from tetherfmu.study.advice.scene_build import left_out
 from tetherfmu.study.measuring.runs import Config, run
 from tetherfmu.study.measuring.through_fmpy import inputs_of
 from tetherfmu.study.scenes.files import load
-from tetherfmu.study.scenes.standard import BREEZE
 
 POINTS, SPACING = (8, 4, 4), (100.0, 200.0, 200.0)
 BLOWING = SCENE.replace(

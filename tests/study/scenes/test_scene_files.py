@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.__main__ import main
 from tetherfmu.input_files import contents_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Ground
-from tetherfmu.study.__main__ import main
 from tetherfmu.study.measuring.runs import Config, parameters_of
 from tetherfmu.study.scenes.files import load
 

@@ -12,7 +12,7 @@ from tetherfmu.runtime.variants import TABLE
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.files import flown_from, load
 
 from .fixed import advise_fixed, explain_fixed
 from .ground import hanging, is_of_ground, lying
@@ -166,6 +166,7 @@ def run(options):
     scene = load(options.scene)
     if not options.fast:
         now(f"flying {scene.name} with what may do, and with a finer model")
-    advice, text = advise_in_words(scene, FAST_BUDGET if options.fast else BUDGET)
+    with flown_from(options.scene):
+        advice, text = advise_in_words(scene, FAST_BUDGET if options.fast else BUDGET)
     print(text)
     return 0 if advice.met else 1

@@ -16,7 +16,7 @@ from tetherfmu.runtime.limits import STAGES
 from tetherfmu.study.measuring.errors import errors, worst
 from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.standard import tether_at_start
+from tetherfmu.study.scenes.start import tether_at_start
 
 from .tradeoff import SEGMENTS, STEPS
 

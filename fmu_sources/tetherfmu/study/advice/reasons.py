@@ -9,8 +9,8 @@
 T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight,
 with a free end from that of the finer model; its load there includes the inertia of the tether.
 
-The numbers at which a tether ceases to be adequate are in thresholds.csv, which `thresholds.py` measures. Between the
-measured levels the error grows as a power of the number of a group, below the lowest as its square.
+The numbers at which a tether ceases to be adequate are in thresholds.csv, which `docs/make/make_thresholds.py` measures.
+Between the measured levels the error grows as a power of the number of a group, below the lowest as its square.
 """
 
 from functools import cache

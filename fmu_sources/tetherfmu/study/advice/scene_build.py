@@ -1,12 +1,11 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
 from tetherfmu.export.build_options import BuildOptions, Purpose
-from tetherfmu.results import StepRefused
 from tetherfmu.runtime.variables import CALCULATED, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import inputs_of
-from tetherfmu.study.scenes.files import SceneError, load
+from tetherfmu.study.scenes.files import flown_from, load
 
 from .advise import advise_in_words
 from .scene_report import body
@@ -56,10 +55,8 @@ def advised(path, shape_points, platforms):
     SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
     """
     scene = load(path)
-    try:
+    with flown_from(path):
         advice, text = advise_in_words(scene)
-    except StepRefused as refusal:
-        raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
     config = advice.point.config
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = inputs_of(scene, config.step)

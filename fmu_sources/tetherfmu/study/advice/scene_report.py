@@ -11,10 +11,10 @@ from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
-from tetherfmu.study.measuring.store import POINTS, Store
+from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
-from tetherfmu.study.scenes.files import OUTPUTS, load
+from tetherfmu.study.scenes.files import OUTPUTS, flown_from, load
 
 from .figures import draw, draw_wind
 from .tradeoff import LEVELS, cheapest, study
@@ -71,7 +71,7 @@ def run(options):
     """Study the scene of a file, write and print the report."""
     scene = load(options.scene)
     store = Store((options.out or Path("study") / scene.name) / POINTS)
-    with executor_of(options.dask, options.processes) as executor:
+    with flown_from(options.scene), keeping(), executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor)
     best = {level: cheapest(points, level) for level in sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)}
     through_fmpy = {} if options.no_fmpy else fmpy_times(scene, best.values(), options.fmus)

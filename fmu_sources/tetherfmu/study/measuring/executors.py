@@ -1,20 +1,14 @@
 """Work in parallel, through any executor of concurrent.futures: processes of this machine, or a Dask cluster."""
 
-import multiprocessing
-import os
 import signal
-import threading
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from time import sleep
 
-from pebble import ProcessPool
 from tqdm import tqdm
 
 from tetherfmu.console.ending import WorkersLost
-
-OF_THREAD = threading.local()  # `alone` of a worker of a cluster: its pool of one process
 
 
 def progress_bar(iterable, total, text):
@@ -45,37 +39,3 @@ def executor_of(dask=None, processes=None, **more):
         raise WorkersLost("a process that did the work has ended, perhaps for lack of memory") from None
     finally:
         executor.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def isolated(dask=None, processes=None):
-    """Function of (function, argument, seconds) that gives a future: each call may crash or hang, the others go on.
-
-    The future has what the function of the argument returns, or TimeoutError after so many seconds, or
-    `pebble.ProcessExpired`.
-    Calls that are at work when the block is left are ended, on a cluster by their time.
-
-    dask, processes : see `executor_of`.
-    """
-    if dask is not None:
-        with executor_of(dask) as executor:
-            yield lambda *call: executor.submit(alone, *call)
-        return
-    pool = _pool(processes or os.cpu_count())
-    try:
-        yield lambda function, argument, seconds: pool.schedule(function, (argument,), timeout=seconds)
-    finally:
-        pool.stop()
-        pool.join()
-
-
-def alone(function, argument, seconds):
-    """What a function of an argument returns, called in a process that may crash or hang in the place of this one."""
-    if not hasattr(OF_THREAD, "pool"):
-        multiprocessing.current_process().daemon = False  # the worker of a nanny is one, and may then start no process
-        OF_THREAD.pool = _pool(1)
-    return OF_THREAD.pool.schedule(function, (argument,), timeout=seconds).result()
-
-
-def _pool(processes):
-    return ProcessPool(processes, context=multiprocessing.get_context("spawn"))

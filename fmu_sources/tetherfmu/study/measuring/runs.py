@@ -5,7 +5,7 @@ Costs are counted work times measured unit costs, so that they do not depend on 
     cost = calls (a + b n) + work (c + d n),   n segments
 
 calls: communication steps, each with its outputs. work: internal steps of the dynamic tether, Newton iterations of others.
-a, b, c, d are fitted to times measured on one machine and stored in costs.csv, see `unit_costs`.
+a, b, c, d are fitted to times measured on one machine and stored in costs.csv, by `docs/make/make_costs.py`.
 """
 
 from dataclasses import asdict
@@ -20,7 +20,7 @@ from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name
-from tetherfmu.study.scenes.standard import tether_at_start
+from tetherfmu.study.scenes.start import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host

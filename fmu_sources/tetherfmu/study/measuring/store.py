@@ -4,26 +4,40 @@ import hashlib
 import json
 import os
 import pickle
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
+from tetherfmu.console.ending import WorkersLost
 from tetherfmu.libraries.sources import PACKAGE
 
 POINTS = "points.jsonl"  # file of the points of a trade-off study
 
 
+KEPT = "the finished points are kept, and the same command continues from them"
+
+
 @cache
-def package_digest():
-    """Hash of all sources and tables of the package: a finished result of other sources is not taken."""
-    files = sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".py", ".csv"))
-    contents = (path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes() for path in files)
+def digest(folder):
+    """Hash of all sources and tables in a folder: a finished result of other sources is not taken."""
+    files = sorted(path for path in folder.rglob("*") if path.suffix in (".py", ".csv"))
+    contents = (path.relative_to(folder).as_posix().encode() + path.read_bytes() for path in files)
     return hashlib.sha256(b"".join(contents)).hexdigest()[:12]
 
 
 def key(*what):
-    """Name of a result: a hash of the sources, and of what it is a result of."""
-    return hashlib.sha256(repr((package_digest(), *what)).encode()).hexdigest()[:24]
+    """Name of a result: a hash of the sources of the package, and of what it is a result of."""
+    return hashlib.sha256(repr((digest(PACKAGE), *what)).encode()).hexdigest()[:24]
+
+
+@contextmanager
+def keeping():
+    """Say that finished points are kept where Ctrl-C, or a loss of what does the work, ends what is done with them."""
+    try:
+        yield
+    except (KeyboardInterrupt, WorkersLost) as end:
+        end.args = ("; ".join([*end.args, KEPT]),)
+        raise
 
 
 class Store:

@@ -4,6 +4,7 @@ import os
 import platform
 import re
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -67,10 +68,17 @@ def factor(cost):
 
 
 SPACES = {"trim_blocks": True, "lstrip_blocks": True, "keep_trailing_newline": True}
-TEMPLATES = Environment(loader=FileSystemLoader(Path(__file__).parents[1]), undefined=StrictUndefined, **SPACES)
-TEMPLATES.filters |= {"table": markdown, "percent": percent, "factor": factor}
+STUDY = Path(__file__).parents[1]
 
 
-def page(template, **facts):
-    """Text of a Jinja template (its path in `study`), filled with facts and the circumstances."""
-    return TEMPLATES.get_template(template).render(facts, circumstances=circumstances())
+@cache
+def templates_of(folder):
+    """The Jinja templates in a folder, with what those of all pages share."""
+    templates = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, **SPACES)
+    templates.filters |= {"table": markdown, "percent": percent, "factor": factor}
+    return templates
+
+
+def page(template, folder=STUDY, /, **facts):
+    """Text of a Jinja template (its path in the folder), filled with facts and the circumstances."""
+    return templates_of(folder).get_template(template).render(facts, circumstances=circumstances())

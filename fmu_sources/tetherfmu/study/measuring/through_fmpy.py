@@ -13,10 +13,9 @@ from tetherfmu.export.archive import build
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.variables import INPUT, variables, wind_at_names
 from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
-from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .executors import executor_of
-from .runs import Config, fmu_of, parameters_of
+from .runs import fmu_of, parameters_of
 
 
 def fmus_in(folder, variants=VARIANTS, wind_points=0):
@@ -100,12 +99,6 @@ def hosted(path, scene, config, steps=None, repeats=1):
     with executor_of(processes=1, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as executor:
         tasks = [executor.submit(fly, *flight) for _ in range(repeats)]
         return [task.result() for task in tasks]
-
-
-def measured(path, steps, repeats):
-    """Medians over so many flights of the circle: times [s] of the start, of setting, stepping and getting."""
-    flights = hosted(path, circle_scene(20), Config("dynamic", 20, 0.0, STEP), steps, repeats)
-    return np.median([(start, *np.median(costs, axis=0)) for start, costs, _ in flights], axis=0).tolist()
 
 
 def flown(folder, scene, config):

@@ -3,6 +3,7 @@
 import hashlib
 import sys
 import tomllib
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, record, require, value_of, without
+from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch, diameter_in_doubt
@@ -35,6 +37,15 @@ REQUIRED = {
 
 class SceneError(WrongUse):
     """A scene file that cannot be used; the message is one line with file, key, value and what is allowed."""
+
+
+@contextmanager
+def flown_from(path):
+    """SceneError where a tether refuses to fly the scene of a file."""
+    try:
+        yield
+    except StepRefused as refusal:
+        raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
 
 
 def output_names(value):

@@ -272,4 +272,3 @@ class FreeEnd(Flight):
 
 
 KINDS = {re.sub(r"\B([A-Z])", r"_\1", kind.__name__).lower(): kind for kind in Flight.__subclasses__()}
-PRESCRIBED = {name: kind for name, kind in KINDS.items() if not kind.kite_is_free}

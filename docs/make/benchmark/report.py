@@ -1,22 +1,23 @@
-"""The command `python -m tetherfmu.study benchmark`: what the tethers cost, as a page, a CSV file and a diagram."""
+"""What the tethers cost, as a page, a CSV file and a diagram."""
 
 import importlib
 import os
 import tempfile
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.tables import circumstances, page
-from tetherfmu.study.measuring.through_fmpy import fmus_in, measured
-from tetherfmu.study.scenes.standard import circle_scene, figure_of_eight_scene, release_scene
+from tetherfmu.study.measuring.through_fmpy import fmus_in
 
+from .in_fmpy import host_table
 from .kernels import kernel_table
 from .races import draw, equal_errors, race
+from .scenes import circle_scene, figure_of_eight_scene, release_scene
 
+HERE = Path(__file__).parent
 QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
 
 
@@ -27,17 +28,6 @@ def peer(module, package):
     except ModuleNotFoundError:
         print(f"{package} is not installed: its rows are left out (pip install {package})")
         return None
-
-
-def host_table(paths, quick):
-    """Cost of the FMUs in FMPy, and their start-up time: the least of all rounds, in which they take turns."""
-    steps, rounds = (100, 1) if quick else (3000, 5)
-    found = [{name: measured(path, steps, 1) for name, path in paths.items()} for _ in range(rounds)]
-    rows = []
-    for name in paths:
-        start, *costs = np.min([each[name] for each in found], axis=0)
-        rows.append((name, *(1e6 * cost for cost in costs), 1e6 * sum(costs), 1e3 * start))
-    return pd.DataFrame(rows, columns=("FMU", "set us", "step us", "get us", "together us", "start ms"))
 
 
 def scenes(quick, flights):
@@ -54,7 +44,7 @@ def write(tables, folder, figure, slopes):
     for each in (pages, data):
         each.mkdir(parents=True, exist_ok=True)
     figure = Path(os.path.relpath(figure, pages)).as_posix() if figure else None
-    text = page("benchmark/page.md.j2", tables=tables, figure=figure, slopes=slopes)
+    text = page("page.md.j2", HERE, tables=tables, figure=figure, slopes=slopes)
     (pages / "benchmarks.md").write_text(text, encoding="utf-8")
     with open(data / "benchmarks.csv", "w", newline="", encoding="utf-8") as file:
         pd.DataFrame(columns=["circumstances", circumstances()]).to_csv(file, index=False)
@@ -64,7 +54,7 @@ def write(tables, folder, figure, slopes):
 
 
 def run(options):
-    """Measure, print and store."""
+    """Measure, print and store; options : of `make_benchmarks.py`."""
     tables, quick, flights = {}, options.quick, options.flights
     cvodes = None if options.no_peers else peer("cvodes", "casadi")
     moordyn = None if options.no_peers or flights else peer("moordyn_line", "moordyn")

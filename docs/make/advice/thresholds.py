@@ -1,7 +1,7 @@
-"""Measure where each tether ceases to be adequate; `python -m tetherfmu.study thresholds` writes thresholds.csv, sweeps.csv.
+"""Measure where each tether ceases to be adequate: thresholds.csv of the package, and sweeps.csv.
 
-Sweeps of one of the numbers of `reasons.py` each, against a converged reference, with so short communication steps that
-these do not count:
+Sweeps of one of the numbers of `study.advice.reasons` each, against a converged reference, with so short communication
+steps that these do not count:
 
     weight   a kite at rest, no wind; gravity grows, the tension is kept; at three stretches
     drag     a kite circling about the vertical, no gravity; the speed grows, the tension is kept; at three stretches
@@ -10,23 +10,23 @@ these do not count:
 """
 
 from itertools import chain
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu.study.advice.reasons import LEVELS, TABLE, numbers
+from tetherfmu.study.advice.tradeoff import SEGMENTS, measure
 from tetherfmu.study.measuring import runs
 from tetherfmu.study.measuring.errors import converged
-from tetherfmu.study.measuring.executors import executor_of, progress_bar
+from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.scenes.files import Scene, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
 
-from .reasons import LEVELS, TABLE, numbers
-from .tradeoff import SEGMENTS, measure
-
 NAMES = ("kite_force",)
-SWEEPS = TABLE.with_name("sweeps.csv")
+SWEEPS = Path(__file__).with_name("sweeps.csv")
 STRETCHES = (1e-4, 1e-3, 1e-2)
 LOADS = np.geomspace(0.003, 3.0, 13)  # weight or drag over tension
 SLACKS = np.geomspace(1e-4, 0.5, 12)
@@ -134,9 +134,3 @@ def write(found, measured, table=TABLE, sweep_table=SWEEPS):
     for path, frame in ((table, found), (sweep_table, measured)):
         rounded = {name: frame[name].map("{:.4g}".format) for name in ("value", "error") if name in frame}
         frame.assign(**rounded).to_csv(path, index=False, lineterminator="\r\n")
-
-
-def run(_):
-    """Measure and store the thresholds."""
-    with executor_of() as executor:
-        write(*thresholds(executor))

@@ -7,8 +7,8 @@ import os
 import time
 from pathlib import Path
 
-from tetherfmu.study.stability.flight import Verdict
-from tetherfmu.study.stability.points import point
+from stability.flight import Verdict
+from stability.points import point
 
 POINTS = [point(1, number) for number in range(400)]
 DEADLY, ENDLESS = POINTS[5], POINTS[3]

@@ -1,18 +1,18 @@
-"""The benchmark command runs, and the work it counts is bounded. Seconds are not tested."""
+"""The benchmark runs, and the work it counts is bounded. Seconds are not tested."""
 
 import csv
 from itertools import pairwise
 
 import pytest
 
-from tetherfmu.study.__main__ import main
+from make_benchmarks import main
 
 
 @pytest.fixture(scope="module")
 def tables(fmu_folder, tmp_path_factory):
     """Rows of each table of a quick run without peers, as dicts, by the title of the table."""
     folder = tmp_path_factory.mktemp("benchmark")
-    assert main(["benchmark", "--quick", "--no-peers", "--fmus", str(fmu_folder), "--out", str(folder)]) == 0
+    assert main(["--quick", "--no-peers", "--fmus", str(fmu_folder), "--out", str(folder)]) == 0
     assert (folder / "measurements" / "benchmarks.md").read_text(encoding="utf-8").startswith("# Accuracy and speed\n")
     found, columns = {}, ()
     with open(folder / "data" / "benchmarks.csv", newline="", encoding="utf-8") as file:

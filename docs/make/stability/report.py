@@ -1,4 +1,4 @@
-"""The command `python -m tetherfmu.study stability`: it judges random points, and writes their page.
+"""Random points are judged, and their page is written.
 
 The page, stability.md, has tables by variant, refusals, the worst points, heat maps and the extreme scenarios with a known
 answer (extremes.md.j2), which are not measured here. The table by region is a CSV file.
@@ -6,6 +6,7 @@ answer (extremes.md.j2), which are not measured here. The table by region is a C
 
 import sys
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,8 +15,9 @@ from tetherfmu.models import TetherDynamicFree
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
+from tetherfmu.study.measuring.store import keeping
 from tetherfmu.study.measuring.tables import markdown, page
-from tetherfmu.study.scenes.standard import MODELS
+from tetherfmu.study.scenes.start import MODELS
 
 from .figure import COMPARED, DYNAMIC, FIGURES, FREE_KITE, QUANTITIES, STATIC, draw
 from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge, judge_all, read
@@ -230,14 +232,17 @@ def write(results, before, also, folder, with_figures, others=()):
     found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
     found |= {"whole": whole, "fixed": fixed, "fixed_by_map": by_map_and_core(fixed), "failed": forbidden(whole)}
     found |= {"maps": by_map(whole), "requests": by_request(whole), "all_refusals": refusals_by_map(whole)}
-    text = page("stability/page.md.j2", figures=drawn, **found, **tables, **bounds)
+    text = page("page.md.j2", Path(__file__).parent, figures=drawn, **found, **tables, **bounds)
     (pages / "stability.md").write_text(text, encoding="utf-8")
     regions(whole).to_csv(data / "stability_by_region.csv", index=False, float_format="%.3g")
     return f"{markdown(by_variant(points))}\n{held}"
 
 
 def run(options):
-    """Judge all points and write their page, or judge one and print it; returns 1 if a point is what none may be."""
+    """Judge all points and write their page, or judge one and print it; returns 1 if a point is what none may be.
+
+    options : of `make_stability.py`.
+    """
     control = dict(quantities(Winch))["winch_control"].numbers[options.control]
     if options.point is not None:
         chosen = point(options.seed, options.point, control, options.ground)
@@ -251,7 +256,8 @@ def run(options):
     name = f"stability_{options.seed}" + ("" if options.control == "speed" else f"_{options.control}")
     name += "_ground" if options.ground else ""
     file = options.results or options.out / f"{name}.jsonl"
-    results = judge_all(points, file, options.processes, options.dask)
+    with keeping():
+        results = judge_all(points, file, options.processes, options.dask)
     before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
     others = [read(each) for each in options.others]
     print(write(results, before, also, options.out, with_figures=not options.quick, others=others))

@@ -15,8 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
-from tetherfmu.study.measuring.reference import error, exact
-from tetherfmu.study.scenes.standard import STEP, tether_at_start
+from tetherfmu.study.scenes.start import tether_at_start
+
+from .reference import error, exact
+from .scenes import STEP
 
 OURS, WHOLE, RESTARTED = "TetherDynamic", "CVODES, one call", "CVODES, restarted"
 COMPILED = ", compiled C"

@@ -16,9 +16,9 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.standard import STEP, circle_scene
 
 from .races import DEFAULT, OURS, interleaved, our_run
+from .scenes import STEP, circle_scene
 
 DEPTH = 50_000.0
 WARM_UP, PART = 250, 50  # communication steps, 5 s and 1 s
@@ -54,7 +54,7 @@ def moordyn_flight(scene, scheme, step):
     motion = iter([(*ends(scene, k * STEP), k * STEP, STEP) for k in range(round(scene.duration / STEP))])
     with silence(), tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "line.txt"
-        file.write_text(page("benchmark/moordyn.txt.j2", scheme=scheme, step=step, depth=DEPTH, **facts))
+        file.write_text(page("moordyn.txt.j2", Path(__file__).parent, scheme=scheme, step=step, depth=DEPTH, **facts))
         system = moordyn.Create(str(file))
         moordyn.Init(system, *ends(scene, 0.0))
 

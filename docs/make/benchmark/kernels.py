@@ -11,9 +11,10 @@ from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
-from tetherfmu.study.scenes.standard import STEP, circle_scene, tether_at_start
+from tetherfmu.study.scenes.start import tether_at_start
 
 from .races import interleaved
+from .scenes import STEP, circle_scene
 
 SEGMENTS, STEPS, REPEATS = (6, 10, 20, 40, 80, 160), 5000, 15
 FEWER = 50  # starts are so many times fewer than steps

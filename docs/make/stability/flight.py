@@ -34,6 +34,7 @@ damping of the ground (kernels/equations/ground.py).
 from concurrent.futures import as_completed
 from functools import partial
 from math import sqrt
+from pathlib import Path
 from time import process_time
 from typing import NamedTuple
 from warnings import catch_warnings
@@ -48,11 +49,12 @@ from tetherfmu.results import Outputs, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.parameters import Environment, Tether
-from tetherfmu.study.measuring.executors import isolated, progress_bar
+from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import UNWARNED
-from tetherfmu.study.measuring.store import Store, key
-from tetherfmu.study.scenes.standard import MODELS
+from tetherfmu.study.measuring.store import Store, digest, key
+from tetherfmu.study.scenes.start import MODELS
 
+from .isolated import isolated
 from .points import CALLS, FREE, MOST_REELED, MapPoint, ground_height, kite
 
 AMPLIFICATION = 6.0
@@ -303,13 +305,18 @@ def read(path):
     return table(line for line in Store(path).points.values() if line.keys() == set(COLUMNS))
 
 
+def key_of(point):
+    """Name of the verdict on a point: what is judged by other sources is judged again."""
+    return key(digest(Path(__file__).parent), *point)
+
+
 def judge_all(points, path, processes=None, dask=None, *, judgement=judge, most_seconds=MOST_SECONDS, progress=progress_bar):
     """Judge the points that the file at `path` does not have yet, and append them; returns the table of all, in order.
 
     processes, dask : who works, as of `executor_of`.  judgement : function of a point, which gets `most_seconds` [s].
     progress : as `progress_bar`.
     """
-    store, names = Store(path), [key(*point) for point in points]
+    store, names = Store(path), list(map(key_of, points))
     missing = {name: point for name, point in zip(names, points, strict=True) if name not in store.points}
     with isolated(dask, processes) as begun:
         futures = {begun(judgement, point, most_seconds): name for name, point in missing.items()}

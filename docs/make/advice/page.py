@@ -1,6 +1,7 @@
 """The page docs/use/how_much_tether.md and its tables; also, how often the advice holds."""
 
 from dataclasses import replace
+from pathlib import Path
 from time import process_time
 
 import pandas as pd
@@ -8,19 +9,19 @@ import pandas as pd
 from tetherfmu.input_files import spellings
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.quantities import quantities
+from tetherfmu.study.advice.advise import BUDGET, FAST_BUDGET, advise
+from tetherfmu.study.advice.reasons import TABLE
+from tetherfmu.study.advice.tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
-from tetherfmu.study.measuring.store import POINTS, Store
+from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import factor, page, percent
 from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load
 from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.standard import SEED, random_scenes
 from tetherfmu.study.scenes.winds import Box
 
-from .advise import BUDGET, FAST_BUDGET, advise
 from .figures import draw_chart, draw_scenes, draw_sweeps
-from .reasons import TABLE
-from .tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
+from .random_scenes import SEED, random_scenes
 
 NAMES = ("kite_force",)
 UNSEEN = 40
@@ -154,17 +155,17 @@ def write(results, verdicts, folder):
     pages, data = folder / "use", folder / "data"
     for each in (pages, data):
         each.mkdir(parents=True, exist_ok=True)
-    text = page("advice/page.md.j2", **declared(), **facts, results=results)
+    text = page("page.md.j2", Path(__file__).parent, **declared(), **facts, results=results)
     (pages / "how_much_tether.md").write_text(text, encoding="utf-8")
     by_scene(cases).to_csv(data / "advice_by_scene.csv", index=False)
     by_unseen(unseen).to_csv(data / "advice_unseen.csv", index=False)
 
 
 def run(options):
-    """Measure all and write the page and its figures; finished points are taken from the stores."""
+    """Measure all and write the page and its figures; options : of `make_how_much_tether.py`."""
     scenes, figures = [asking(load(path), 0.01) for path in options.scenes], options.out / "figures"
     stores = [Store(options.store / scene.name / POINTS) for scene in scenes]
-    with executor_of() as executor:
+    with keeping(), executor_of() as executor:
         studied = [study(scene, store, executor, repeats=1) for scene, store in zip(scenes, stores, strict=True)]
         references = [reference for reference, _ in studied]
         known, others = executor.map(at_all_levels, scenes, references), executor.map(unseen, random_scenes(UNSEEN))

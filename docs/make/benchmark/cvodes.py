@@ -13,8 +13,10 @@ from tetherfmu.kernels.equations import segment
 from tetherfmu.kernels.equations.end_motion import curve, position_at, velocity_at
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
-from tetherfmu.study.measuring.reference import free_state, right_hand_side
-from tetherfmu.study.scenes.standard import STEP, tether_at_start
+from tetherfmu.study.scenes.start import tether_at_start
+
+from .reference import free_state, right_hand_side
+from .scenes import STEP
 
 if hasattr(casadi.GlobalOptions, "setNumpyMode"):  # from CasADi 3.8 on
     casadi.GlobalOptions.setNumpyMode(1)  # numpy functions of symbols give symbols

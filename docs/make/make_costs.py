@@ -1,5 +1,6 @@
-"""The unit costs of costs.csv, fitted to measured times: `python -m tetherfmu.study costs`."""
+"""Measure the unit costs that the advisor reads (costs.csv), on an idle machine; `python docs/make/make_costs.py`."""
 
+import sys
 import tempfile
 from itertools import product
 from warnings import catch_warnings
@@ -8,16 +9,18 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
+from advice.random_scenes import random_scenes
+from benchmark.in_fmpy import measured
+from tetherfmu.console.ending import command
+from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
-from tetherfmu.study.scenes.standard import random_scenes, tether_at_start
-
-from . import runs
-from .runs import COLUMNS, FIXED, HOST, TABLE, regressors
-from .through_fmpy import measured
+from tetherfmu.study.measuring import runs
+from tetherfmu.study.measuring.runs import COLUMNS, FIXED, HOST, TABLE, regressors
+from tetherfmu.study.scenes.start import tether_at_start
 
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
 SCENES, HOST_STEPS = 4, 3000
@@ -56,11 +59,13 @@ def fitted_to_fixed_steps(scenes):
     return nnls(np.array(rows), np.ones(len(rows)))[0]
 
 
-def run(_):
-    """Measure all unit costs in random scenes, store and print them.
+@command
+def main(arguments=None):
+    """Measure all unit costs in random scenes, store and print them; returns the exit status.
 
     What FMPy adds to a communication step is the time of a straight tether's FMU, whose kernel costs next to nothing.
     """
+    Parser(prog="make_costs.py", description="measure the unit costs that the advisor reads").parse_args(arguments)
     now("measuring the unit costs")
     scenes = random_scenes(SCENES)
     rows = {variant: fitted(scenes, variant) for variant in VARIANTS}
@@ -71,3 +76,7 @@ def run(_):
     found = pd.DataFrame.from_dict(rows, orient="index", columns=COLUMNS).rename_axis("variant")
     found.map("{:.3g}".format).to_csv(TABLE, lineterminator="\r\n")
     print(TABLE.read_text(encoding="utf-8"), end="")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tetherfmu.study.advice.page import unseen
-from tetherfmu.study.scenes.standard import random_scenes
+from advice.page import unseen
+from advice.random_scenes import random_scenes
 
 QUICK = (3, 7, 9, 15, 31)  # a launch, a circle, a parked kite, a figure of eight, a launch
 

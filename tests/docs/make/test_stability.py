@@ -10,14 +10,13 @@ import time
 
 import numpy as np
 import pytest
+from points_of_tests import DEADLY, ENDED, ENDLESS, POINTS, judge_or_die, judge_or_hang
 
+import make_stability
 from bounds import most_work
-from study.points_of_tests import DEADLY, ENDED, ENDLESS, POINTS, judge_or_die, judge_or_hang
-from tetherfmu.runtime import layout as at
-from tetherfmu.study.__main__ import main
-from tetherfmu.study.measuring.store import key
-from tetherfmu.study.stability import flight as flight_of_points
-from tetherfmu.study.stability.flight import (
+from make_stability import main
+from stability import flight as flight_of_points
+from stability.flight import (
     FORBIDDEN,
     MOST_WORK,
     Verdict,
@@ -26,12 +25,14 @@ from tetherfmu.study.stability.flight import (
     free_strain_and_speed,
     judge,
     judge_all,
+    key_of,
     read,
     table,
 )
-from tetherfmu.study.stability.points import AXES, CALLS, FREE, VARIANTS, VARIANTS_ON_GROUND, ground_height, kite, point
-from tetherfmu.study.stability.report import by_map, by_request, common, compared, kinds, refusals_by_map, regions
-from tetherfmu.study.stability.requests import POSSIBLE, request
+from stability.points import AXES, CALLS, FREE, VARIANTS, VARIANTS_ON_GROUND, ground_height, kite, point
+from stability.report import by_map, by_request, common, compared, kinds, refusals_by_map, regions
+from stability.requests import POSSIBLE, request
+from tetherfmu.runtime import layout as at
 
 
 def results_of(points, verdict):
@@ -59,7 +60,7 @@ def test_points_keep_to_their_axes():
         assert max(p.wind / 60.0, p.speed / 150.0, abs(p.reel_out_speed) / 20.0, p.gravity / 25.0) <= 1.0
     assert {p.variant for p in POINTS} == set(VARIANTS)
     assert point(1, 7) == POINTS[7] != point(2, 7)
-    assert len({key(*p) for p in POINTS}) == len(POINTS)
+    assert len(set(map(key_of, POINTS))) == len(POINTS)
 
 
 def test_the_kite_keeps_the_slack_and_its_speed():
@@ -98,7 +99,7 @@ def flight(forces=None, **changes):
 )
 def test_verdicts(monkeypatch, first, second, expected):
     flights = iter((flight(**first), flight(**second)))
-    monkeypatch.setattr("tetherfmu.study.stability.flight.fly", lambda *arguments, **options: next(flights))
+    monkeypatch.setattr("stability.flight.fly", lambda *arguments, **options: next(flights))
     assert judge(POINTS[0]).verdict == expected
 
 
@@ -264,13 +265,13 @@ def quick_map(tmp_path_factory):
         fly(next(p for p in POINTS if p.variant == variant and p.segments < 10))  # compiled once, not in each process
     folder = tmp_path_factory.mktemp("map")
     path = folder / "stability_1.jsonl"
-    command = [sys.executable, "-m", "tetherfmu.study", "stability", "--quick", "--out", str(folder), "--processes", "2"]
+    command = [sys.executable, make_stability.__file__, "--quick", "--out", str(folder), "--processes", "2"]
     process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while process.poll() is None and not (path.exists() and path.stat().st_size):
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    return folder, path.read_text(encoding="utf-8"), main(command[3:])
+    return folder, path.read_text(encoding="utf-8"), main(command[2:])
 
 
 def test_the_quick_map_goes_on_after_a_kill(quick_map):

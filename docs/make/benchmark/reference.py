@@ -10,7 +10,7 @@ from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, interleave,
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
-from tetherfmu.study.scenes.standard import tether_at_start
+from tetherfmu.study.scenes.start import tether_at_start
 
 TOLERANCE = 1e-11
 

@@ -1,4 +1,7 @@
-"""Make the folder that users download from: FMUs of both flavours, wheel and sdist, checksums, what to download when."""
+"""Make the folder that users download from: FMUs of both flavours, wheel and sdist, checksums, what to download when.
+
+python docs/make/make_release.py [--out release]
+"""
 
 import hashlib
 import shutil
@@ -7,19 +10,18 @@ import sys
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
+from string import Template
 
-from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
+from tetherfmu.commands import build
+from tetherfmu.console.ending import FAILED, command, one_line
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export.documents import filled
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.children import child
-from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 
-from . import build
-
-CHECKOUT = PACKAGE.parents[1]
+HERE = Path(__file__).resolve().parent
+CHECKOUT = HERE.parents[1]
 README, CHECKSUMS = "README.txt", "SHA256SUMS"
 NATIVE = {"_native": ("--native",), "_native_fmi3": ("--native", "--fmi", "3")}  # endings of the names of their files
 
@@ -60,25 +62,24 @@ def fill(folder):
         return status
     now("making wheel and sdist")
     make_packages(folder)
-    text = filled("release.txt", version=__version__, platforms=", ".join(TARGETS))
-    (folder / README).write_text(text, encoding="utf-8", newline="\n")
+    text = Template((HERE / "release.txt").read_text(encoding="utf-8"))
+    about = text.substitute(version=__version__, platforms=", ".join(TARGETS))
+    (folder / README).write_text(about, encoding="utf-8", newline="\n")
     write_checksums(folder)
     print("\n".join(f"{path}  {path.stat().st_size / 1000:.0f} kB" for path in sorted(folder.iterdir())))
     return 0
 
 
 @command
-def main(arguments=None, prog="tetherfmu release"):
+def main(arguments=None):
     """Make the release; returns the exit status."""
-    parser = Parser(prog=prog, description="make a folder with all that users download")
+    parser = Parser(prog="make_release.py", description="make a folder with all that users download")
     parser.add_argument(
         "--out", default="release", type=folder, metavar="DIR", help="empty or new folder (default: release)"
     )
     place = parser.parse_args(arguments).out
     if place.exists() and any(place.iterdir()):
         parser.error(f"argument --out: {place} is not empty; it must be an empty or new folder")
-    if not (CHECKOUT / "pyproject.toml").exists():
-        raise WrongUse("a release is made in a checkout of the sources, not by an installed wheel")
     if find_spec("build") is None:
         raise ModuleNotFoundError(name="build")
     status = FAILED
@@ -89,3 +90,7 @@ def main(arguments=None, prog="tetherfmu release"):
             for path in place.glob("*"):
                 path.unlink()
     return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

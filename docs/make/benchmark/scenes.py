@@ -1,0 +1,49 @@
+"""The scenes of the benchmark: a tether on a circling kite, on one that flies figures of eight, and a released one.
+
+The first two start turning with the kite (`initial_shape = quasi_steady`). The third is held until at rest; then its lower
+end is free and the tether reels out.
+"""
+
+import numpy as np
+
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.study.scenes.files import Scene
+from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Flight
+from tetherfmu.study.scenes.winds import Wind
+
+STEP = 0.02  # communication step [s]
+REVOLUTION = 2.0 * np.pi / Circle().rate
+BREEZE = Wind((8.0, 0.0, 0.0))
+
+
+class Release(Flight):
+    """The kite end is held at a point until it is let go, and the winch pays out."""
+
+    reel_out_speed = 0.3  # [m/s]
+
+    def kite(self, time):
+        """Where it is held."""
+        return 0.0 * time - 40.0, 0.0 * time, 0.0 * time - 47.0
+
+    def reeled(self, time):
+        """Out at a constant speed."""
+        return self.reel_out_speed * time
+
+
+def circle_scene(segments, duration=REVOLUTION):
+    """The circle with so many segments."""
+    every = 0.5 if duration > 5.0 else 10 * STEP
+    tether = Tether(segments=segments, initial_length=525.0)
+    return Scene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
+
+
+def figure_of_eight_scene(segments, duration=40.0):
+    """The figures of eight with so many segments."""
+    tether = Tether(segments=segments, initial_length=499.0)
+    return Scene("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
+
+
+def release_scene(segments, duration=10.0):
+    """The release with so many segments."""
+    tether, winch = Tether(segments=segments, initial_length=70.0), Release.reel_out_speed
+    return Scene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)

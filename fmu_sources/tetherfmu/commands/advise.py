@@ -1,0 +1,16 @@
+"""The scene advisor: which FMU, segments, tolerance and communication step a scene needs."""
+
+from importlib import import_module
+
+from tetherfmu.console.ending import command
+from tetherfmu.console.options import Parser
+
+
+@command
+def main(arguments=None, prog="tetherfmu advise"):
+    """Print the advice for a scene; returns the exit status, 1 if nothing meets what it asks for."""
+    parser = Parser(prog=prog)
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument("--fast", action="store_true", help="take a second or two, and say if that is not enough")
+    options = parser.parse_args(arguments)
+    return import_module("tetherfmu.study.advice.advise").run(options)

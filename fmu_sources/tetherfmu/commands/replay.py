@@ -1,0 +1,80 @@
+"""The replay of a measured flight: the tethers along it, compared with its log."""
+
+import argparse
+import tomllib
+from importlib import import_module
+
+from tetherfmu.console.ending import command
+from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.runtime.layout import MAX_SEGMENTS
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.variants import VARIANTS
+
+
+def constant(text):
+    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not possible; it must be SECTION.NAME=VALUE, as in tether.diameter='14 mm'"
+        )
+    try:
+        return name, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return name, value
+
+
+def parse(arguments, prog):
+    """Command line options."""
+    parser = Parser(prog=prog)
+    option = parser.add_argument
+    option("log", metavar="LOG", help="the log (CSV)")
+    about = "what its columns are: a map of this package, or a file (TOML) (default: kitepower)"
+    option("--as", dest="map", metavar="MAP", help=about)
+    option(
+        "--set",
+        type=constant,
+        action="append",
+        metavar="NAME=VALUE",
+        help="change a constant of the map, such as tether.diameter=0.014",
+    )
+    leads = ("tension", "length", "speed")
+    option(
+        "--lead",
+        choices=leads,
+        help="what the winch follows: tension, length or speed (default: the first of them in the log)",
+    )
+    tethers = tuple(reversed(VARIANTS))
+    option("--tether", choices=tethers, nargs="+", metavar="NAME", help=f"tethers: {', '.join(tethers)} (default: all)")
+    whole, about = number(1, MAX_SEGMENTS, whole=True), f"segments of tethers with nodes (default: {Tether.segments})"
+    option("--segments", type=whole, default=Tether.segments, metavar="N", help=about)
+    option(
+        "--from",
+        dest="start",
+        type=number(unit="s"),
+        metavar="T",
+        help="start of the flight, in s of the log (default: its first)",
+    )
+    option("--to", dest="end", type=number(unit="s"), metavar="T", help="end of the flight (default: that of the log)")
+    fits = ("offset", "origin", "delay", "nothing")
+    about = (
+        "what is fitted so that length and positions agree: offset, origin, delay, or nothing (default: offset, if possible)"
+    )
+    option("--fit", choices=fits, nargs="+", metavar="WHAT", help=about)
+    about = (
+        "start of the part used for the fit (default: what is before the flight; its first half if that is less than 20 s)"
+    )
+    option("--fit-from", type=number(unit="s"), metavar="T", help=about)
+    option("--fit-to", type=number(unit="s"), metavar="T", help="end of that part")
+    option("--out", type=folder, metavar="DIR", help="folder of the results (default: flights/NAME)")
+    option("--html", action="store_true", help="also write a page with the tether in space (needs plotly)")
+    about = "also build the FMU that is advised for this flight, with its values as start values"
+    option("--fmu", action="store_true", help=about)
+    return parser.parse_args(arguments)
+
+
+@command
+def main(arguments=None, prog="tetherfmu replay"):
+    """Fly and compare, write the results; returns the exit status, 1 if no FMU meets what its scene asks for."""
+    options = parse(arguments, prog)
+    return import_module("tetherfmu.study.replay.replay").run(options)
