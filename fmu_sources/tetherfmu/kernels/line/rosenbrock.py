@@ -101,21 +101,24 @@ def add_explicit_rates(conditions, time, w):
 
 
 @kernel
-def form(conditions, time, h, x, v, w):
-    """Matrix of the step, and the explicit time derivative of forces [N/s] into w.q.
+def form(conditions, chain, turns, time, h, x, v, w):
+    """Matrix of the step from the `Chain` at its start, and the explicit time derivative of forces [N/s] into w.q.
 
+    turns : whether its length is an unknown, and no function of time.
     Modifies w.start_x, w.start_v, w.mass, w.modes, w.records, w.q and w.matrix.
     """
     n = conditions.n
-    chain = chain_during(conditions, time)
     interleave(n, x, w.start_x)
     interleave(n, v, w.start_v)
     assembly.node_masses(chain, w.mass)
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
+    if turns:
+        for k in range(3 * (n + 1)):
+            w.q[k] = 0.0
     assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
     add_explicit_rates(conditions, time, w)
     assemble(conditions, chain, GAMMA * h, x, v, w)
-    if has_ground(chain.parameters):
+    if has_ground(chain.parameters) and not turns:
         contact.add_rate(chain, x, v, w, w.q)
 
 
@@ -129,12 +132,12 @@ def assemble(conditions, chain, d, x, v, w):
 
 
 @kernel
-def stage_masses(conditions, stage, time, w):
-    """Node masses at a stage [kg] into w.stage_mass (modified), which has those of the stage before."""
+def stage_masses(chain, stage, changes, w):
+    """Node masses at a stage [kg] into w.stage_mass (modified); changes : whether those of the start have changed."""
     if stage == 0:
         copy(w.mass, w.stage_mass)
-    elif winch.is_reeling(conditions.reeling) and ALPHA[stage] != ALPHA[stage - 1]:
-        assembly.node_masses(chain_during(conditions, time), w.stage_mass)
+    elif changes:
+        assembly.node_masses(chain, w.stage_mass)
 
 
 @kernel

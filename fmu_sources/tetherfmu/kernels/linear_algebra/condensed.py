@@ -22,9 +22,9 @@ from ..compilation import kernel, view
 from ..flat_arrays import part
 from .block_tridiagonal import factorize, solve
 from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
-from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract
+from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract, transposed_apply
 from .pairs import broadcast, first, pair, second
-from .vectors import ZERO_VECTOR, get, put, sub
+from .vectors import ZERO_VECTOR, add, get, put, scale, sub
 
 Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
 Rows.__doc__ = """The rows 0 .. n: the inner ones, which are solved for, are `first` .. `last`; none where first > last.
@@ -184,6 +184,15 @@ def block_beside(n, row_end, blocks):
         return get_matrix(blocks, 9)
     both = get_packed_blocks(blocks, 1, blocks, n - 1)
     return second(both) if row_end == 1 else first(both)
+
+
+@kernel
+def row_at_end(n, end, g, columns):
+    """What is left at an end of the row g (y_0 - y_1), as a row r of the condensed system."""
+    if n == 1:
+        return g if end == 0 else scale(-1.0, g)
+    beside = transposed_apply(g, block_beside(n, 0, columns_of(n, end, columns)))
+    return add(g, beside) if end == 0 else beside
 
 
 @kernel

@@ -14,6 +14,7 @@ from ..equations.plan import OneLine
 from ..equations.properties import chain_of
 from ..flat_arrays import part
 from ..motion import iteration_limit
+from ..points import system_room
 from ..step.plausibility import note_damping_of_steps
 from . import dynamic_chain, moving_lines, resting_kite
 
@@ -21,7 +22,7 @@ from . import dynamic_chain, moving_lines, resting_kite
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(moving_lines.line_work_size(n), resting_kite.work_size(n))
+    return max(system_room.line_work_size(n), resting_kite.work_size(n))
 
 
 @kernel
