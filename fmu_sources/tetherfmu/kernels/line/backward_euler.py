@@ -25,7 +25,7 @@ from ..equations.properties import property_of, rest_length, stiffest
 from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, norm, put, sub
 
 MOST_HALVINGS = 8  # of a move that does not go down
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square,
@@ -68,33 +68,6 @@ def workspace(n, work):
 def flight(x, v, h, acceleration):
     """x + h v + h^2 a [m]: where backward Euler takes a node at x [m] with v [m/s] and an acceleration [m/s2] in h [s]."""
     return add_scaled(add_scaled(x, h, v), h * h, acceleration)
-
-
-@kernel
-def try_part(taken, w):
-    """Positions [m] after a part of the move from w.x into w.trial (modified)."""
-    for k in range(len(w.move)):
-        w.trial[k] = w.x[k] + taken * w.move[k]
-
-
-@kernel
-def largest_move(n, w):
-    """The largest move of a node [m] in w.move."""
-    square = 0.0
-    for i in range(n + 1):
-        move = get(w.move, i)
-        square = max(square, dot(move, move))
-    return sqrt(square)
-
-
-@kernel
-def holds(chain, x, w):
-    """Whether all springs still have the mode with which the matrix was made, with the nodes at x [m]."""
-    for s in range(chain.n):
-        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
-        if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
-            return False
-    return True
 
 
 @kernel

@@ -199,19 +199,15 @@ def select_end(sign, a, b):
 
 
 @kernel
-def curves_of(conditions):
-    """Curves of both ends (`end_motion.curve`), as pairs; and a pair that is above 0 where an end is driven."""
-    ground, kite = conditions.ground, conditions.kite
-    ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
-    return ends, pair(1.0 if conditions.first == 1 else 0.0, 1.0 if conditions.last == conditions.n - 1 else 0.0)
-
-
-@kernel
-def prescribe_ends(ends, driven, time, w):
+def prescribe_ends(conditions, time, w):
     """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
-    put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
-    put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
-    put_interleaved(w.r, 0, select_end(driven, pair(ZERO_VECTOR, ZERO_VECTOR), get_interleaved(w.r, 0)))
+    ground, kite, is_driven = conditions.ground, conditions.kite, conditions.last == conditions.n - 1
+    if conditions.first == 1 or is_driven:
+        ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
+        driven = pair(1.0 if conditions.first == 1 else 0.0, 1.0 if is_driven else 0.0)
+        put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
+        put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
+        put_interleaved(w.r, 0, select_end(driven, pair(ZERO_VECTOR, ZERO_VECTOR), get_interleaved(w.r, 0)))
 
 
 @kernel

@@ -34,7 +34,7 @@ from collections import namedtuple
 
 from ..arrays import behind, split
 from ..compilation import kernel, view
-from ..equations import ground, node_loads, segment
+from ..equations import node_loads, segment
 from ..equations.boundary import chain_during, load_during
 from ..equations.properties import rest_length
 from ..flat_arrays import part
@@ -74,29 +74,6 @@ def workspace(n, work):
     x, v, before, room = split(flat, behind(backward_euler.workspace_size(n), work))
     x_onward, v_onward = part(room, 0, flat), part(room, flat, flat)
     return Workspace(backward_euler.workspace(n, work), x, v, x_onward, v_onward, before)
-
-
-@kernel
-def is_on_ground(conditions, x):
-    """Whether a node that moves freely is on the ground or below it, with the nodes at x [m]."""
-    if ground.has_ground(conditions.parameters):
-        height = ground.ground_of(conditions.parameters).height
-        for i in range(conditions.first, conditions.last + 1):
-            if x[3 * i + 2] <= height:
-                return True
-    return False
-
-
-@kernel
-def crosses(conditions, start, x, end, y):
-    """Whether a segment is slack with the nodes at x [m] and taut at y [m], or the other way; start, end : times [s]."""
-    before, after = chain_during(conditions, start), chain_during(conditions, end)
-    for s in range(conditions.n):
-        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(before, s)
-        q, new = sub(get(y, s + 1), get(y, s)), rest_length(after, s)
-        if segment.beyond_rest(r, rest) * segment.beyond_rest(q, new) < 0.0:
-            return True
-    return False
 
 
 @kernel

@@ -208,27 +208,6 @@ def condensed_block(n, row_end, column_end, matrix, columns):
 
 
 @kernel
-def condensed_blocks(n, matrix, columns):
-    """`condensed_block` of both ends where both are free, as pairs: of each with itself, and with the other one."""
-    diagonal, lower, upper = matrix
-    coupling = pair(get_matrix(upper, 0), get_matrix(lower, 9 * n))
-    own = pair(get_matrix(diagonal, 0), get_matrix(diagonal, 9 * n))
-    if n == 1:
-        return own, coupling
-    start, end = columns_of(n, 0, columns), columns_of(n, 1, columns)
-    if n == 2:
-        beside_start, beside_end = get_matrix(start, 9), get_matrix(end, 9)
-        beside, across = pair(beside_start, beside_end), pair(beside_end, beside_start)
-    else:
-        of_start, of_end = get_packed_blocks(start, 1, start, n - 1), get_packed_blocks(end, 1, end, n - 1)
-        beside, across = pair(first(of_start), second(of_end)), pair(first(of_end), second(of_start))
-    return (
-        subtract(own, multiply(coupling, beside)),
-        subtract(broadcast(ZERO_MATRIX, own[0]), multiply(coupling, across)),
-    )
-
-
-@kernel
 def reduce(rows, matrix, b):
     """Solve the inner rows of a right-hand side, and take their part out of those of its ends that are shared (modified)."""
     solve_inner(rows, matrix, b)

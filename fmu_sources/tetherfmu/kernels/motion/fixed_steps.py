@@ -12,7 +12,9 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
 from ..compilation import kernel
+from ..equations import segment
 from ..equations.boundary import chain_during, place_ends
+from ..equations.ground import ground_of, has_ground
 from ..equations.lines import (
     conditions_of,
     is_at_point,
@@ -24,11 +26,11 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
-from ..equations.properties import stiffest
+from ..equations.properties import rest_length, stiffest
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, ROUNDING, TO_NEXT
-from ..linear_algebra.vectors import get, norm
+from ..linear_algebra.vectors import get, norm, sub
 from ..points.system_descent import STUCK, descend, holds, is_unconverged, unconverged_lines
 from ..points.system_fixed_drums import unconverged_drums
 from ..points.system_guess import begin_as_expected, guess, start
@@ -146,9 +148,12 @@ def subdivided_step(system, time, h):
 def is_any_on_ground(system):
     """Whether a node that moves freely is on the ground or below it."""
     for k in range(lines_of(system)):
-        x, _ = motion_of(system, k)
-        if second_order.is_on_ground(conditions_of(system, k), x):
-            return True
+        conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
+        if has_ground(conditions.parameters):
+            height = ground_of(conditions.parameters).height
+            for i in range(conditions.first, conditions.last + 1):
+                if x[3 * i + 2] <= height:
+                    return True
     return False
 
 
@@ -166,9 +171,12 @@ def crosses(system, start, end):
     """Whether a segment went slack or taut since the step was started; start, end : times [s]."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            x, _ = motion_of(system, k)
-            if second_order.crosses(conditions_of(system, k), start, stages_of(system, k).x, end, x):
-                return True
+            old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
+            before, after = chain_during(conditions, start), chain_during(conditions, end)
+            for s in range(conditions.n):
+                beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
+                if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
+                    return True
     return False
 
 
@@ -176,21 +184,9 @@ def crosses(system, start, end):
 
 
 @kernel
-def power_of_load(system, k, end, time, v):
-    """Largest power [W] of the load on the free point at an end of line k at a time [s], by its part of the mass.
-
-    v : velocities of the nodes [m/s].
-    """
-    point, node = point_at(system, k, end), segments_of(system, k) * end
-    own = scratch_of(system, k).mass[node] / points_of(system).mass[point]
-    return own * norm(load_at(system, point, time)) * norm(get(v, node))
-
-
-@kernel
 def energy_and_power_of_line(system, k, time, is_new):
-    """Energy [J] and largest power [W] of line k with its drum, see `energy_and_power`."""
-    w = stages_of(system, k)
-    x, v = motion_of(system, k)
+    """Energy [J] and largest power [W] of line k with its drum and its parts of the loads on points, by masses."""
+    points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
     here, speed = (x, v) if is_new else (w.x, w.v)
     of_drum, grown = 0.0, 0.0
     if has_drum(system, k):
@@ -198,7 +194,9 @@ def energy_and_power_of_line(system, k, time, is_new):
     energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
     for end in range(2):
         if is_at_point(system, k, end):
-            power += power_of_load(system, k, end, time, speed)
+            point, node = point_at(system, k, end), segments_of(system, k) * end
+            share = w.chain.mass[node] / points.mass[point]
+            power += share * norm(load_at(system, point, time)) * norm(get(speed, node))
     return energy + of_drum, power + grown
 
 

@@ -17,7 +17,6 @@ from ..equations.boundary import hold_ends
 from ..equations.lines import conditions_of, is_at_point, point_at, points_of, rows_of, segments_of, size_of_blocks
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer
-from ..linear_algebra.pairs import first, second
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import get, put, scale
 from .system_room import PIVOT, numbers_of, room_in_step
@@ -25,26 +24,20 @@ from .system_room import PIVOT, numbers_of, room_in_step
 
 @kernel
 def add_block(system, k, row_end, column_end, block):
-    """Add a block that couples two ends of line k to the matrix of the points (modified), if both are free points."""
-    if is_at_point(system, k, row_end) and is_at_point(system, k, column_end):
-        row, column = point_at(system, k, row_end), point_at(system, k, column_end)
-        add_to_block(*size_of_blocks(system), row, column, block, points_of(system).matrix)
+    """Add a block that couples two ends of line k, which are free points, to the matrix of the points (modified)."""
+    row, column = point_at(system, k, row_end), point_at(system, k, column_end)
+    add_to_block(*size_of_blocks(system), row, column, block, points_of(system).matrix)
 
 
 @kernel
 def place_matrix(system, k, matrix):
     """Add what is left of the `Matrix` of line k, which is condensed, to the matrix of the points (modified)."""
-    n, columns, rows = segments_of(system, k), room_in_step(system, k).columns, rows_of(system, k)
-    if rows.start_is_shared and rows.end_is_shared:
-        own, across = condensed.condensed_blocks(n, matrix, columns)
-        add_block(system, k, 0, 0, first(own))
-        add_block(system, k, 1, 1, second(own))
-        add_block(system, k, 0, 1, first(across))
-        add_block(system, k, 1, 0, second(across))
-    elif rows.start_is_shared:
-        add_block(system, k, 0, 0, condensed.condensed_block(n, 0, 0, matrix, columns))
-    elif rows.end_is_shared:
-        add_block(system, k, 1, 1, condensed.condensed_block(n, 1, 1, matrix, columns))
+    n, columns = segments_of(system, k), room_in_step(system, k).columns
+    for row_end in range(2):
+        for column_end in range(2):
+            if is_at_point(system, k, row_end) and is_at_point(system, k, column_end):
+                block = condensed.condensed_block(n, row_end, column_end, matrix, columns)
+                add_block(system, k, row_end, column_end, block)
 
 
 @kernel

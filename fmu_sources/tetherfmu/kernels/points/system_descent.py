@@ -10,17 +10,19 @@ shorter one is taken of all lines together, and all of them converge before it e
 and so is what is left of them at the points.
 """
 
-from math import inf
+from math import inf, sqrt
 
 from ..arrays import copy
 from ..compilation import kernel
+from ..equations import segment
 from ..equations.assembly import longest_part
 from ..equations.lines import add_at, clear, is_at_point, lines_of, point_at, points_of, rows_of, segments_of, size_of_blocks
-from ..line import backward_euler, incremental_potential
+from ..equations.properties import rest_length
+from ..line import incremental_potential
 from ..line.backward_euler import MOST_HALVINGS
 from ..linear_algebra import condensed
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import get
+from ..linear_algebra.vectors import dot, get, sub
 from . import system_fixed_drums
 from .at_points import add_column, place_matrix, take_ends
 from .system_room import CHANGE, GOAL, attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
@@ -191,10 +193,12 @@ def descend(system, step, before, is_late):
 
 @kernel
 def try_part(system, taken):
-    """Positions to try (modified) after a part of the move."""
+    """Positions to try [m] (modified) after a part of the move."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            backward_euler.try_part(taken, scratch_of(system, k))
+            w = scratch_of(system, k)
+            for i in range(len(w.move)):
+                w.trial[i] = w.x[i] + taken * w.move[i]
 
 
 @kernel
@@ -222,7 +226,10 @@ def take_trial(system):
 @kernel
 def is_unconverged(system, k, taken):
     """Whether this part of the last move leads a node of line k further than one moves in a line that has converged."""
-    return taken * backward_euler.largest_move(segments_of(system, k), scratch_of(system, k)) > numbers_of(system, k)[GOAL]
+    move, square = scratch_of(system, k).move, 0.0
+    for i in range(segments_of(system, k) + 1):
+        square = max(square, dot(get(move, i), get(move, i)))
+    return taken * sqrt(square) > numbers_of(system, k)[GOAL]
 
 
 @kernel
@@ -240,7 +247,9 @@ def holds(system, step):
     """Whether all springs still have the mode with which the matrix was made."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            w = scratch_of(system, k)
-            if not backward_euler.holds(attempt_of(system, k, step).chain, w.x, w):
-                return False
+            w, chain = scratch_of(system, k), attempt_of(system, k, step).chain
+            for s in range(chain.n):
+                r, rest = sub(get(w.x, s + 1), get(w.x, s)), rest_length(chain, s)
+                if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
+                    return False
     return True

@@ -77,10 +77,12 @@ def add_weight(system, k, points):
     """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
     weight = 1.0 / length_before(system, k)
     for end in range(2):
-        add_block(system, k, end, end, add_to_diagonal(ZERO_MATRIX, weight))
-        add_block(system, k, end, 1 - end, add_to_diagonal(ZERO_MATRIX, -weight))
-        if is_at_point(system, k, end) and not is_at_point(system, k, 1 - end):
-            add_at(points.right, point_at(system, k, end), scale(weight, move_of_driven(system, k, 1 - end)))
+        if is_at_point(system, k, end):
+            add_block(system, k, end, end, add_to_diagonal(ZERO_MATRIX, weight))
+            if is_at_point(system, k, 1 - end):
+                add_block(system, k, end, 1 - end, add_to_diagonal(ZERO_MATRIX, -weight))
+            else:
+                add_at(points.right, point_at(system, k, end), scale(weight, move_of_driven(system, k, 1 - end)))
     return not (is_at_point(system, k, 0) and is_at_point(system, k, 1))
 
 
@@ -117,8 +119,7 @@ def carry(system, step):
             x, _ = motion_of(system, k)
             ways = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
             backward_euler.carry_by(attempt_of(system, k, step), *ways, x, scratch_of(system, k))
-    carried, _ = potential(system, step, True)
-    return carried
+    return potential(system, step, True)[0]
 
 
 @kernel
@@ -131,13 +132,6 @@ def add_drag(system, step):
 
 
 @kernel
-def phi_of(system, step):
-    """Phi [J] at the positions of the iteration."""
-    phi, _ = potential(system, step, False)
-    return phi
-
-
-@kernel
 def guess(system, step):
     """Positions to start from of all lines (modified): free, or carried along; Phi [J] there, with the drag there."""
     carried = carry(system, step)
@@ -145,10 +139,10 @@ def guess(system, step):
         if moves(system, k):
             w = scratch_of(system, k)
             copy(w.free, w.x)
-    if carried < phi_of(system, step):
+    if carried < potential(system, step, False)[0]:
         take_trial(system)
     add_drag(system, step)
-    return phi_of(system, step)
+    return potential(system, step, False)[0]
 
 
 @kernel
@@ -167,8 +161,8 @@ def begin_as_expected(system, step):
     if taken > 0.0 and unconverged_lines(system, taken) == 0:
         try_part(system, taken)
         take_trial(system)
-        return 0.0 if holds(system, step) else phi_of(system, step), taken
-    phi = phi_of(system, step)
+        return 0.0 if holds(system, step) else potential(system, step, False)[0], taken
+    phi, _ = potential(system, step, False)
     if taken > 0.0 and not carry(system, step) < phi:
         return go_along(system, step, taken, phi)
     return guess(system, step), inf

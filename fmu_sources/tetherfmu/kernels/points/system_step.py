@@ -113,9 +113,7 @@ def start_stage(system, k, stage, time, h):
     rosenbrock.combine(stage, h, w)
     if turns(system, k) and not system_drums.go_to_stage(system, k, stage, h):
         return False
-    if conditions.first == 1 or conditions.last == conditions.n - 1:
-        ends, driven = rosenbrock.curves_of(conditions)
-        rosenbrock.prescribe_ends(ends, driven, now, w)
+    rosenbrock.prescribe_ends(conditions, now, w)
     chain = chain_in_step(system, k, now)
     rosenbrock.stage_masses(chain, stage, turns(system, k) or winch.is_reeling(conditions.reeling), w)
     rosenbrock.stage_force(conditions, chain, now, w)
