@@ -61,7 +61,9 @@ def transition_error(conditions, chain, h, w):
     """Estimate of the velocity error [m/s] of the lighter free node of a segment from `wrong_impulse`; 0 without."""
     worst = 0.0
     for s in range(chain.n):
-        worst = max(worst, wrong_impulse(s, chain, h, w) / lighter_free_node(s, conditions, w))
+        impulse = wrong_impulse(s, chain, h, w)
+        if impulse > 0.0:
+            worst = max(worst, impulse / lighter_free_node(s, conditions, w))
     return worst
 
 

@@ -18,8 +18,8 @@ from ..equations.lines import conditions_of, is_at_point, point_at, points_of, r
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer
 from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import get, put, scale
-from .system_room import PIVOT, numbers_of, room_in_step
+from ..linear_algebra.vectors import get, put, scale, vector_at
+from .system_room import PIVOT, ROW, numbers_of, room_in_step
 
 
 @kernel
@@ -41,20 +41,21 @@ def place_matrix(system, k, matrix):
 
 
 @kernel
-def row_of(system, k, end, g):
-    """Row r of the drum of line k at one of its ends, from its row g."""
+def row_of(system, k, end):
+    """Row r of the drum of line k at one of its ends."""
+    g = vector_at(numbers_of(system, k), ROW)
     return condensed.row_at_end(segments_of(system, k), end, g, room_in_step(system, k).columns)
 
 
 @kernel
-def place_column(system, k, g):
-    """Add what is left of the column of the drum of line k, with its row g, to the matrix of the points (modified)."""
+def place_column(system, k):
+    """Add what is left of the column of the drum of line k to the matrix of the points (modified)."""
     n, column, pivot = segments_of(system, k), room_in_step(system, k).column, numbers_of(system, k)[PIVOT]
     for row_end in range(2):
         left = scale(1.0 / pivot, get(column, n * row_end))
         for column_end in range(2):
             if is_at_point(system, k, row_end) and is_at_point(system, k, column_end):
-                add_block(system, k, row_end, column_end, outer(left, row_of(system, k, column_end, g)))
+                add_block(system, k, row_end, column_end, outer(left, row_of(system, k, column_end)))
 
 
 @kernel

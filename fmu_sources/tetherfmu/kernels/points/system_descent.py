@@ -178,7 +178,7 @@ def direction(system, step, is_late):
 
 @kernel
 def descend(system, step, before, is_late):
-    """One iteration of all lines (modified) from where Phi is `before` [J].
+    """One iteration of all lines (modified) from where Phi is `before` [J], inf if it is not known.
 
     is_late : as for `direction`.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
     singular.
@@ -186,7 +186,7 @@ def descend(system, step, before, is_late):
     taken = direction(system, step, is_late)
     if taken == 0.0:
         return before, inf
-    if step.turns:
+    if step.turns or before == inf:
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)
 

@@ -41,15 +41,18 @@ from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
 from .at_points import add_column, place_column, row_of
 from .system_room import (
+    BY_POSITION,
     BY_SPEED,
     DIRECTION,
     INCREMENT,
     LENGTH,
     PIVOT,
     RATE,
+    REST,
+    ROW,
     SOLUTION,
     SPEED,
     drum_at,
@@ -91,37 +94,19 @@ def added_up(start, factors, stage, speeds):
 
 @kernel
 def go_to_stage(system, k, stage, h):
-    """L_i and u_i of the drum of line k (modified) at a stage; False if it has no length. The last one finds them there."""
+    """L_i, u_i and r_i of the drum of line k (modified) at a stage; False if it has no length.
+
+    The last stage finds L_i and u_i there.
+    """
     numbers, speeds, (length, speed) = numbers_of(system, k), shares_of(system, k).speeds, length_of(system, k)
+    numbers[REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
     if stage < STAGES - 1:
         numbers[LENGTH] = length + h * added_up(ALPHA[stage] * speed, P, stage, speeds)
         numbers[SPEED] = added_up(speed, A, stage, speeds)
     return 0.0 < numbers[LENGTH] < inf
 
 
-@kernel
-def rest_of(system, k, stage):
-    """r_i of the drum of line k at a stage [m/s]."""
-    _, speed = length_of(system, k)
-    return added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, shares_of(system, k).speeds)
-
-
 # --- the border
-
-
-@kernel
-def pull_of(record, change, factor, move):
-    """T_v change + factor T_x move [N] of vectors between the nodes of the first segment, which has this record."""
-    e = segment.direction_in(record)
-    by_position = transposed_apply(e, get_matrix(record, segment.K))
-    return record[segment.DAMPER] * dot(e, change) + factor * dot(by_position, move)
-
-
-@kernel
-def row_g(record, d):
-    """T_v + d T_x from the record of the first segment."""
-    e = segment.direction_in(record)
-    return add_scaled(scale(record[segment.DAMPER], e), d, transposed_apply(e, get_matrix(record, segment.K)))
 
 
 @view
@@ -131,15 +116,22 @@ def record_of(system, k):
 
 
 @kernel
+def pull_of(system, k, change, factor, move):
+    """T_v change + factor T_x move [N] of vectors between the nodes of the first segment of line k."""
+    record, by_position = record_of(system, k), vector_at(numbers_of(system, k), BY_POSITION)
+    return record[segment.DAMPER] * dot(segment.direction_in(record), change) + factor * dot(by_position, move)
+
+
+@kernel
 def rate_of(system, k, time):
     """Explicit time derivative of f [N/s] of the drum of line k at a time [s]: of W and of the driven ends."""
-    conditions, record, rate = conditions_of(system, k), record_of(system, k), -drum_at(system, k).force_rate
+    conditions, rate = conditions_of(system, k), -drum_at(system, k).force_rate
     if conditions.first == 1:
         moving, gaining = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
-        rate -= pull_of(record, gaining, 1.0, moving)
+        rate -= pull_of(system, k, gaining, 1.0, moving)
     if conditions.n == 1 and conditions.last == 0:
         moving, gaining = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
-        rate += pull_of(record, gaining, 1.0, moving)
+        rate += pull_of(system, k, gaining, 1.0, moving)
     return rate
 
 
@@ -181,22 +173,21 @@ def form_column(system, k, d, points):
 
 @kernel
 def take_equation(system, k, time, d):
-    """f_u, df/dt and P of the drum of line k, with its condensed column, into its numbers (modified); False: no solution."""
-    conditions, drum, record, numbers = (
-        conditions_of(system, k),
-        drum_at(system, k),
-        record_of(system, k),
-        numbers_of(system, k),
-    )
-    (x, _), (length, _) = motion_of(system, k), length_of(system, k)
+    """f_u, df/dt, g and P of the drum of line k, with its condensed column, into its numbers (modified); False: none."""
+    conditions, drum, record = conditions_of(system, k), drum_at(system, k), record_of(system, k)
+    (x, _), (length, _), numbers = motion_of(system, k), length_of(system, k), numbers_of(system, k)
     by_speed = -drum.damping
     if sees_reeling(conditions.parameters):
         stretched, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
         by_speed -= record[segment.DAMPER] * stretched / length
     by_length = record[segment.SLOPE] * property_of(conditions, 0, at.SHARE)
     response = condensed.first_difference(rows_of(system, k), room_in_step(system, k).column)
+    e = segment.direction_in(record)
+    by_position = transposed_apply(e, get_matrix(record, segment.K))
+    put_at(numbers, BY_POSITION, by_position)
+    put_at(numbers, ROW, add_scaled(scale(record[segment.DAMPER], e), d, by_position))
     numbers[BY_SPEED], numbers[RATE] = by_speed, rate_of(system, k, time)
-    numbers[PIVOT] = drum.mass / d - by_speed - d * by_length - pull_of(record, response, d, response)
+    numbers[PIVOT] = drum.mass / d - by_speed - d * by_length - pull_of(system, k, response, d, response)
     return 0.0 < numbers[PIVOT] < inf
 
 
@@ -213,7 +204,7 @@ def place_drums(system, time, h):
             form_column(system, k, d, points)
             if not take_equation(system, k, time, d):
                 return False
-            place_column(system, k, row_g(record_of(system, k), d))
+            place_column(system, k)
     return True
 
 
@@ -221,9 +212,9 @@ def place_drums(system, time, h):
 
 
 @kernel
-def subtract_rest(system, k, stage):
+def subtract_rest(system, k):
     """Subtract F_u r of the drum of line k [N] from the right-hand side of a stage of the line (modified)."""
-    q, by_speed, rest = integrator_of(system, k).q, shares_of(system, k).by_speed, rest_of(system, k, stage)
+    q, by_speed, rest = integrator_of(system, k).q, shares_of(system, k).by_speed, numbers_of(system, k)[REST]
     for i in range(len(by_speed)):
         q[i] -= rest * by_speed[i]
 
@@ -241,10 +232,10 @@ def solve_drum(system, k, stage, time, h):
     inertia = added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, shares_of(system, k).speeds)
     still = record[segment.DAMPER] * dot(segment.direction_in(record), sub(first(r_q), first(r_p)))
     right = balance(drum, numbers[DIRECTION], tension, chain.reeling, time + ALPHA[stage] * h)
-    others = drum.mass * inertia / h - still - numbers[BY_SPEED] * rest_of(system, k, stage)
+    others = drum.mass * inertia / h - still - numbers[BY_SPEED] * numbers[REST]
     right += others + GAMMA_I[stage] * h * numbers[RATE]
     difference = condensed.first_difference(rows_of(system, k), w.q)
-    numbers[SOLUTION] = (right + pull_of(record, difference, GAMMA * h, difference)) / numbers[PIVOT]
+    numbers[SOLUTION] = (right + pull_of(system, k, difference, GAMMA * h, difference)) / numbers[PIVOT]
 
 
 @kernel
@@ -258,12 +249,12 @@ def add_left(system, k, end, left):
 def turn_drum(system, k, stage, h):
     """Solution of a stage for the drum of line k, whose ends have theirs in w.q; that of the inner nodes gets its part."""
     numbers, q, d = numbers_of(system, k), integrator_of(system, k).q, GAMMA * h
-    p, g = numbers[SOLUTION], row_g(record_of(system, k), d)
+    p = numbers[SOLUTION]
     for end in range(2):
         if is_at_point(system, k, end):
-            p -= dot(row_of(system, k, end, g), get(q, segments_of(system, k) * end)) / numbers[PIVOT]
+            p -= dot(row_of(system, k, end), get(q, segments_of(system, k) * end)) / numbers[PIVOT]
     add_column(system, k, p, q)
-    increment = p - rest_of(system, k, stage)
+    increment = p - numbers[REST]
     shares_of(system, k).speeds[stage] = increment
     numbers[SOLUTION], numbers[INCREMENT] = p, increment
     if stage >= STAGES - 2:

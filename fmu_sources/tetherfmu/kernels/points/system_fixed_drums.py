@@ -43,10 +43,9 @@ from ..equations.node_loads import free_acceleration
 from ..equations.properties import point_mass, sees_reeling
 from ..line import backward_euler, incremental_potential
 from ..linear_algebra import condensed
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub
 from .at_points import place_column, row_of
 from .system_room import (
-    BY_POSITION,
     CHANGE,
     GOAL,
     HIGHEST,
@@ -54,6 +53,7 @@ from .system_room import (
     LOWEST,
     ONWARD,
     PIVOT,
+    ROW,
     SOUGHT,
     TENSION,
     TRIAL,
@@ -96,11 +96,11 @@ def take_masses(system, step):
                 points.mass[point_at(system, k, end)] += scratch_of(system, k).mass[segments_of(system, k) * end]
     for k in range(lines_of(system)):
         conditions, free, (x, v) = conditions_of(system, k), scratch_of(system, k).free, motion_of(system, k)
-        falling = free_acceleration(attempt_of(system, k, step).chain)
         for end in range(2):
             node = conditions.n * end
             if conditions.first <= node <= conditions.last:
                 load, mass = load_on_end(system, k, end, step.time + h)
+                falling = free_acceleration(attempt_of(system, k, step).chain)
                 flight = backward_euler.flight(get(x, node), get(v, node), h, falling)
                 put(free, node, add_scaled(flight, h * h / mass, load))
 
@@ -162,7 +162,7 @@ def take_equation(system, k, step):
     numbers[PIVOT] = max(inertia - along - aslant - yielded, lowest)
     tension = stiffness * (length - rest) + c * rate
     numbers[TENSION] = tension + dot(by_position, condensed.first_difference(rows, w.move))
-    put_at(numbers, BY_POSITION, by_position)
+    put_at(numbers, ROW, by_position)
 
 
 @kernel
@@ -181,7 +181,7 @@ def place_drum(system, k, step, points):
     if abs(way) == OUTWARDS:
         residual = residual_of(system, k, step, numbers[TENSION])
         change = -(residual + way * drum_at(system, k).friction) / numbers[PIVOT]
-        place_column(system, k, vector_at(numbers, BY_POSITION))
+        place_column(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
             add_at(points.right, point_at(system, k, end), scale(change, get(column, segments_of(system, k) * end)))
@@ -246,8 +246,7 @@ def find_drum(system, k, step, points):
     lowest, highest, speed, way = numbers[LOWEST], numbers[HIGHEST], numbers[TRIAL], numbers[WAY]
     for end in range(2):
         if is_at_point(system, k, end):
-            row = row_of(system, k, end, vector_at(numbers, BY_POSITION))
-            tension -= dot(row, get(points.solution, point_at(system, k, end)))
+            tension -= dot(row_of(system, k, end), get(points.solution, point_at(system, k, end)))
     wanted = speed - residual_of(system, k, step, tension) / numbers[PIVOT]
     drawn = max(abs(wanted) - friction / numbers[PIVOT], 0.0)
     nearest = min(highest, max(lowest, drawn if wanted > 0.0 else -drawn))

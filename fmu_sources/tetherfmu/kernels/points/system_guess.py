@@ -29,7 +29,6 @@ from .at_points import add_block
 from .system_descent import (
     direction,
     go_along,
-    holds,
     potential,
     solve_points,
     take_trial,
@@ -149,8 +148,8 @@ def guess(system, step):
 def begin_as_expected(system, step):
     """The first iteration of all lines (modified) with the accelerations that are expected; see `system_descent.descend`.
 
-    Where no node moves by more than one that has converged Phi need not be asked. Elsewhere, if Phi is lower with the lines
-    carried along, the results are that of a new `guess` and inf.
+    Where no node moves by more than one that has converged Phi is not asked, and inf. Elsewhere, if Phi is lower with the
+    lines carried along, the results are that of a new `guess` and inf.
     """
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -161,7 +160,7 @@ def begin_as_expected(system, step):
     if taken > 0.0 and unconverged_lines(system, taken) == 0:
         try_part(system, taken)
         take_trial(system)
-        return 0.0 if holds(system, step) else potential(system, step, False)[0], taken
+        return inf, taken
     phi, _ = potential(system, step, False)
     if taken > 0.0 and not carry(system, step) < phi:
         return go_along(system, step, taken, phi)

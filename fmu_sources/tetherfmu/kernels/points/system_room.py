@@ -29,10 +29,10 @@ from ..line.incremental_potential import Attempt
 from ..line.rodas4p import STAGES
 from ..linear_algebra import condensed
 
-Room = namedtuple("Room", "columns numbers own column")
+Room = namedtuple("Room", "numbers columns own column")
 Room.__doc__ = """Scratch arrays of a line.
 
-columns : of its ends, see `linear_algebra.condensed`.  numbers : see below.  own : of the method, see `own_size`.
+numbers : see below.  columns : of its ends, see `linear_algebra.condensed`.  own : of the method, see `own_size`.
 column : of its drum, 3 (n + 1).
 """
 Shares = namedtuple("Shares", "by_length by_speed speeds")
@@ -42,16 +42,19 @@ by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) number
 """
 
 (
-    PIVOT,  # of the equation of the drum
+    PIVOT,  # P and g of the equation of the drum, see `at_points.py`
+    ROW,
     # Rosenbrock steps
     DIRECTION,  # in which the drum turns, see `equations/drum.py`
     TURNED_BACK,  # not 0: a drum without mass has turned round under friction, which holds it
     LENGTH,  # L_i [m] and u_i [m/s] of a stage; in the end of the step
     SPEED,
+    REST,  # r_i of a stage [m/s]
     SOLUTION,  # p [m/s] and U_u [m/s] of a stage; in the end the error estimates of L over d and of u
     INCREMENT,
     BY_SPEED,  # f_u [N s/m]
     RATE,  # explicit time derivative of f [N/s]
+    BY_POSITION,  # T_x [N/m]
     # fixed steps
     GOAL,  # the largest move of a node with which the line has converged [m]
     UNCONVERGED,  # in how many steps the iteration ended before
@@ -70,9 +73,9 @@ by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) number
     ONWARD,  # u' as found [m/s]
     IS_FOUND,  # 1 if u' was found as it was sought, else 0
     TENSION,  # T + T_x p [N]
-    BY_POSITION,  # T_x [N/m]
-    NUMBERS,  # how many there are
-) = places_of(*[1] * 26, 3)
+    _,
+    NUMBERS,  # how many there are: an even number
+) = places_of(1, 3, *[1] * 9, 3, *[1] * 18)
 
 
 @kernel
@@ -92,9 +95,9 @@ def line_work_size(n):
 def room_in_step(system, k):
     """`Room` of line k."""
     n, room = segments_of(system, k), behind(CONDITIONS, room_of(system, k))
-    own, numbers = condensed.columns_size(n), condensed.columns_size(n) + own_size(n)
-    columns, method = part(room, 0, own), part(room, own, own_size(n))
-    return Room(columns, part(room, numbers, NUMBERS), method, part(room, numbers + NUMBERS, 3 * (n + 1)))
+    columns, own = condensed.columns_size(n), own_size(n)
+    numbers, ends, behind_ends = part(room, 0, NUMBERS), part(room, NUMBERS, columns), behind(NUMBERS + columns, room)
+    return Room(numbers, ends, part(behind_ends, 0, own), part(behind_ends, own, 3 * (n + 1)))
 
 
 @view

@@ -128,7 +128,7 @@ def reduce_line(system, k, stage, time, h, points):
     n, w = segments_of(system, k), integrator_of(system, k)
     rosenbrock.right_hand_side(conditions_of(system, k), stage, h, w)
     if turns(system, k):
-        system_drums.subtract_rest(system, k, stage)
+        system_drums.subtract_rest(system, k)
     condensed.solve_inner(rows_of(system, k), w.matrix, w.q)
     if turns(system, k):
         system_drums.solve_drum(system, k, stage, time, h)
