@@ -42,7 +42,7 @@ def swaying(scene, stiffness, damping=473.0, **solver):
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("scene", SCENES)
 def test_tension_of_rods(scene, stiffness, damping):
-    """`step_control.tension_error`. Found: 0.45 % at most; at 1e8 N, which it leaves alone, 1.1 % with the most damping.
+    """`step_control.tension_errors`. Found: 0.45 % at most; at 1e8 N, which it leaves alone, 1.1 % with the most damping.
 
     Before: a mean of 41 N at 1e10, of 62 N at 1e12, for 37.9 N; 2.6 million internal steps at 1e12 without damping.
     """

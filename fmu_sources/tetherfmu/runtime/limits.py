@@ -28,7 +28,7 @@ WORST_SUBDIVIDED = MOST_ITERATIONS * (1 + PARTS) + LAST_ITERATIONS * FINEST  # i
 STAGES = 3  # of a step of order 2
 WORST_WORK = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED  # factorizations for one fixed step: of stages that were left, too
 # the same of a chain with the drum of a winch that is controlled by force: where the finest parts do not converge with it,
-# the chain takes them alone, see `kernels/line/drum_in_backward_euler.py`
+# the chain takes them alone, see `fixed_steps.take_in_any_case`
 WORST_SUBDIVIDED_WITH_DRUM = WORST_SUBDIVIDED + LAST_ITERATIONS * FINEST
 WORST_WORK_WITH_DRUM = STAGES * MOST_ITERATIONS + WORST_SUBDIVIDED_WITH_DRUM
 

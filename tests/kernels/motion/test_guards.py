@@ -5,6 +5,7 @@ over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless 
 over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
 """
 
+from math import inf
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +16,6 @@ from tetherfmu import StepRefused, TetherDynamic, models
 from tetherfmu.kernels.equilibrium.compressed_chain import NUDGE
 from tetherfmu.kernels.line import backward_euler, step_control
 from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
-from tetherfmu.kernels.points import system_step
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
@@ -116,10 +116,12 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     last_error : what the last communication step has left.
     """
     tried = []
-    monkeypatch.setattr(system_step, "step", lambda *arguments: tried.append(arguments) or True)
-    monkeypatch.setattr(adaptive_steps, "error_of_lines", lambda *arguments: 1.0)
+    monkeypatch.setattr(adaptive_steps, "attempt", lambda *arguments: tried.append(arguments) or 1.0)
     monkeypatch.setattr(adaptive_steps, "next_step", lambda h, done, *others: max(h, done))
-    monkeypatch.setattr(adaptive_steps, "begin_drums", lambda system: False)
+    monkeypatch.setattr(adaptive_steps, "begin_drums", lambda system: None)
+    monkeypatch.setattr(adaptive_steps, "turn_drums", lambda *arguments: True)
+    monkeypatch.setattr(adaptive_steps, "part_to_event", lambda *arguments: inf)
+    monkeypatch.setattr(adaptive_steps, "is_any_turning", lambda system: False)
     monkeypatch.setattr(adaptive_steps, "accept", lambda system: None)
     monkeypatch.setattr(adaptive_steps, "state_of", lambda system, k: system.state)
     monkeypatch.setattr(adaptive_steps, "work_of", lambda system: segments)

@@ -128,7 +128,7 @@ def test_implicit_euler_has_order_1():
         problem = ChainProblem(reeling=1.5)
         system, h = problem.as_system(), 0.4 / steps
         for k in range(steps):
-            iterations = fixed_steps.subdivided_step(system, k * h, h, False)
+            iterations = fixed_steps.subdivided_step(system, k * h, h)
             assert 1 <= iterations <= limits.WORST_SUBDIVIDED
         errors.append(np.abs(problem.x - exact).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

@@ -279,10 +279,15 @@ def conditions_of_chain(n, parameters, shape, given, state, x, v):
 
 
 @view
+def chain_with(conditions, length, speed):
+    """The `Chain` with this unstretched length [m] and its rate [m/s]."""
+    return chain_at(conditions.n, conditions.parameters, length, speed, conditions.wind)
+
+
+@view
 def chain_during(conditions, time):
     """The `Chain` at a time [s] of the communication step."""
-    length, rate = length_at(conditions.reeling, time), rate_at(conditions.reeling, time)
-    return chain_at(conditions.n, conditions.parameters, length, rate, conditions.wind)
+    return chain_with(conditions, length_at(conditions.reeling, time), rate_at(conditions.reeling, time))
 
 
 @kernel

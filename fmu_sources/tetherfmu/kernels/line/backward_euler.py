@@ -20,12 +20,12 @@ from ..arrays import behind, copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, view
 from ..equations import node_loads, segment
 from ..equations.assembly import node_masses
-from ..equations.boundary import chain_during, load_during, place_ends
+from ..equations.boundary import chain_during, place_ends
 from ..equations.properties import property_of, rest_length, stiffest
 from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, norm, put, sub
 
 MOST_HALVINGS = 8  # of a move that does not go down
 CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square,
@@ -36,7 +36,7 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held unconverged")
+Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -44,14 +44,14 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
 held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
-stage [m/s2], before it what is expected.  unconverged : 1, in how many steps the iteration ended before it converged.
+stage [m/s2], before it what is expected.
 """
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 7 * 3 * (n + 1) + 9 * (n + 1) + 2 * n + 1
+    return shared_size(n) + 7 * 3 * (n + 1) + 9 * (n + 1) + 2 * n
 
 
 @view
@@ -60,8 +60,8 @@ def workspace(n, work):
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
-    modes, held, unconverged = part(room, 0, n), part(room, n, n), part(room, 2 * n, 1)
-    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held, unconverged)
+    modes, held = part(room, 0, n), part(room, n, n)
+    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held)
 
 
 @kernel
@@ -71,48 +71,11 @@ def flight(x, v, h, acceleration):
 
 
 @kernel
-def try_part(taken, w):
-    """Positions [m] after a part of the move from w.x into w.trial (modified)."""
-    for k in range(len(w.move)):
-        w.trial[k] = w.x[k] + taken * w.move[k]
-
-
-@kernel
-def largest_move(n, w):
-    """The largest move of a node [m] in w.move."""
-    square = 0.0
-    for i in range(n + 1):
-        move = get(w.move, i)
-        square = max(square, dot(move, move))
-    return sqrt(square)
-
-
-@kernel
-def holds(chain, x, w):
-    """Whether all springs still have the mode with which the matrix was made, with the nodes at x [m]."""
-    for s in range(chain.n):
-        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
-        if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
-            return False
-    return True
-
-
-@kernel
-def fly_kite(attempt, time, x, w):
-    """Free flight of a free kite end from x [m] with its load, in a step at a time [s], into w.free (modified)."""
-    conditions, chain, h, v = attempt
-    n = chain.n
-    if conditions.last == n:
-        flown = flight(get(x, n), get(v, n), h, node_loads.free_acceleration(chain))
-        put(w.free, n, add_scaled(flown, h * h / w.mass[n], load_during(conditions, time + h)))
-
-
-@kernel
 def start(attempt, time, kind, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
-    No drag yet. kind : WHOLE, where driven ends go to where their curves are; STAGE or EXPECTED, where they go from x with
-    their velocity after the step, as all other nodes do: see `second_order.py`.
+    No drag yet, and no load in the free flight. kind : WHOLE, where driven ends go to where their curves are; STAGE or
+    EXPECTED, where they go from x with their velocity after the step, as all other nodes do: see `second_order.py`.
     """
     conditions, chain, h, v = attempt
     n = chain.n
@@ -127,7 +90,6 @@ def start(attempt, time, kind, x, w):
             end = add_scaled(get(x, i), h, get(w.free, i)) if kind != WHOLE else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
-    fly_kite(attempt, time, x, w)
     start = chain_during(conditions, time)
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)

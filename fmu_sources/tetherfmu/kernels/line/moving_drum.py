@@ -1,52 +1,57 @@
-"""The steps of a chain with the drum of a winch (`drum_step.py`) within a communication step.
+"""The steps of a chain with the drum of a winch (`points/system_drums.py`) within a communication step.
 
 A piece of the step ends where the drum begins to turn, comes to rest or comes to a stop: it is tried again with another
 length until it ends there (`room_left`). Without mass f = 0 is an algebraic equation, and what an error of the step leaves
 of it is taken away by `project`. See docs/models/numerics.md, "A drum in the same system".
 """
 
+from collections import namedtuple
 from math import inf
 
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import segment
-from ..equations.drum import (
-    HELD,
-    INWARDS,
-    OUTWARDS,
-    balance,
-    direction_of,
-    force_at,
-    is_at_stop,
-    stop_ahead,
-)
+from ..equations.boundary import chain_with
+from ..equations.drum import HELD, balance, force_at
 from ..equations.properties import property_of, rest_length, sees_reeling
 from ..linear_algebra.vectors import dot, get, sub
-from . import step_control
-from .drum_events import SLOW, room_to_turn
-from .drum_step import chain_with, first_tension
-from .taut_slack import drum_transition_error
+from .drum_events import may_change, room_to_change
 
-NOTHING, TURNS, PAID_OUT, REELED_IN, RESTS_OUTWARDS, RESTS_INWARDS = range(6)  # events that end a piece
+NOTHING, PAID_OUT, REELED_IN, CHANGES = range(4)  # events that end a piece; CHANGES: it turns, or comes to rest
 LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
-MOST_IDLE = 100  # pieces one after the other, in which no drum turns, that are so short that rounding keeps its tension
-AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
 MOST_CORRECTIONS = 30
 EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # of T = W, relative; what is good enough where it gets no better; of T
 MOST_CHANGE = 0.5  # of the length by one correction
 
+Instant = namedtuple("Instant", "time length speed x v")
+Instant.__doc__ = """A chain with a drum at a time [s] of the communication step.
 
-# --- a drum without mass
+length, speed : of the drum [m, m/s].  x, v : positions [m] and velocities [m/s] of the nodes.
+"""
 
 
 @kernel
-def project(conditions, drum, direction, time, d, length, speed, x, v):
+def first_tension(chain, x, v):
+    """Tension of the first segment [N] with the nodes at x [m] and velocities v [m/s]."""
+    length, e = segment.geometry(sub(get(x, 1), get(x, 0)))
+    return segment.tension_of(chain, 0, segment.BY_LENGTH, length, dot(e, sub(get(v, 1), get(v, 0))))
+
+
+@kernel
+def tension_at_rest(conditions, now):
+    """Tension of the first segment [N] at an `Instant`, were the drum at rest."""
+    return first_tension(chain_with(conditions, now.length, 0.0), now.x, now.v)
+
+
+@kernel
+def project(conditions, drum, direction, d, now):
     """Length [m] and speed [m/s] at which a drum without mass has T = W + c u + F sign(u); and whether they are found.
 
-    With the nodes at x [m] and velocities v [m/s], at a time [s] of the communication step. The length changes by d times
-    what the speed changes by, as in an implicit step; where no damper feels the speed, it changes alone.
+    From an `Instant`, whose nodes stay. The length changes by d times what the speed changes by, as in an implicit step;
+    where no damper feels the speed, it changes alone.
     """
+    time, length, speed, x, v = now
     felt = drum.damping > 0.0 or (sees_reeling(conditions.parameters) and property_of(conditions, 0, at.DAMPING) > 0.0)
     size = abs(force_at(drum, time)) + drum.friction
     moved, e = segment.geometry(sub(get(x, 1), get(x, 0)))
@@ -77,94 +82,29 @@ def project(conditions, drum, direction, time, d, length, speed, x, v):
     return length, speed, False
 
 
-# --- the steps within a communication step
-
-
 @kernel
-def drum_error(conditions, drum, direction, motion, speed, h, v, w):
-    """Error of `Motion` in a step of h [s] over what is allowed [-]: as of a node that moves with it.
+def room_left(conditions, drum, direction, event, now):
+    """How far a drum that turns in a direction, or is held, is from an event at an `Instant`; below 0 it has happened.
 
-    direction, speed [m/s] : of the drum at the start.  v : velocities of the nodes there [m/s].
+    And how much below 0 is as good as 0. The length [m] to a stop, else see `drum_events.room_to_change`.
     """
-    position_scale, velocity_scale = step_control.allowed_errors(conditions, v)
-    error = abs(motion.length_error) / position_scale
-    if direction == HELD or drum.mass == 0.0:
-        return error
-    fastest = max(abs(speed), abs(motion.speed))
-    velocity_scale = max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest)
-    error = max(error, abs(motion.speed_error) / velocity_scale)
-    transition = drum_transition_error(drum, chain_with(conditions, motion.length, motion.speed), h, w) / velocity_scale
-    return max(error, transition * transition) if transition > 1.0 else error
-
-
-@kernel
-def room_left(conditions, drum, event, time, length, speed, x, v):
-    """How far the drum is from an event; below 0 it has happened. And how much below 0 is as good as 0.
-
-    The force [N] that a drum which is held lacks to turn; the length [m] to a stop; the speed [m/s] until it is at rest. The
-    nodes are at x [m] with the velocities v [m/s] at a time [s] of the communication step.
-    """
-    if event == TURNS:
-        return room_to_turn(drum, length, first_tension(chain_with(conditions, length, 0.0), x, v), time)
     if event == PAID_OUT:
-        return drum.longest - length, LOCATED * length
+        return drum.longest - now.length, LOCATED * now.length
     if event == REELED_IN:
-        return length - drum.shortest, LOCATED * length
-    return speed if event == RESTS_OUTWARDS else -speed, SLOW * length
+        return now.length - drum.shortest, LOCATED * now.length
+    tension = tension_at_rest(conditions, now) if direction == HELD else 0.0
+    return room_to_change(drum, direction, now.time, now.length, now.speed, tension)
 
 
 @kernel
-def is_over(conditions, drum, event, time, length, speed, x, v):
-    """Whether an event has happened."""
-    room, margin = room_left(conditions, drum, event, time, length, speed, x, v)
-    return room < -margin
+def first_event(conditions, drum, direction, now):
+    """An event that has happened at an `Instant` to a drum that turned in a direction or was held, or NOTHING.
 
-
-@kernel
-def first_event(conditions, drum, direction, time, length, speed, x, v):
-    """An event that has happened to a drum that turned in a direction or was held, or NOTHING; arguments of `room_left`."""
-    state = (time, length, speed, x, v)
-    if direction == HELD:
-        return TURNS if is_over(conditions, drum, TURNS, *state) else NOTHING
-    for stop in (PAID_OUT, REELED_IN):
-        if is_over(conditions, drum, stop, *state):
-            return stop
-    rests = RESTS_OUTWARDS if direction > 0.0 else RESTS_INWARDS
-    if drum.friction > 0.0 and drum.mass > 0.0 and is_over(conditions, drum, rests, *state):
-        return rests
-    return NOTHING
-
-
-@kernel
-def turn(conditions, drum, turned_back, time, duration, length, speed, x, v):
-    """How the drum turns next: direction, length [m], speed [m/s]; and whether a drum without mass can do so.
-
-    turned_back : whether a drum without mass has turned round under friction, which holds it. duration : of the
-    communication step [s].
+    And the room that is left until it, below 0.
     """
-    tension = first_tension(chain_with(conditions, length, 0.0), x, v)
-    direction = HELD if turned_back else direction_of(drum, length, speed, tension, time)
-    if direction == HELD:
-        return HELD, length, 0.0, True
-    if drum.mass > 0.0:
-        return direction, length, speed if speed * direction > 0.0 else 0.0, True
-    length, speed, found = project(conditions, drum, direction, time, AT_ONCE * duration, length, speed, x, v)
-    if is_at_stop(drum, length, direction):
-        return HELD, stop_ahead(drum, direction), 0.0, True
-    return direction, length, speed, found
-
-
-@kernel
-def speed_after(drum, direction, length, speed):
-    """Length [m] and speed [m/s] with which the drum goes on after a step in a direction; and whether it has turned round.
-
-    At a stop it rests, and so does one that friction brings to rest; one without mass is then held.
-    """
-    if direction == HELD:
-        return length, speed, False
-    way = OUTWARDS if speed > 0.0 else INWARDS
-    if is_at_stop(drum, length, way):
-        return stop_ahead(drum, way), 0.0, False
-    if drum.friction > 0.0 and speed * direction < 0.0:
-        return length, 0.0, drum.mass == 0.0
-    return length, speed, False
+    for event in (PAID_OUT, REELED_IN, CHANGES):
+        if may_change(drum, direction) if event == CHANGES else direction != HELD:
+            room, margin = room_left(conditions, drum, direction, event, now)
+            if room < -margin:
+                return event, room
+    return NOTHING, 0.0

@@ -101,21 +101,24 @@ def add_explicit_rates(conditions, time, w):
 
 
 @kernel
-def form(conditions, time, h, x, v, w):
-    """Matrix of the step, and the explicit time derivative of forces [N/s] into w.q.
+def form(conditions, chain, turns, time, h, x, v, w):
+    """Matrix of the step from the `Chain` at its start, and the explicit time derivative of forces [N/s] into w.q.
 
+    turns : whether its length is an unknown, and no function of time.
     Modifies w.start_x, w.start_v, w.mass, w.modes, w.records, w.q and w.matrix.
     """
     n = conditions.n
-    chain = chain_during(conditions, time)
     interleave(n, x, w.start_x)
     interleave(n, v, w.start_v)
     assembly.node_masses(chain, w.mass)
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
+    if turns:
+        for k in range(3 * (n + 1)):
+            w.q[k] = 0.0
     assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
     add_explicit_rates(conditions, time, w)
     assemble(conditions, chain, GAMMA * h, x, v, w)
-    if has_ground(chain.parameters):
+    if has_ground(chain.parameters) and not turns:
         contact.add_rate(chain, x, v, w, w.q)
 
 
@@ -129,12 +132,12 @@ def assemble(conditions, chain, d, x, v, w):
 
 
 @kernel
-def stage_masses(conditions, stage, time, w):
-    """Node masses at a stage [kg] into w.stage_mass (modified), which has those of the stage before."""
+def stage_masses(chain, stage, changes, w):
+    """Node masses at a stage [kg] into w.stage_mass (modified); changes : whether those of the start have changed."""
     if stage == 0:
         copy(w.mass, w.stage_mass)
-    elif winch.is_reeling(conditions.reeling) and ALPHA[stage] != ALPHA[stage - 1]:
-        assembly.node_masses(chain_during(conditions, time), w.stage_mass)
+    elif changes:
+        assembly.node_masses(chain, w.stage_mass)
 
 
 @kernel
@@ -196,19 +199,15 @@ def select_end(sign, a, b):
 
 
 @kernel
-def curves_of(conditions):
-    """Curves of both ends (`end_motion.curve`), as pairs; and a pair that is above 0 where an end is driven."""
-    ground, kite = conditions.ground, conditions.kite
-    ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
-    return ends, pair(1.0 if conditions.first == 1 else 0.0, 1.0 if conditions.last == conditions.n - 1 else 0.0)
-
-
-@kernel
-def prescribe_ends(ends, driven, time, w):
+def prescribe_ends(conditions, time, w):
     """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
-    put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
-    put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
-    put_interleaved(w.r, 0, select_end(driven, pair(ZERO_VECTOR, ZERO_VECTOR), get_interleaved(w.r, 0)))
+    ground, kite, is_driven = conditions.ground, conditions.kite, conditions.last == conditions.n - 1
+    if conditions.first == 1 or is_driven:
+        ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
+        driven = pair(1.0 if conditions.first == 1 else 0.0, 1.0 if is_driven else 0.0)
+        put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
+        put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
+        put_interleaved(w.r, 0, select_end(driven, pair(ZERO_VECTOR, ZERO_VECTOR), get_interleaved(w.r, 0)))
 
 
 @kernel

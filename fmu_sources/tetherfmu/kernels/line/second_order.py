@@ -34,7 +34,7 @@ from collections import namedtuple
 
 from ..arrays import behind, split
 from ..compilation import kernel, view
-from ..equations import ground, node_loads, segment
+from ..equations import node_loads, segment
 from ..equations.boundary import chain_during, load_during
 from ..equations.properties import rest_length
 from ..flat_arrays import part
@@ -48,6 +48,7 @@ B2 = _FIRST / (MIDDLE - GAMMA)
 B1 = 1.0 - GAMMA - B2
 # parts of the moves in the first and in the second stage in the starts of the second and of the third one
 TO_SECOND, TO_THIRD, BESIDE = MIDDLE / GAMMA - 1.0, B1 / GAMMA, B2 / GAMMA
+ENDS = GAMMA, MIDDLE, 1.0  # of the stages, in steps
 # to continue the accelerations of two stages to the next one: time to there over the time between them
 TO_NEXT = GAMMA / (1.0 - MIDDLE), MIDDLE / GAMMA - 1.0, (1.0 - MIDDLE) / (MIDDLE - GAMMA)
 ROUNDING = 1e-9  # of energies, relative: of positions to which an iteration comes close
@@ -73,29 +74,6 @@ def workspace(n, work):
     x, v, before, room = split(flat, behind(backward_euler.workspace_size(n), work))
     x_onward, v_onward = part(room, 0, flat), part(room, flat, flat)
     return Workspace(backward_euler.workspace(n, work), x, v, x_onward, v_onward, before)
-
-
-@kernel
-def is_on_ground(conditions, x):
-    """Whether a node that moves freely is on the ground or below it, with the nodes at x [m]."""
-    if ground.has_ground(conditions.parameters):
-        height = ground.ground_of(conditions.parameters).height
-        for i in range(conditions.first, conditions.last + 1):
-            if x[3 * i + 2] <= height:
-                return True
-    return False
-
-
-@kernel
-def crosses(conditions, start, x, end, y):
-    """Whether a segment is slack with the nodes at x [m] and taut at y [m], or the other way; start, end : times [s]."""
-    before, after = chain_during(conditions, start), chain_during(conditions, end)
-    for s in range(conditions.n):
-        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(before, s)
-        q, new = sub(get(y, s + 1), get(y, s)), rest_length(after, s)
-        if segment.beyond_rest(r, rest) * segment.beyond_rest(q, new) < 0.0:
-            return True
-    return False
 
 
 @kernel
@@ -143,19 +121,20 @@ def expect(onward, known, w):
 
 
 @kernel
-def go_to_second(x, v, w):
-    """Put (x, v) [m, m/s] (modified), the result of the first stage, where the second one starts."""
-    for k in range(len(x)):
-        move, change = x[k] - w.x[k], v[k] - w.v[k]
-        x[k] = w.x[k] + TO_SECOND * move
-        v[k] = w.v[k] + TO_SECOND * change
-        w.x_onward[k] = w.x[k] + TO_THIRD * move - BESIDE * x[k]
-        w.v_onward[k] = w.v[k] + TO_THIRD * change - BESIDE * v[k]
+def start_of_second(start, reached):
+    """Where the second stage starts of what the first one has led to from a start; and where the third one, see `go_on`."""
+    move = reached - start
+    second = start + TO_SECOND * move
+    return second, start + TO_THIRD * move - BESIDE * second
 
 
 @kernel
-def go_to_third(x, v, w):
-    """Put (x, v) [m, m/s] (modified), the result of the second stage, where the third one starts."""
+def go_on(i, x, v, w):
+    """Put (x, v) [m, m/s] (modified), the result of the stage before, where the second (i = 1) or the third stage starts."""
     for k in range(len(x)):
-        x[k] = w.x_onward[k] + BESIDE * x[k]
-        v[k] = w.v_onward[k] + BESIDE * v[k]
+        if i == 1:
+            x[k], w.x_onward[k] = start_of_second(w.x[k], x[k])
+            v[k], w.v_onward[k] = start_of_second(w.v[k], v[k])
+        else:
+            x[k] = w.x_onward[k] + BESIDE * x[k]
+            v[k] = w.v_onward[k] + BESIDE * v[k]

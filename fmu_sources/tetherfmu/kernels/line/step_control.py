@@ -2,7 +2,7 @@
 
 The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
 transition may have got wrong (`transition_error`), the error of the tension of the dampers (`damper_error`), and in a stiff
-tether that of its tension (`tension_error`), each over what is allowed (`allowed_errors`). See docs/models/numerics.md,
+tether that of its tension (`tension_errors`), each over what is allowed (`allowed_errors`). See docs/models/numerics.md,
 "Rosenbrock step".
 """
 
@@ -32,7 +32,7 @@ WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 DAMPER = 0.01  # part of the largest tension; see `damper_error`
 SMALL_STRAIN = 1e-6  # see `is_stiff`
-TENSION = 0.01  # part of the largest tension; see `tension_error`
+TENSION = 0.01  # part of the largest tension; see `tension_errors`
 HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step; see there
 ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
 UNRESOLVED = 2.0  # in the place of the last error after a communication step that was given up
@@ -57,7 +57,7 @@ def damper_error(conditions, chain, w):
 
     dv is the difference of the error estimates of the two nodes, sqrt(k m) the impedance of the taut segment with the mass
     of the lighter free node. A step in which it is more than the velocity error allowed is rejected if this tension is also
-    more than DAMPER times the largest one (`relative_damper_error`). Without it the velocities of a stiff damper are allowed
+    more than DAMPER times the largest one (`tension_errors`). Without it the velocities of a stiff damper are allowed
     errors that, times c, are kilonewtons. `chain` is that at the end of the step.
     """
     worst = 0.0  # squared
@@ -69,21 +69,6 @@ def damper_error(conditions, chain, w):
         wrong = c * dot(r, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))  # times l0 l
         worst = max(worst, wrong * wrong / (k * rest * lighter_free_node(s, conditions, w) * dot(r, r) + TINY))
     return sqrt(worst)
-
-
-@kernel
-def relative_damper_error(chain, w):
-    """Largest error estimate of a damper's tension in the last step, see `damper_error`, over the largest tension [-]."""
-    worst = 0.0
-    largest = TINY
-    for s in range(chain.n):
-        stretched, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
-        rest = rest_length(chain, s)
-        k, c = segment.stiffness(chain, s, w.modes[s], rest)
-        rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
-        largest = max(largest, abs(segment.tension(chain, stretched, rate, rest, k, c)))
-        worst = max(worst, c * abs(dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))))
-    return worst / largest
 
 
 @kernel
@@ -107,16 +92,15 @@ def is_stiff(chain, h, w):
 
 
 @kernel
-def tension_error(conditions, chain, h, speed, w):
-    """Error estimate of a tension of a stiff tether in the last step, of h [s], over what is allowed [-].
+def tension_errors(conditions, chain, h, speed, w):
+    """Error estimates of tensions in the last step, of h [s]: of a damper over the largest one, of all over what is allowed.
 
-    k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities. Allowed is
-    TENSION times the largest tension, and as much more as rounding of the positions makes in the spring, or as changes the
-    velocity of the lighter free node by HARMLESS times the allowed `speed` [m/s] within the step. `chain` is that at the end
-    of the step.
+    c e.du and k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities.
+    Allowed is TENSION times the largest tension, and as much more as rounding of the positions makes in the spring, or as
+    changes the velocity of the lighter free node by HARMLESS times the allowed `speed` [m/s] within the step. `chain` is
+    that at the end of the step.
     """
-    worst = 0.0
-    largest = TINY
+    of_dampers, of_both, largest = 0.0, 0.0, TINY
     for s in range(chain.n):
         x_p, x_q = get(w.x, s), get(w.x, s + 1)
         stretched, e = segment.geometry(sub(x_q, x_p))
@@ -128,8 +112,9 @@ def tension_error(conditions, chain, h, speed, w):
         by_velocity = c * dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
         rounding = ROUNDING * k * sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
         harmless = max(rounding, HARMLESS * lighter_free_node(s, conditions, w) * speed / h)
-        worst = max(worst, abs(by_position + by_velocity) - harmless)
-    return worst / (TENSION * largest)
+        of_dampers = max(of_dampers, abs(by_velocity))
+        of_both = max(of_both, abs(by_position + by_velocity) - harmless)
+    return of_dampers / largest, of_both / (TENSION * largest)
 
 
 @kernel
@@ -168,12 +153,13 @@ def error_of_step(conditions, chain, h, v, w):
     """
     position_scale, velocity_scale = allowed_errors(conditions, v)
     error = error_norm(conditions, h, position_scale, velocity_scale, w)
-    damper = damper_error(conditions, chain, w) / velocity_scale
-    if damper > 1.0:
-        damper = min(damper, relative_damper_error(chain, w) / DAMPER)
+    damper, stiff, tension = damper_error(conditions, chain, w) / velocity_scale, is_stiff(chain, h, w), 0.0
+    if damper > 1.0 or stiff:
+        of_dampers, tension = tension_errors(conditions, chain, h, velocity_scale, w)
+        if damper > 1.0:
+            damper = min(damper, of_dampers / DAMPER)
     error = max(error, damper)
-    if is_stiff(chain, h, w):
-        tension = tension_error(conditions, chain, h, velocity_scale, w)
+    if stiff:
         error = max(error, tension ** (2 / 3))  # it falls with h^6, the estimates of positions and velocities with h^4
     transition = transition_error(conditions, chain, h, w) / velocity_scale
     if transition > 0.0:
@@ -237,18 +223,11 @@ def step_after_event(h, done, proposal, duration):
 
 
 @kernel
-def is_spent(tried, budget, time, duration):
+def is_given_up(state, tried, budget, time, duration):
     """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on a course to more than HOPELESS of them.
 
-    time : reached [s] within the communication step of `duration` [s].
+    time : reached [s] within the communication step of `duration` [s].  state : before it; after a communication step that
+    was given up, the next one has a single budget.
     """
-    return tried >= MOST_BUDGETS * budget or (tried >= budget and tried * duration >= HOPELESS * budget * time)
-
-
-@kernel
-def is_given_up(state, tried, budget, time, duration):
-    """Whether a communication step takes too many internal steps; arguments of `is_spent`, and the state before it.
-
-    After one that was given up, the next one has a single budget.
-    """
-    return is_spent(tried, budget, time, duration) or (tried >= budget and state[at.SOLVER_ERROR] == UNRESOLVED)
+    is_hopeless = tried * duration >= HOPELESS * budget * time or state[at.SOLVER_ERROR] == UNRESOLVED
+    return tried >= MOST_BUDGETS * budget or (tried >= budget and is_hopeless)

@@ -45,19 +45,25 @@ def excess_stiffness(s, chain, w):
 
 
 @kernel
-def transition_error(conditions, chain, h, w):
-    """Estimate of the velocity error [m/s] of a step of h [s] in which segments went over the transition; 0 if none did.
+def wrong_impulse(s, chain, h, w):
+    """Impulse [N s] that segment s may have got wrong in a step of h [s] in which it went over the transition; else 0.
 
-    Overshoot |l - l0| times the wrong part of the stiffness, acting on the lighter free node for a part TRANSITION of the
-    step; `chain` is that at the end of the step.
+    Overshoot |l - l0| times the wrong part of the stiffness for a part TRANSITION of the step; `chain` is that at its end.
     """
+    if not went_over(s, chain, w):
+        return 0.0
+    over = abs(norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(chain, s))
+    return TRANSITION * h * abs(excess_stiffness(s, chain, w)) * over
+
+
+@kernel
+def transition_error(conditions, chain, h, w):
+    """Estimate of the velocity error [m/s] of the lighter free node of a segment from `wrong_impulse`; 0 without."""
     worst = 0.0
     for s in range(chain.n):
-        if went_over(s, chain, w):
-            over = abs(norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(chain, s))
-            worst = max(
-                worst, TRANSITION * h * abs(excess_stiffness(s, chain, w)) * over / lighter_free_node(s, conditions, w)
-            )
+        impulse = wrong_impulse(s, chain, h, w)
+        if impulse > 0.0:
+            worst = max(worst, impulse / lighter_free_node(s, conditions, w))
     return worst
 
 
@@ -93,10 +99,7 @@ def keep_energy(conditions, chain, w):
 @kernel
 def drum_transition_error(drum, chain, h, w):
     """`transition_error` of the speed [m/s] of a drum with mass, on which the first segment pulls; `chain` as there."""
-    if drum.mass == 0.0 or not went_over(0, chain, w):
-        return 0.0
-    over = abs(norm(sub(get(w.x, 1), get(w.x, 0))) - rest_length(chain, 0))
-    return TRANSITION * h * abs(excess_stiffness(0, chain, w)) * over / drum.mass
+    return 0.0 if drum.mass == 0.0 else wrong_impulse(0, chain, h, w) / drum.mass
 
 
 @kernel

@@ -22,9 +22,9 @@ from ..compilation import kernel, view
 from ..flat_arrays import part
 from .block_tridiagonal import factorize, solve
 from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
-from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract
+from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract, transposed_apply
 from .pairs import broadcast, first, pair, second
-from .vectors import ZERO_VECTOR, get, put, sub
+from .vectors import ZERO_VECTOR, add, get, put, scale, sub
 
 Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
 Rows.__doc__ = """The rows 0 .. n: the inner ones, which are solved for, are `first` .. `last`; none where first > last.
@@ -145,6 +145,15 @@ def block_beside(n, row_end, blocks):
 
 
 @kernel
+def row_at_end(n, end, g, columns):
+    """What is left at an end of the row g (y_0 - y_1), as a row r of the condensed system."""
+    if n == 1:
+        return g if end == 0 else scale(-1.0, g)
+    beside = transposed_apply(g, block_beside(n, 0, columns_of(n, end, columns)))
+    return add(g, beside) if end == 0 else beside
+
+
+@kernel
 def condensed_block(n, row_end, column_end, matrix, columns):
     """Block of the condensed system in the row of one end and the column of the same end or of the other one."""
     outer = 9 * n * row_end
@@ -154,27 +163,6 @@ def condensed_block(n, row_end, column_end, matrix, columns):
         return own if row_end == column_end else coupling
     loss = multiply(coupling, block_beside(n, row_end, columns_of(n, column_end, columns)))
     return subtract(own if row_end == column_end else ZERO_MATRIX, loss)
-
-
-@kernel
-def condensed_blocks(n, matrix, columns):
-    """`condensed_block` of both ends where both are free, as pairs: of each with itself, and with the other one."""
-    diagonal, lower, upper = matrix
-    coupling = pair(get_matrix(upper, 0), get_matrix(lower, 9 * n))
-    own = pair(get_matrix(diagonal, 0), get_matrix(diagonal, 9 * n))
-    if n == 1:
-        return own, coupling
-    start, end = columns_of(n, 0, columns), columns_of(n, 1, columns)
-    if n == 2:
-        beside_start, beside_end = get_matrix(start, 9), get_matrix(end, 9)
-        beside, across = pair(beside_start, beside_end), pair(beside_end, beside_start)
-    else:
-        of_start, of_end = get_packed_blocks(start, 1, start, n - 1), get_packed_blocks(end, 1, end, n - 1)
-        beside, across = pair(first(of_start), second(of_end)), pair(first(of_end), second(of_start))
-    return (
-        subtract(own, multiply(coupling, beside)),
-        subtract(broadcast(ZERO_MATRIX, own[0]), multiply(coupling, across)),
-    )
 
 
 @kernel

@@ -11,12 +11,8 @@ from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_
 
 from ..arrays import copy
 from ..compilation import kernel
-from ..equations.boundary import chain_during
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
 from ..line.drum_events import SMALLEST_PIECE
-from ..line.drum_step import chain_with
-from ..line.moving_drum import MOST_IDLE
-from ..line.rodas4p import GAMMA
 from ..line.step_control import (
     SMALLEST_STEP,
     cut,
@@ -30,10 +26,20 @@ from ..line.step_control import (
 from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
 from ..points import system_step
-from ..points.system_drums import drum_at
-from ..points.system_room import NEW_LENGTH, NEW_SPEED, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, turns
+from ..points.system_drums import chain_in_step
+from ..points.system_room import (
+    SPEED,
+    drum_at,
+    has_drum,
+    has_free_nodes,
+    integrator_of,
+    is_any_turning,
+    moves,
+    numbers_of,
+    turns,
+)
 from ..points.system_step import apply_changes, collect_changes, whole_masses
-from .pieces import accept_drums, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
+from .pieces import MOST_IDLE, accept_drum, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
 
 
 @kernel
@@ -47,17 +53,13 @@ def larger_error(a, b):
 @kernel
 def error_of_line(system, k, time, h):
     """Error of the step of h [s] to a time [s] of the communication step in line k, over what is allowed [-]."""
-    conditions, room = conditions_of(system, k), integrator_of(system, k)
-    _, v = motion_of(system, k)
-    if not has_drum(system, k):
-        return error_of_step(conditions, chain_during(conditions, time), h, v, room.w)
-    error = error_of_drum(system, k, h)
+    error = error_of_drum(system, k, h) if has_drum(system, k) else 0.0
     if error < inf:
-        chain = chain_with(conditions, room.numbers[NEW_LENGTH], room.numbers[NEW_SPEED])
+        w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
         if has_free_nodes(system, k):
-            error = larger_error(error, error_of_step(conditions, chain, h, v, room.w))
+            error = larger_error(error, error_of_step(conditions_of(system, k), chain, h, v, w))
         elif turns(system, k):
-            room.numbers[NEW_SPEED] = keep_energy_of_drum(drum_at(conditions), chain, room.w)
+            numbers_of(system, k)[SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
     return error
 
 
@@ -73,7 +75,7 @@ def error_of_lines(system, time, h):
     changed = 0
     for k in range(lines_of(system)):
         if moves(system, k):
-            w = integrator_of(system, k).w
+            w = integrator_of(system, k)
             whole_masses(system, k, w)
             before = get(w.v, 0), get(w.v, segments_of(system, k))
             error = larger_error(error, error_of_line(system, k, time, h))
@@ -86,14 +88,24 @@ def error_of_lines(system, time, h):
 
 
 @kernel
+def attempt(system, time, h):
+    """Try a step of h [s] from a time [s] of the communication step; its error over what is allowed [-]."""
+    if not system_step.step(system, time, h):
+        return inf
+    error = error_of_lines(system, time + h, h)
+    return inf if error <= 1.0 and not project_drums(system, time + h, h) else error
+
+
+@kernel
 def accept(system):
-    """Let the lines (modified) have the results of the step."""
+    """Let the lines and their drums (modified) have the results of the step."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            x, v = motion_of(system, k)
-            w = integrator_of(system, k).w
+            w, (x, v) = integrator_of(system, k), motion_of(system, k)
             copy(w.x, x)
             copy(w.v, v)
+        if has_drum(system, k):
+            accept_drum(system, k)
 
 
 @kernel
@@ -118,7 +130,7 @@ def integrate(system, duration):
     budget = at.WORK_BUDGET // work_of(system)
     tried = 0
     rejected_before = False
-    drums = begin_drums(system)
+    begin_drums(system)
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
     beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
@@ -129,38 +141,32 @@ def integrate(system, duration):
         if h < SMALLEST_STEP * duration:
             return STEP_TOO_SMALL
         tried += 1
-        if drums and is_new:
+        if is_new:
             if not turn_drums(system, time, duration):
                 return NO_LENGTH
             is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
         h_now, is_last = even_step(duration - time, h)
         is_last = is_last and not piece < h_now
         h_now = min(h_now, piece)
-        error = inf
-        if system_step.step(system, time, h_now):
-            error = error_of_lines(system, time + h_now, h_now)
-        if error <= 1.0 and drums and not project_drums(system, time + h_now, GAMMA * h_now):
-            error = inf
+        error = attempt(system, time, h_now)
         if not error <= 1.0:
             rejected_before = True
             h = cut(h_now, error)
             memory[at.REJECTIONS] += 1.0
             continue
-        if drums:
-            before_event = part_to_event(system, time, h_now, weight)
-            if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
-                piece = h_now * before_event
-                weight *= 0.5  # if the next piece is too long again, the one after it will not be
-                beyond = time + h_now
-                memory[at.REJECTIONS] += 1.0
-                continue
-            if before_event < inf:
-                beyond = 0.0
-            idle = idle + 1 if h_now < SMALLEST_PIECE * duration and not is_any_turning(system) else 0
-            accept_drums(system)
-            is_new = True
-        time = duration if is_last else time + h_now
+        before_event = part_to_event(system, time, h_now, weight)
+        if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
+            piece = h_now * before_event
+            weight *= 0.5  # if the next piece is too long again, the one after it will not be
+            beyond = time + h_now
+            memory[at.REJECTIONS] += 1.0
+            continue
+        if before_event < inf:
+            beyond = 0.0
+        idle = idle + 1 if h_now < SMALLEST_PIECE * duration and not is_any_turning(system) else 0
         accept(system)
+        is_new = True
+        time = duration if is_last else time + h_now
         h = step_after_event(h, h_now, next_step(h, h_now, error, last_error, rejected_before), duration)
         last_error = error
         rejected_before = False

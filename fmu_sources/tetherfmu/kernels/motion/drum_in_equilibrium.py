@@ -21,10 +21,10 @@ from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_
 
 from ..compilation import kernel
 from ..equations.boundary import distance_of_ends, put_ends
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of, force_at, is_at_stop
+from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
 from ..equations.end_motion import target
 from ..equations.properties import chain_of, property_of
-from ..line.drum_events import SHORTEST_PART, SLOW, SMALLEST_PIECE, part_of_piece, room_to_turn
+from ..line.drum_events import SHORTEST_PART, SMALLEST_PIECE, may_change, next_motion, part_of_piece, room_to_change
 from . import secant
 
 NOTHING, AT_END, WITHIN, AT_STOP, TURNED_BACK = range(5)  # events of a piece; the first two need no shorter one
@@ -96,14 +96,6 @@ def speed_with(drum, stage, pull):
 
 
 @kernel
-def room_left(drum, direction, now):
-    """Force [N] that a held drum lacks to turn, or speed [m/s] of another until it rests; how far below 0 is 0."""
-    if direction == HELD:
-        return room_to_turn(drum, now.length, now.pull, now.time)
-    return now.speed * direction, SLOW * now.length
-
-
-@kernel
 def event_of(drum, piece, end):
     """The event of a piece with an `Instant` at its end; and the room that is left until it, below 0 where it is over."""
     start, direction, change = piece.start, piece.direction, end.length - piece.start.length
@@ -111,9 +103,9 @@ def event_of(drum, piece, end):
         return TURNED_BACK, 0.0
     if end.length != start.length and is_at_stop(drum, end.length, OUTWARDS if end.length > start.length else INWARDS):
         return AT_STOP, 0.0
-    if not (direction == HELD or (drum.friction > 0.0 and drum.mass > 0.0)):
+    if not may_change(drum, direction):
         return NOTHING, 0.0
-    room, margin = room_left(drum, direction, end)
+    room, margin = room_to_change(drum, direction, end.time, end.length, end.speed, end.pull)
     if room < -margin:
         return WITHIN, room
     return AT_END if room < 0.0 else NOTHING, room
@@ -142,7 +134,8 @@ def shorten(search, drum, piece, event, room):
     if event == TURNED_BACK:
         h, beyond = 0.25 * piece.h, search.beyond
     elif event == WITHIN:
-        before, _ = room_left(drum, piece.direction, piece.start)
+        start = piece.start
+        before, _ = room_to_change(drum, piece.direction, start.time, start.length, start.speed, start.pull)
         h = piece.h * part_of_piece(weight * before, room)
         if search.short > MOST_SHORT:
             h = max(h, min(search.least, 0.5 * piece.h))
@@ -161,9 +154,8 @@ def search_after(search, piece, event):
 @kernel
 def turn(drum, now, is_held):
     """Direction in which the drum turns next, and the `Instant` from which it does; is_held : whether friction holds it."""
-    direction = HELD if is_held else direction_of(drum, now.length, now.speed, now.pull, now.time)
-    rests = direction == HELD or (drum.mass > 0.0 and now.speed * direction < 0.0)
-    return direction, Instant(now.time, now.length, 0.0 if rests else now.speed, now.pull)
+    direction, speed = next_motion(drum, is_held, now.time, now.length, now.speed, now.pull)
+    return direction, Instant(now.time, now.length, speed, now.pull)
 
 
 @kernel

@@ -12,7 +12,9 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
 from ..compilation import kernel
+from ..equations import segment
 from ..equations.boundary import chain_during, place_ends
+from ..equations.ground import ground_of, has_ground
 from ..equations.lines import (
     conditions_of,
     is_at_point,
@@ -24,16 +26,25 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
-from ..equations.properties import stiffest
+from ..equations.properties import rest_length, stiffest
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
-from ..line.second_order import GAMMA, MIDDLE, ROUNDING, TO_NEXT
-from ..linear_algebra.vectors import get, norm
+from ..line.second_order import ENDS, GAMMA, ROUNDING, TO_NEXT
+from ..linear_algebra.vectors import get, norm, sub
 from ..points.system_descent import STUCK, descend, holds, is_unconverged, unconverged_lines
 from ..points.system_fixed_drums import unconverged_drums
-from ..points.system_fixed_room import Step, any_drum, attempt_of, room_in_fixed_steps, scratch_of
 from ..points.system_guess import begin_as_expected, guess, start
-from ..points.system_room import has_drum, moves
+from ..points.system_room import (
+    UNCONVERGED,
+    Step,
+    any_drum,
+    attempt_of,
+    has_drum,
+    moves,
+    numbers_of,
+    scratch_of,
+    stages_of,
+)
 from . import turning
 from .adaptive_steps import work_of
 
@@ -42,13 +53,13 @@ from .adaptive_steps import work_of
 
 @kernel
 def note_unconverged(system, all_of_them, taken):
-    """Count a step that was ended before it converged in the scratch space (modified) of the lines that had not, or of all.
+    """Count a step that was ended before it converged in the numbers (modified) of the lines that had not, or of all.
 
     taken : part of the last move.
     """
     for k in range(lines_of(system)):
         if moves(system, k) and (all_of_them or is_unconverged(system, k, taken)):
-            scratch_of(system, k).unconverged[0] += 1.0
+            numbers_of(system, k)[UNCONVERGED] += 1.0
 
 
 @kernel
@@ -89,45 +100,42 @@ def take_step(system, step, most, in_any_case):
 
 
 @kernel
-def take_in_any_case(system, time, h, turns):
+def take_in_any_case(system, time, h):
     """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
 
     Where it does not converge with drums, the lines take it alone with their last speeds, in as many iterations again.
-    turns : whether there are drums.
     """
     iterations = 0
-    if turns:
-        own = Step(time, h, WHOLE, True)
-        taken, iterations = take_step(system, own, LAST_ITERATIONS, False)
+    if any_drum(system):
+        taken, iterations = take_step(system, Step(time, h, WHOLE, True), LAST_ITERATIONS, False)
         if taken or iterations < 0:
             return iterations
         note_unconverged(system, True, 0.0)
-        turning.turn_evenly(system, own)
+        turning.turn_evenly(system, time)
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
     return more if more < 0 else iterations + more
 
 
 @kernel
-def subdivided_step(system, time, h, turns):
+def subdivided_step(system, time, h):
     """One step of h [s] of all lines (modified) at a time [s], in parts where it does not converge as a whole.
 
     Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`, with drums WORST_SUBDIVIDED_WITH_DRUM; negative if
-    a matrix is singular.  turns : whether there are drums.
+    a matrix is singular.
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
-        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, turns)
-        if turns:
-            turning.attempt_whole_step(system, own.time, own.h)
+        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, any_drum(system))
+        turning.attempt_whole_step(system, own.h)
         taken, more = True, 0
         if size == 1:
-            more = take_in_any_case(system, own.time, own.h, turns)
+            more = take_in_any_case(system, own.time, own.h)
         else:
             taken, more = take_step(system, own, MOST_ITERATIONS, False)
         if more < 0:
             return more
-        if taken and turns:
-            turning.end_whole_step(system, own)
+        if taken:
+            turning.end_whole_step(system, own.h)
         iterations += more
         done, size = backward_euler.next_part(done, size, taken)
     return iterations
@@ -140,9 +148,12 @@ def subdivided_step(system, time, h, turns):
 def is_any_on_ground(system):
     """Whether a node that moves freely is on the ground or below it."""
     for k in range(lines_of(system)):
-        x, _ = motion_of(system, k)
-        if second_order.is_on_ground(conditions_of(system, k), x):
-            return True
+        conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
+        if has_ground(conditions.parameters):
+            height = ground_of(conditions.parameters).height
+            for i in range(conditions.first, conditions.last + 1):
+                if x[3 * i + 2] <= height:
+                    return True
     return False
 
 
@@ -160,9 +171,12 @@ def crosses(system, start, end):
     """Whether a segment went slack or taut since the step was started; start, end : times [s]."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            x, _ = motion_of(system, k)
-            if second_order.crosses(conditions_of(system, k), start, room_in_fixed_steps(system, k).stages.x, end, x):
-                return True
+            old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
+            before, after = chain_during(conditions, start), chain_during(conditions, end)
+            for s in range(conditions.n):
+                beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
+                if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
+                    return True
     return False
 
 
@@ -170,30 +184,19 @@ def crosses(system, start, end):
 
 
 @kernel
-def power_of_load(system, k, end, time, v):
-    """Largest power [W] of the load on the free point at an end of line k at a time [s], by its part of the mass.
-
-    v : velocities of the nodes [m/s].
-    """
-    point, node = point_at(system, k, end), segments_of(system, k) * end
-    own = room_in_fixed_steps(system, k).stages.chain.mass[node] / points_of(system).mass[point]
-    return own * norm(load_at(system, point, time)) * norm(get(v, node))
-
-
-@kernel
 def energy_and_power_of_line(system, k, time, is_new):
-    """Energy [J] and largest power [W] of line k with its drum, see `energy_and_power`."""
-    w = room_in_fixed_steps(system, k).stages
-    x, v = motion_of(system, k)
+    """Energy [J] and largest power [W] of line k with its drum and its parts of the loads on points, by masses."""
+    points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
     here, speed = (x, v) if is_new else (w.x, w.v)
     of_drum, grown = 0.0, 0.0
     if has_drum(system, k):
-        turning.hold_length(system, k, is_new)
         of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
     energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
     for end in range(2):
         if is_at_point(system, k, end):
-            power += power_of_load(system, k, end, time, speed)
+            point, node = point_at(system, k, end), segments_of(system, k) * end
+            share = w.chain.mass[node] / points.mass[point]
+            power += share * norm(load_at(system, point, time)) * norm(get(speed, node))
     return energy + of_drum, power + grown
 
 
@@ -226,44 +229,30 @@ def is_explained(system, time, h):
 
 
 @kernel
-def remember(system):
-    """Keep the motion at the start of a step in the scratch space of all lines (modified)."""
+def begin_stage(system, i, known):
+    """Put all lines (modified), the results of the stage before, where stage i starts, with the accelerations to expect.
+
+    known : as for `second_order.expect`.  Before the first stage their motion is kept.
+    """
     for k in range(lines_of(system)):
-        w = room_in_fixed_steps(system, k).stages
-        x, v = motion_of(system, k)
-        copy(x, w.x)
-        copy(v, w.v)
+        w, (x, v) = stages_of(system, k), motion_of(system, k)
+        if i == 0:
+            copy(x, w.x)
+            copy(v, w.v)
+        elif moves(system, k):
+            second_order.go_on(i, x, v, w)
+        if moves(system, k) and known > 0:
+            second_order.expect(TO_NEXT[i], known, w)
 
 
 @kernel
 def go_back(system):
-    """Put all lines (modified) back to the start of the step."""
+    """Put all lines and drums (modified) back to the start of the step."""
     for k in range(lines_of(system)):
-        w = room_in_fixed_steps(system, k).stages
-        x, v = motion_of(system, k)
+        w, (x, v) = stages_of(system, k), motion_of(system, k)
         copy(w.x, x)
         copy(w.v, v)
-
-
-@kernel
-def expect(system, onward, known):
-    """`second_order.expect` of all lines (modified)."""
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            second_order.expect(onward, known, room_in_fixed_steps(system, k).stages)
-
-
-@kernel
-def go_on(system, is_second):
-    """Put all lines (modified), the results of a stage, where the second or the third one starts."""
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            w = room_in_fixed_steps(system, k).stages
-            x, v = motion_of(system, k)
-            if is_second:
-                second_order.go_to_second(x, v, w)
-            else:
-                second_order.go_to_third(x, v, w)
+        turning.go_back(system, k)
 
 
 @kernel
@@ -275,51 +264,24 @@ def place_all_ends(system, time):
 
 
 @kernel
-def stage(system, start, h, time, known, turns):
-    """A stage of all lines (modified) over g h, which begins at a time [s]: whether it is good, and the iterations.
-
-    start, h : of the step [s].  known : how many accelerations of stages before are known.  turns : whether there are drums.
-    """
-    reach = GAMMA * h
-    own = Step(time, reach, EXPECTED if known > 0 else STAGE, turns)
-    taken, iterations = take_step(system, own, MOST_ITERATIONS, False)
-    if taken and turns:
-        taken = turning.end_stage(system, start, time + reach - start, reach)
-    return taken, max(iterations, 0)
-
-
-@kernel
-def stages(system, time, h, known, turns):
+def stages(system, time, h, known):
     """One step of h [s] of all lines (modified) at a time [s]; whether it is to be taken, and the number of iterations.
 
-    known : as for `stage`.  turns : whether there are drums, which do not get the result.
+    known : how many accelerations of stages before are known.
     """
-    reach = GAMMA * h
-    remember(system)
-    if known > 0:
-        expect(system, TO_NEXT[0], known)
-    if turns:
-        turning.go_to_first(system, reach, known)
-    taken, iterations = stage(system, time, h, time, known, turns)
-    if not taken:
-        return False, iterations
-    does_cross = crosses(system, time, time + reach)
-    go_on(system, True)
-    expect(system, TO_NEXT[1], known)
-    if turns:
-        turning.go_to_second(system, reach)
-    taken, more = stage(system, time, h, time + (MIDDLE - GAMMA) * h, 1, turns)
-    iterations += more
-    if not taken:
-        return False, iterations
-    does_cross = does_cross or crosses(system, time, time + MIDDLE * h)
-    go_on(system, False)
-    expect(system, TO_NEXT[2], 2)
-    if turns:
-        turning.go_to_third(system, reach)
-    taken, more = stage(system, time, h, time + (1.0 - GAMMA) * h, 2, turns)
-    iterations += more
-    if not taken or (turns and not turning.turn_smoothly(system)) or is_any_on_ground(system):
+    reach, iterations, does_cross = GAMMA * h, 0, False
+    for i in range(STAGES):
+        begin_stage(system, i, known)
+        turning.begin_stage(system, i, reach, known)
+        own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, any_drum(system))
+        taken, more = take_step(system, own, MOST_ITERATIONS, False)
+        iterations += max(more, 0)
+        if not taken or not turning.end_stage(system, time, own.time + reach - time, reach):
+            return False, iterations
+        if i < STAGES - 1:
+            does_cross = does_cross or crosses(system, time, time + ENDS[i] * h)
+        known += 1
+    if not turning.turn_smoothly(system) or is_any_on_ground(system):
         return False, iterations
     place_all_ends(system, time + h)
     does_cross = does_cross or crosses(system, time, time + h)
@@ -328,34 +290,29 @@ def stages(system, time, h, known, turns):
 
 
 @kernel
-def step(system, method, time, h, known, turns):
+def step(system, method, time, h, known):
     """One step of h [s] of all lines (modified) at a time [s]: its iterations, and the way it was done.
 
-    method : of `backward_euler.FixedSteps`.  known : as for `stage`.  turns : whether there are drums.
+    method : of `backward_euler.FixedSteps`.  known : as for `stages`.
     At most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative where a
     matrix is singular. The way is 0 with three stages, 1 with backward Euler alone, 2 with that after stages that were left.
     """
     if method == at.BACKWARD_EULER or is_any_on_ground(system) or is_any_stiff(system, time):
-        return subdivided_step(system, time, h, turns), 1
-    taken, iterations = stages(system, time, h, known, turns)
+        return subdivided_step(system, time, h), 1
+    taken, iterations = stages(system, time, h, known)
     if taken:
-        if turns:
-            turning.end_stages(system)
         return iterations, 0
     go_back(system)
-    more = subdivided_step(system, time, h, turns)
+    more = subdivided_step(system, time, h)
     return more if more < 0 else iterations + more, 2
 
 
 @kernel
-def truncated_step(system, time, h, turns):
+def truncated_step(system, time, h):
     """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
-    own = Step(time, h, WHOLE, turns)
-    if turns:
-        turning.attempt_whole_step(system, time, h)
-    iterations = take_in_any_case(system, time, h, turns)
-    if turns:
-        turning.end_whole_step(system, own)
+    turning.attempt_whole_step(system, h)
+    iterations = take_in_any_case(system, time, h)
+    turning.end_whole_step(system, h)
     note_unconverged(system, True, 0.0)
     return iterations
 
@@ -366,7 +323,7 @@ def integrate(system, steps, duration):
 
     A communication step that is no multiple is divided evenly into steps of at most their size. Once the budget of
     iterations is spent, which takes hard steps, the others are ended after `limits.LAST_ITERATIONS` of backward Euler.
-    Counters stand in the state of the first line, how often iterations were ended in the scratch space of each; drums have
+    Counters stand in the state of the first line, how often iterations were ended in the numbers of each; drums have
     their lengths and speeds in the states of their lines. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or,
     about a line, NO_LENGTH.
     """
@@ -376,20 +333,18 @@ def integrate(system, steps, duration):
         return FIXED_STEPS_TOO_MANY
     h = duration / count
     for k in range(lines_of(system)):
-        room_in_fixed_steps(system, k).stages.chain.unconverged[0] = 0.0
-    turns = any_drum(system)
+        numbers_of(system, k)[UNCONVERGED] = 0.0
     spent, left, known = 0, 0, 0
     for i in range(count):
         if spent > STAGES * budget:
-            iterations, way = truncated_step(system, i * h, h, turns), 1
+            iterations, way = truncated_step(system, i * h, h), 1
         else:
-            iterations, way = step(system, steps.method, i * h, h, known, turns)
+            iterations, way = step(system, steps.method, i * h, h, known)
         if iterations < 0:
             return STATE_NOT_FINITE
-        if turns:
-            status = turning.balance(system, i * h + h, GAMMA * h if way == 0 else h)
-            if status != OK:
-                return status
+        status = turning.balance(system, i * h + h, GAMMA * h if way == 0 else h)
+        if status != OK:
+            return status
         known = 3 if way == 0 else 0
         spent += iterations
         left += 1 if way == 2 else 0

@@ -7,94 +7,117 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
-from ..equations.drum import HELD
-from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from ..compilation import kernel, view
+from ..equations.boundary import chain_with
+from ..equations.drum import HELD, INWARDS, OUTWARDS, is_at_stop, stop_ahead
+from ..equations.lines import conditions_of, lines_of, motion_of
 from ..equations.plan import note_line
-from ..line.drum_events import part_of_piece
-from ..line.drum_step import Motion
-from ..line.moving_drum import (
-    NOTHING,
-    drum_error,
-    first_event,
-    project,
-    room_left,
-    speed_after,
-    turn,
-)
-from ..points.system_drums import drum_at, length_of
+from ..line.drum_events import next_motion, part_of_piece
+from ..line.moving_drum import NOTHING, Instant, first_event, project, room_left, tension_at_rest
+from ..line.rodas4p import GAMMA
+from ..line.step_control import allowed_errors
+from ..line.taut_slack import drum_transition_error
 from ..points.system_room import (
     DIRECTION,
-    LENGTH_ERROR,
-    NEW_LENGTH,
-    NEW_SPEED,
-    SPEED_ERROR,
+    INCREMENT,
+    LENGTH,
+    SOLUTION,
+    SPEED,
     TURNED_BACK,
+    drum_at,
     has_drum,
     integrator_of,
+    length_of,
+    numbers_of,
+    put_length,
 )
+
+MOST_IDLE = 100  # pieces one after the other, in which no drum turns, that are so short that rounding keeps its tension
+AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
+
+
+@view
+def before_step(system, k, time):
+    """`Instant` of line k, which has a drum, at the start of a step, a time [s] of the communication step."""
+    return Instant(time, *length_of(system, k), *motion_of(system, k))
+
+
+@view
+def after_step(system, k, time):
+    """`Instant` of the result of a step that ends at a time [s]."""
+    numbers, w = numbers_of(system, k), integrator_of(system, k)
+    return Instant(time, numbers[LENGTH], numbers[SPEED], w.x, w.v)
 
 
 @kernel
 def begin_drums(system):
-    """Let the drums begin a communication step; whether there are any."""
-    count = 0
+    """Let the drums (modified) begin a communication step."""
     for k in range(lines_of(system)):
-        if has_drum(system, k):
-            integrator_of(system, k).numbers[TURNED_BACK] = 0.0
-            count += 1
-    return count > 0
+        numbers_of(system, k)[TURNED_BACK] = 0.0
+
+
+@kernel
+def turn_drum(system, k, time, duration):
+    """Let the drum of line k (modified) turn, or be held, from a time [s] on; False if one without mass cannot."""
+    conditions, drum, numbers = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)
+    now, is_held, found = before_step(system, k, time), numbers[TURNED_BACK] != 0.0, True
+    length, tension = now.length, tension_at_rest(conditions, now)
+    direction, speed = next_motion(drum, is_held, time, length, now.speed, tension)
+    if direction != HELD and drum.mass == 0.0:
+        length, speed, found = project(conditions, drum, direction, AT_ONCE * duration, now)
+        if is_at_stop(drum, length, direction):
+            direction, length, speed, found = HELD, stop_ahead(drum, direction), 0.0, True
+    numbers[DIRECTION] = direction
+    put_length(system, k, length, speed)
+    return found
 
 
 @kernel
 def turn_drums(system, time, duration):
-    """Let all drums turn, or be held, from a time [s] of the communication step; False if one without mass cannot.
+    """`turn_drum` of all drums (modified); False if one cannot.  duration : of the communication step [s].
 
-    The plan (modified) then says which line it is.  duration : of the communication step [s].
+    The plan (modified) then says which line it is.
     """
     for k in range(lines_of(system)):
-        if has_drum(system, k):
-            conditions, numbers, state = conditions_of(system, k), integrator_of(system, k).numbers, state_of(system, k)
-            x, v = motion_of(system, k)
-            turned_back, drum = numbers[TURNED_BACK] != 0.0, drum_at(conditions)
-            direction, length, speed, found = turn(
-                conditions, drum, turned_back, time, duration, *length_of(system, k), x, v
-            )
-            numbers[DIRECTION], state[at.LENGTH], state[at.REELING] = direction, length, speed
-            if not found:
-                note_line(system.plan, k)
-                return False
+        if has_drum(system, k) and not turn_drum(system, k, time, duration):
+            note_line(system.plan, k)
+            return False
     return True
 
 
 @kernel
 def error_of_drum(system, k, h):
-    """Error of the drum of line k in the step of h [s], see `moving_drum.drum_error`; inf if it has no length any more."""
-    conditions, room = conditions_of(system, k), integrator_of(system, k)
-    numbers = room.numbers
-    if not numbers[NEW_LENGTH] > 0.0:
-        return inf
+    """Error of the drum of line k in a step of h [s] over what is allowed [-], as of a node that moves with it.
+
+    inf if it has no length any more.
+    """
+    conditions, drum, numbers = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)
     _, v = motion_of(system, k)
-    motion = Motion(numbers[NEW_LENGTH], numbers[NEW_SPEED], numbers[LENGTH_ERROR], numbers[SPEED_ERROR])
+    if not numbers[LENGTH] > 0.0:
+        return inf
+    position_scale, velocity_scale = allowed_errors(conditions, v)
+    error = abs(GAMMA * h * numbers[SOLUTION]) / position_scale
+    if numbers[DIRECTION] == HELD or drum.mass == 0.0:
+        return error
     _, speed = length_of(system, k)
-    return drum_error(conditions, drum_at(conditions), numbers[DIRECTION], motion, speed, h, v, room.w)
+    fastest = max(abs(speed), abs(numbers[SPEED]))
+    velocity_scale = max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest)
+    error = max(error, abs(numbers[INCREMENT]) / velocity_scale)
+    chain = chain_with(conditions, numbers[LENGTH], numbers[SPEED])
+    transition = drum_transition_error(drum, chain, h, integrator_of(system, k)) / velocity_scale
+    return max(error, transition * transition) if transition > 1.0 else error
 
 
 @kernel
-def project_drums(system, time, d):
-    """`moving_drum.project` in the result of a step that ends at a time [s], of all drums without mass; whether all can."""
+def project_drums(system, time, h):
+    """`moving_drum.project` in the result of a step of h [s] to a time [s], of all drums without mass; whether all can."""
     for k in range(lines_of(system)):
-        if has_drum(system, k):
-            conditions, room = conditions_of(system, k), integrator_of(system, k)
-            numbers, drum = room.numbers, drum_at(conditions)
-            direction = numbers[DIRECTION]
-            if direction != HELD and drum.mass == 0.0:
-                length, speed, found = project(
-                    conditions, drum, direction, time, d, numbers[NEW_LENGTH], numbers[NEW_SPEED], room.w.x, room.w.v
-                )
-                numbers[NEW_LENGTH], numbers[NEW_SPEED] = length, speed
-                if not found:
-                    return False
+        drum, numbers = drum_at(system, k), numbers_of(system, k)
+        if has_drum(system, k) and numbers[DIRECTION] != HELD and drum.mass == 0.0:
+            conditions, now = conditions_of(system, k), after_step(system, k, time)
+            numbers[LENGTH], numbers[SPEED], found = project(conditions, drum, numbers[DIRECTION], GAMMA * h, now)
+            if not found:
+                return False
     return True
 
 
@@ -107,24 +130,24 @@ def part_to_event(system, time, h, weight):
     least = inf
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            conditions, room = conditions_of(system, k), integrator_of(system, k)
-            numbers, w, drum = room.numbers, room.w, drum_at(conditions)
-            x, v = motion_of(system, k)
-            after = time + h, numbers[NEW_LENGTH], numbers[NEW_SPEED], w.x, w.v
-            event = first_event(conditions, drum, numbers[DIRECTION], *after)
+            conditions, drum, direction = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)[DIRECTION]
+            event, over = first_event(conditions, drum, direction, after_step(system, k, time + h))
             if event != NOTHING:
-                before, _ = room_left(conditions, drum, event, time, *length_of(system, k), x, v)
-                over, _ = room_left(conditions, drum, event, *after)
+                before, _ = room_left(conditions, drum, direction, event, before_step(system, k, time))
                 least = min(least, part_of_piece(weight * before, over))
     return least
 
 
 @kernel
-def accept_drums(system):
-    """Let the drums (modified) have the results of the step."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers, state = integrator_of(system, k).numbers, state_of(system, k)
-            drum, direction = drum_at(conditions_of(system, k)), numbers[DIRECTION]
-            length, speed, turned_back = speed_after(drum, direction, numbers[NEW_LENGTH], numbers[NEW_SPEED])
-            state[at.LENGTH], state[at.REELING], numbers[TURNED_BACK] = length, speed, 1.0 if turned_back else 0.0
+def accept_drum(system, k):
+    """Let the drum of line k (modified) have the results of the step.
+
+    At a stop it rests, and so does one that friction brings to rest; one without mass is then held.
+    """
+    drum, numbers = drum_at(system, k), numbers_of(system, k)
+    length, speed, direction = numbers[LENGTH], numbers[SPEED], numbers[DIRECTION]
+    way = OUTWARDS if speed > 0.0 else INWARDS
+    is_stopped = direction != HELD and is_at_stop(drum, length, way)
+    is_turned = not is_stopped and drum.friction > 0.0 and speed * direction < 0.0
+    numbers[TURNED_BACK] = 1.0 if is_turned and drum.mass == 0.0 else 0.0
+    put_length(system, k, stop_ahead(drum, way) if is_stopped else length, 0.0 if is_stopped or is_turned else speed)

@@ -1,211 +1,212 @@
 """The drums in fixed steps: how all of them turn in the stages of a step, and in backward Euler.
 
-The laws of one drum are those of `drum_in_fixed_steps.py` and `drum_in_backward_euler.py`. What makes a step of one drum one
-of backward Euler makes that of the whole system one.
+    L1 = L0 + g h u1,   u1 = u0 + g h f(x1, v1, L1, u1)/m,   and so on, as x and v of a node (`second_order.py`)
+
+A stage is a step of backward Euler over g h (`system_fixed_drums.py`). Without mass f = 0 in each stage, and what putting
+driven ends on their curves leaves of it is taken away by `moving_drum.project`. A step is taken anew by backward Euler where
+one without a drum is, and where a drum comes to rest or to a stop, or leaves them, within the step: it then rests, or turns,
+at its end. What makes a step of one drum one of backward Euler makes that of the whole system one.
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.status import NO_LENGTH, OK
 
-from ..compilation import kernel, view
-from ..equations.drum import force_at
-from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling, state_of
+from ..compilation import kernel
+from ..equations import segment
+from ..equations.boundary import chain_with
+from ..equations.drum import INWARDS, OUTWARDS, force_at, is_at_stop
+from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling
 from ..equations.plan import note_line
-from ..line import drum_in_backward_euler as of_one
-from ..line.drum_in_fixed_steps import Motion, balanced, power_of_growth, turns_smoothly
-from ..line.second_order import BESIDE, TO_NEXT, TO_SECOND, TO_THIRD
-from ..linear_algebra.vectors import NEUTRAL
-from ..points.system_drums import drum_at, length_of
-from ..points.system_fixed_room import (
+from ..equations.properties import property_of
+from ..line.moving_drum import Instant, first_tension, project
+from ..line.second_order import BESIDE, TO_NEXT, start_of_second
+from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
+from ..points.system_room import (
     BEFORE,
     CHANGE,
-    FIRST,
-    FROM_LENGTH,
-    FROM_SPEED,
     HIGHEST,
     IS_FOUND,
+    LONG_BEFORE,
     LOWEST,
     ONWARD_LENGTH,
     ONWARD_SPEED,
-    REACHED,
-    SECOND,
-    SPEED,
-    room_in_fixed_steps,
-    trial_of_line,
+    START_LENGTH,
+    START_SPEED,
+    TRIAL,
+    drum_at,
+    has_drum,
+    length_of,
+    numbers_of,
+    put_length,
 )
-from ..points.system_room import has_drum
 
 # --- a step that is attempted
 
 
 @kernel
-def attempt(system, k, start, limits, guess):
-    """Let the drum of line k (modified) begin a step from its length [m] and speed [m/s], with a guess of its speed [m/s].
-
-    limits : of the speed [m/s].
-    """
-    numbers = room_in_fixed_steps(system, k).numbers
-    numbers[FROM_LENGTH], numbers[FROM_SPEED] = start
-    lowest, highest = limits
-    numbers[LOWEST], numbers[HIGHEST] = lowest, highest
-    numbers[SPEED], numbers[CHANGE], numbers[IS_FOUND] = min(highest, max(lowest, guess)), 0.0, 0.0
-    put_reeling(system, k, (start[0], 0.0, 0.0, NEUTRAL))
+def hold(system, k, length):
+    """Let the length [m] of line k (modified) not change by itself."""
+    put_reeling(system, k, (length, 0.0, 0.0, NEUTRAL))
 
 
 @kernel
-def change_evenly(system, k, time, h, length, later):
-    """Let the length [m] of line k (modified) change to a later one in h [s] from a time [s] of the step on."""
-    rate = (later - length) / h
-    put_reeling(system, k, (length - rate * time, rate, 0.0, 0.0))
+def limits_of(system, k, h):
+    """Speeds [m/s] with which the drum of line k would come to its stops in a step of h [s], inwards and outwards."""
+    drum, (length, _) = drum_at(system, k), length_of(system, k)
+    return (drum.shortest - length) / h, (drum.longest - length) / h
+
+
+@kernel
+def attempt(system, k, lowest, highest, guess):
+    """Let the drum of line k (modified) begin a step with a guess of its speed, which has these limits [m/s]."""
+    numbers, (length, _) = numbers_of(system, k), length_of(system, k)
+    numbers[LOWEST], numbers[HIGHEST] = lowest, highest
+    numbers[TRIAL], numbers[CHANGE], numbers[IS_FOUND] = min(highest, max(lowest, guess)), 0.0, 0.0
+    hold(system, k, length)
 
 
 # --- backward Euler
 
 
 @kernel
-def attempt_whole_step(system, time, h):
-    """Let all drums (modified) begin a step of backward Euler of h [s] at a time [s] of the communication step."""
+def attempt_whole_step(system, h):
+    """Let all drums (modified) begin a step of backward Euler of h [s]; one that friction stops does not turn round."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            start, drum = length_of(system, k), drum_at(conditions_of(system, k))
-            trial = of_one.trial_of(drum, time, h, *start)
-            attempt(system, k, start, (trial.lowest, trial.highest), start[1])
+            drum, (_, speed), (lowest, highest) = drum_at(system, k), length_of(system, k), limits_of(system, k, h)
+            if drum.friction > 0.0 and drum.mass > 0.0:
+                if speed > 0.0:
+                    lowest = min(max(lowest, 0.0), highest)
+                elif speed < 0.0:
+                    highest = max(min(highest, 0.0), lowest)
+            attempt(system, k, lowest, highest, speed)
 
 
 @kernel
-def end_whole_step(system, step):
-    """Let all drums (modified) have the result of a step of backward Euler."""
+def end_whole_step(system, h):
+    """Let all drums (modified) have the result of a step of backward Euler of h [s]: stops are inelastic."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            state, speed = state_of(system, k), room_in_fixed_steps(system, k).numbers[SPEED]
-            state[at.LENGTH], state[at.REELING] = of_one.at_end(trial_of_line(system, k, step), speed)
+            drum, (length, _), (lowest, highest) = drum_at(system, k), length_of(system, k), limits_of(system, k, h)
+            speed = numbers_of(system, k)[TRIAL]
+            if speed <= lowest:
+                put_length(system, k, drum.shortest, 0.0)
+            elif speed >= highest:
+                put_length(system, k, drum.longest, 0.0)
+            else:
+                put_length(system, k, length + h * speed, speed)
 
 
 @kernel
-def turn_evenly(system, step):
-    """Let all drums (modified) turn with the speeds of the iteration throughout a step, for lines that move alone."""
+def turn_evenly(system, time):
+    """Let all drums (modified) turn with the speeds of the iteration from a time [s] on, for lines that move alone."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            numbers = room_in_fixed_steps(system, k).numbers
-            length, speed = numbers[FROM_LENGTH], numbers[SPEED]
-            put_reeling(system, k, (length - speed * step.time, speed, 0.0, NEUTRAL))
+            (length, _), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
+            put_reeling(system, k, (length - speed * time, speed, 0.0, NEUTRAL))
 
 
 # --- stages
 
 
 @kernel
-def attempt_stage(system, reach, start, guess, k):
-    """Let the drum of line k (modified) begin a stage of `reach` [s]; other arguments as of `attempt`."""
-    limits = of_one.limits_of(drum_at(conditions_of(system, k)), start[0], reach)
-    attempt(system, k, start, limits, guess)
+def begin_stage(system, i, reach, known):
+    """Let all drums (modified), the results of the stage before, begin stage i of `reach` [s].
 
-
-@kernel
-def go_to_first(system, reach, known):
-    """Let all drums (modified) begin the first stage of `reach` [s]; known : as for `fixed_steps.stage`."""
+    Their speeds in the last stages are continued to a guess; known : of how many of these before the step they are known.
+    """
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            length, speed = length_of(system, k)
-            guess = speed
-            if known > 0:
-                guess += TO_NEXT[0] * (speed - room_in_fixed_steps(system, k).numbers[BEFORE])
-            attempt_stage(system, reach, (length, speed), guess, k)
-
-
-@kernel
-def go_to_second(system, reach):
-    """Let all drums (modified), the results of the first stage, begin the second one."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers, (length, speed) = room_in_fixed_steps(system, k).numbers, length_of(system, k)
-            reached, first = numbers[REACHED], numbers[SPEED]
-            from_length, from_speed = length + TO_SECOND * (reached - length), speed + TO_SECOND * (first - speed)
-            numbers[ONWARD_LENGTH] = length + TO_THIRD * (reached - length) - BESIDE * from_length
-            numbers[ONWARD_SPEED] = speed + TO_THIRD * (first - speed) - BESIDE * from_speed
-            numbers[FIRST] = first
-            attempt_stage(system, reach, (from_length, from_speed), first + TO_NEXT[1] * (first - speed), k)
-
-
-@kernel
-def go_to_third(system, reach):
-    """Let all drums (modified), the results of the second stage, begin the third one."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers = room_in_fixed_steps(system, k).numbers
-            first, second = numbers[FIRST], numbers[SPEED]
-            from_length = numbers[ONWARD_LENGTH] + BESIDE * numbers[REACHED]
-            from_speed = numbers[ONWARD_SPEED] + BESIDE * second
-            numbers[SECOND] = second
-            attempt_stage(system, reach, (from_length, from_speed), second + TO_NEXT[2] * (second - first), k)
+            numbers, (length, speed) = numbers_of(system, k), length_of(system, k)
+            guess = speed + (TO_NEXT[i] * (speed - numbers[BEFORE]) if known > 0 else 0.0)
+            numbers[LONG_BEFORE], numbers[BEFORE] = numbers[BEFORE], speed
+            if i == 0:
+                numbers[START_LENGTH], numbers[START_SPEED] = length, speed
+            elif i == 1:
+                length, numbers[ONWARD_LENGTH] = start_of_second(numbers[START_LENGTH], length)
+                speed, numbers[ONWARD_SPEED] = start_of_second(numbers[START_SPEED], speed)
+            else:
+                length, speed = numbers[ONWARD_LENGTH] + BESIDE * length, numbers[ONWARD_SPEED] + BESIDE * speed
+            put_length(system, k, length, speed)
+            attempt(system, k, *limits_of(system, k, reach), guess)
 
 
 @kernel
 def end_stage(system, time, h, reach):
-    """Lengths of all drums after a stage of `reach` [s] (modified); whether none has come to a stop.
+    """Let all drums (modified) have the results of a stage of `reach` [s]; whether none has come to a stop.
 
     From then on the lengths of their lines change evenly from the start of the step to there: h [s] from its time [s] on.
     """
     at_stops = 0
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            numbers, (length, _) = room_in_fixed_steps(system, k).numbers, length_of(system, k)
-            speed = numbers[SPEED]
+            numbers, (length, _) = numbers_of(system, k), length_of(system, k)
+            speed = numbers[TRIAL]
             at_stops += not (speed == 0.0 or numbers[LOWEST] < speed < numbers[HIGHEST])
-            numbers[REACHED] = numbers[FROM_LENGTH] + reach * speed
-            change_evenly(system, k, time, h, length, numbers[REACHED])
+            put_length(system, k, length + reach * speed, speed)
+            rate = (length + reach * speed - numbers[START_LENGTH]) / h
+            put_reeling(system, k, (numbers[START_LENGTH] - rate * time, rate, 0.0, 0.0))
     return at_stops == 0
+
+
+@kernel
+def turns_smoothly(drum, speed, first, second, third):
+    """Whether a drum turns, or is held, throughout a step, with its speeds [m/s] at the start and in the stages."""
+    if first == 0.0 and second == 0.0 and third == 0.0:
+        return drum.mass == 0.0 or speed == 0.0
+    if first == 0.0 or second == 0.0 or third == 0.0:
+        return False
+    if drum.friction == 0.0:
+        return True
+    return first * second > 0.0 and second * third > 0.0 and (drum.mass == 0.0 or speed * first > 0.0)
 
 
 @kernel
 def turn_smoothly(system):
     """Whether each drum turns, or is held, throughout a step whose stages are done."""
-    others = 0
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            numbers, (_, speed) = room_in_fixed_steps(system, k).numbers, length_of(system, k)
-            stages = numbers[FIRST], numbers[SECOND], numbers[SPEED]
-            others += not turns_smoothly(drum_at(conditions_of(system, k)), speed, *stages)
-    return others == 0
+            numbers, (_, speed) = numbers_of(system, k), length_of(system, k)
+            stages = numbers[START_SPEED], numbers[LONG_BEFORE], numbers[BEFORE], speed
+            if not turns_smoothly(drum_at(system, k), *stages):
+                return False
+    return True
 
 
 @kernel
-def end_stages(system):
-    """Let all drums (modified) have the results of a step whose stages are done."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers, state = room_in_fixed_steps(system, k).numbers, state_of(system, k)
-            state[at.LENGTH], state[at.REELING] = numbers[REACHED], numbers[SPEED]
-            numbers[BEFORE] = numbers[SECOND]
+def go_back(system, k):
+    """Put the drum of line k (modified) back to the start of the step."""
+    if has_drum(system, k):
+        numbers = numbers_of(system, k)
+        put_length(system, k, numbers[START_LENGTH], numbers[START_SPEED])
 
 
 # --- energy
 
 
-@view
-def motion_in_stages(system, k, is_new):
-    """`Motion` of the drum of line k after the stages of a step, or at its start."""
-    numbers, (length, speed) = room_in_fixed_steps(system, k).numbers, length_of(system, k)
-    if is_new:
-        length, speed = numbers[REACHED], numbers[SPEED]
-    return Motion(length, speed, speed)
-
-
 @kernel
-def hold_length(system, k, is_new):
-    """Let the length of line k (modified) stay as it is after the stages of a step, or at its start."""
-    put_reeling(system, k, (motion_in_stages(system, k, is_new).length, 0.0, 0.0, NEUTRAL))
+def motion_in_stages(system, k, is_new):
+    """Length [m] and speed [m/s] of the drum of line k after the stages of a step, or at its start."""
+    return length_of(system, k) if is_new else (numbers_of(system, k)[START_LENGTH], numbers_of(system, k)[START_SPEED])
 
 
 @kernel
 def energy_and_power(system, k, is_new, x, v):
-    """Energy of the drum of line k [J] and the power of growth [W], see `drum_in_fixed_steps.power_of_growth`.
+    """Energy of the drum of line k [J] and the power [W] at most with which energy grows as not all segments pull alike.
 
-    With the nodes at x [m] and velocities v [m/s] after the stages of a step, or at its start.
+    What the drum pays out lengthens all segments, and only the first one pulls at it. With the nodes at x [m] and velocities
+    v [m/s] after the stages of a step, or at its start; the line (modified) then has the length there.
     """
-    conditions, motion = conditions_of(system, k), motion_in_stages(system, k, is_new)
-    energy = 0.5 * drum_at(conditions).mass * motion.speed * motion.speed
-    return energy, power_of_growth(conditions, motion, x, v)
+    conditions, (length, speed) = conditions_of(system, k), motion_in_stages(system, k, is_new)
+    hold(system, k, length)
+    chain, power = chain_with(conditions, length, speed), 0.0
+    first = first_tension(chain, x, v)
+    for s in range(chain.n):
+        stretched, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        rate = dot(e, sub(get(v, s + 1), get(v, s)))
+        tension = segment.tension_of(chain, s, segment.BY_LENGTH, stretched, rate)
+        power += abs(property_of(chain, s, at.SHARE) * first - tension * stretched / length)
+    return 0.5 * drum_at(system, k).mass * speed * speed, power * abs(speed)
 
 
 @kernel
@@ -214,9 +215,8 @@ def work_of_motors(system, time, h):
     work = 0.0
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            drum = drum_at(conditions_of(system, k))
-            start, end = motion_in_stages(system, k, False), motion_in_stages(system, k, True)
-            work += 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * (start.length - end.length)
+            drum, (end, _) = drum_at(system, k), length_of(system, k)
+            work += 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * (numbers_of(system, k)[START_LENGTH] - end)
     return work
 
 
@@ -225,18 +225,20 @@ def work_of_motors(system, time, h):
 
 @kernel
 def balance(system, time, d):
-    """`drum_in_fixed_steps.balanced` of all drums (modified) at a time [s] of the communication step; a status.
+    """Let all drums without mass that turn (modified) have T = W + c u + F sign(u) after a step, at its end [s]; a status.
 
-    The plan (modified) then says which line it is about.
+    d : as for `moving_drum.project`.  The plan (modified) then says which line it is about.
     """
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            conditions, state = conditions_of(system, k), state_of(system, k)
-            x, v = motion_of(system, k)
-            start = Motion(state[at.LENGTH], state[at.REELING], state[at.REELING])
-            end, status = balanced(conditions, drum_at(conditions), time, d, start, x, v)
-            if status != OK:
-                note_line(system.plan, k)
-                return status
-            state[at.LENGTH], state[at.REELING] = end.length, end.speed
+            drum, (length, speed) = drum_at(system, k), length_of(system, k)
+            may_rest = drum.friction > 0.0 or is_at_stop(drum, length, OUTWARDS) or is_at_stop(drum, length, INWARDS)
+            if drum.mass == 0.0 and not (speed == 0.0 and may_rest):
+                direction = INWARDS if speed < 0.0 else OUTWARDS
+                now = Instant(time, length, speed, *motion_of(system, k))
+                length, speed, found = project(conditions_of(system, k), drum, direction, d, now)
+                if not found:
+                    note_line(system.plan, k)
+                    return NO_LENGTH
+                put_length(system, k, length, speed)
     return OK

@@ -10,31 +10,22 @@ shorter one is taken of all lines together, and all of them converge before it e
 and so is what is left of them at the points.
 """
 
-from math import inf
+from math import inf, sqrt
 
 from ..arrays import copy
 from ..compilation import kernel
+from ..equations import segment
 from ..equations.assembly import longest_part
-from ..equations.boundary import hold_ends
-from ..equations.lines import (
-    add_at,
-    clear,
-    is_at_point,
-    lines_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-    size_of_blocks,
-)
-from ..line import backward_euler, incremental_potential
+from ..equations.lines import add_at, clear, is_at_point, lines_of, point_at, points_of, rows_of, segments_of, size_of_blocks
+from ..equations.properties import rest_length
+from ..line import incremental_potential
 from ..line.backward_euler import MOST_HALVINGS
 from ..linear_algebra import condensed
-from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import get, put
+from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
+from ..linear_algebra.vectors import dot, get, sub
 from . import system_fixed_drums
-from .system_fixed_room import attempt_of, is_turning, room_in_fixed_steps, scratch_of
-from .system_room import moves
+from .at_points import add_column, place_matrix, take_ends
+from .system_room import CHANGE, GOAL, attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
 
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
 
@@ -57,32 +48,26 @@ def potential(system, step, is_trial):
 @kernel
 def condense_line(system, k, step):
     """Matrix and forces of the iteration of line k, and of its drum, condensed to its points; False if it is singular."""
-    room = room_in_fixed_steps(system, k)
-    w, columns = room.stages.chain, room.columns
+    w, room, rows = scratch_of(system, k), room_in_step(system, k), rows_of(system, k)
     incremental_potential.linearize(attempt_of(system, k, step), w.x, w)
-    rows = rows_of(system, k)
-    if not condensed.condense(rows, w.matrix, columns):
+    if not condensed.condense(rows, w.matrix, room.columns):
         return False
     condensed.reduce(rows, w.matrix, w.move)
     if is_turning(system, k, step):
         system_fixed_drums.form_column(system, k, step)
         condensed.reduce(rows, w.matrix, room.column)
+        system_fixed_drums.take_equation(system, k, step)
     return True
 
 
 @kernel
 def place_line(system, k, points):
     """Add what is left of line k at its free ends to the equations of the points (modified)."""
-    n, w, columns = segments_of(system, k), scratch_of(system, k), room_in_fixed_steps(system, k).columns
-    for row_end in range(2):
-        if is_at_point(system, k, row_end):
-            row = point_at(system, k, row_end)
-            add_at(points.right, row, get(w.move, n * row_end))
-            for column_end in range(2):
-                if is_at_point(system, k, column_end):
-                    column = point_at(system, k, column_end)
-                    block = condensed.condensed_block(n, row_end, column_end, w.matrix, columns)
-                    add_to_block(*size_of_blocks(system), row, column, block, points.matrix)
+    w = scratch_of(system, k)
+    place_matrix(system, k, w.matrix)
+    for end in range(2):
+        if is_at_point(system, k, end):
+            add_at(points.right, point_at(system, k, end), get(w.move, segments_of(system, k) * end))
 
 
 @kernel
@@ -92,7 +77,6 @@ def solve_points(system, points):
     if not factorize_blocks(*size, points.matrix):
         return False
     solve_blocks(*size, points.matrix, points.right, points.solution)
-    copy(points.solution, points.right)
     return True
 
 
@@ -124,18 +108,14 @@ def move_with_drums(system, step):
 
 
 @kernel
-def move_line(system, k, step, points):
+def move_line(system, k, step):
     """Move of the nodes of line k [m] from that of the points into its scratch space; the part of it to try."""
-    n, room, attempt = segments_of(system, k), room_in_fixed_steps(system, k), attempt_of(system, k, step)
-    move = room.stages.chain.move
-    hold_ends(attempt.conditions, move)
-    for end in range(2):
-        if is_at_point(system, k, end):
-            put(move, n * end, get(points.right, point_at(system, k, end)))
+    move = scratch_of(system, k).move
+    take_ends(system, k, move)
     if is_turning(system, k, step):
-        system_fixed_drums.move_along(system, k)
-    condensed.expand(rows_of(system, k), room.columns, move)
-    return longest_part(attempt.chain, move)
+        add_column(system, k, numbers_of(system, k)[CHANGE], move)
+    condensed.expand(rows_of(system, k), room_in_step(system, k).columns, move)
+    return longest_part(attempt_of(system, k, step).chain, move)
 
 
 @kernel
@@ -143,10 +123,10 @@ def move_lines(system, step):
     """`move_line` of all lines, with the speeds of their drums (modified) that were found: the part to try."""
     if step.turns:
         system_fixed_drums.turn(system, step)
-    points, taken = points_of(system), 1.0
+    taken = 1.0
     for k in range(lines_of(system)):
         if moves(system, k):
-            taken = min(taken, move_line(system, k, step, points))
+            taken = min(taken, move_line(system, k, step))
     return taken
 
 
@@ -198,7 +178,7 @@ def direction(system, step, is_late):
 
 @kernel
 def descend(system, step, before, is_late):
-    """One iteration of all lines (modified) from where Phi is `before` [J].
+    """One iteration of all lines (modified) from where Phi is `before` [J], inf if it is not known.
 
     is_late : as for `direction`.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
     singular.
@@ -206,17 +186,19 @@ def descend(system, step, before, is_late):
     taken = direction(system, step, is_late)
     if taken == 0.0:
         return before, inf
-    if step.turns:
+    if step.turns or before == inf:
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)
 
 
 @kernel
 def try_part(system, taken):
-    """Positions to try (modified) after a part of the move."""
+    """Positions to try [m] (modified) after a part of the move."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            backward_euler.try_part(taken, scratch_of(system, k))
+            w = scratch_of(system, k)
+            for i in range(len(w.move)):
+                w.trial[i] = w.x[i] + taken * w.move[i]
 
 
 @kernel
@@ -244,8 +226,10 @@ def take_trial(system):
 @kernel
 def is_unconverged(system, k, taken):
     """Whether this part of the last move leads a node of line k further than one moves in a line that has converged."""
-    room = room_in_fixed_steps(system, k)
-    return taken * backward_euler.largest_move(segments_of(system, k), room.stages.chain) > room.goal[0]
+    move, square = scratch_of(system, k).move, 0.0
+    for i in range(segments_of(system, k) + 1):
+        square = max(square, dot(get(move, i), get(move, i)))
+    return taken * sqrt(square) > numbers_of(system, k)[GOAL]
 
 
 @kernel
@@ -263,7 +247,9 @@ def holds(system, step):
     """Whether all springs still have the mode with which the matrix was made."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            w = scratch_of(system, k)
-            if not backward_euler.holds(attempt_of(system, k, step).chain, w.x, w):
-                return False
+            w, chain = scratch_of(system, k), attempt_of(system, k, step).chain
+            for s in range(chain.n):
+                r, rest = sub(get(w.x, s + 1), get(w.x, s)), rest_length(chain, s)
+                if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
+                    return False
     return True

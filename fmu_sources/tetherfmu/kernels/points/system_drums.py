@@ -1,17 +1,15 @@
-"""Lines whose winches are controlled by force: their drums in a Rosenbrock step of all lines.
+"""The drums of winches that turn in a Rosenbrock step: in the same system as their chains.
 
-Length and speed of a drum are unknowns of its line, as in `drum_step.py`: p for the length, with the column c of the forces
-and the row g over the nodes of the first segment,
+Length L and speed u of a drum (`equations/drum.py`) are unknowns beside x and v of its line, with the same coefficients:
+p = U_L/d and U_u stand for L and u as q and V for x and v. Each segment has its share of L, so the matrix of a stage has a
+border, the column c = F_u + d F_L of the forces and the row g = T_v + d T_x over the nodes of the first segment:
 
-    A q - c p = b,   g (q_0 - q_1) + (m/d - f_u - d f_L) p = f,   g = T_v + d T_x
+    (M/d - B - d K) q - c p = ...
+    g (q_0 - q_1) + (m/d - f_u - d f_L) p = f + m (sum_j c_ij U_uj/h + r/d) - T_v r_v - f_u r + gamma_i h df/dt
 
-With the inner rows condensed (`linear_algebra.condensed`), q_1 = (A^-1 b)_1 - C_0,1 q_0 - C_n,1 q_n + p (A^-1 c)_1, and
-
-    p = (f + g (A^-1 b)_1 - r_0 q_0 - r_n q_n)/pivot,   pivot = m/d - f_u - d f_L - g (A^-1 c)_1
-    r_0 = g (1 + C_0,1),   r_n = g C_n,1,   with one segment r_0 = g, r_n = -g
-
-so that what is left of the line on its free ends gets c r/pivot more, and the system of the points keeps its size. The mass
-of a point grows with the length of each of its lines, and then takes part of all forces there.
+with f = T - W - c u - F sign(u). The border costs one solution more for each matrix and one vector for each stage; what it
+leaves on free points: `at_points.py`. The mass of a point grows with the length of each of its lines, and then takes part of
+all forces there. See docs/models/numerics.md, "A drum in the same system".
 """
 
 from math import inf
@@ -19,9 +17,14 @@ from math import inf
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
-from ..equations.drum import drum_of
+from ..equations import assembly, segment
+from ..equations.boundary import chain_during, chain_with
+from ..equations.drum import balance
+from ..equations.end_motion import acceleration_at, velocity_at
+from ..equations.ground import has_ground
 from ..equations.lines import (
     add_at,
+    clear,
     conditions_of,
     is_at_point,
     lines_of,
@@ -30,124 +33,106 @@ from ..equations.lines import (
     points_of,
     rows_of,
     segments_of,
-    size_of_blocks,
-    state_of,
 )
-from ..line import drum_step, rosenbrock
-from ..line.drum_step import (
-    Border,
-    border_of,
-    chain_with,
-    motion_at_stage,
-    pivot_of,
-    pull_of,
-    put_in_column,
-    put_rates,
-    stage_rest,
-)
-from ..line.rodas4p import ALPHA, GAMMA
+from ..equations.properties import point_mass, property_of, sees_reeling
+from ..line import contact
+from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import get_node
-from ..linear_algebra.matrices import outer, transposed_apply
-from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import NEUTRAL, add, add_scaled, dot, get, put_at, scale, vector_at
+from ..linear_algebra.matrices import get_matrix, transposed_apply
+from ..linear_algebra.pairs import first
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
+from .at_points import add_column, place_column, row_of
 from .system_room import (
-    BORDER,
+    BY_POSITION,
+    BY_SPEED,
     DIRECTION,
     INCREMENT,
-    LENGTH_ERROR,
-    NEW_LENGTH,
-    NEW_SPEED,
+    LENGTH,
     PIVOT,
+    RATE,
+    REST,
+    ROW,
     SOLUTION,
-    SPEED_ERROR,
-    STAGE_LENGTH,
-    STAGE_SPEED,
+    SPEED,
+    drum_at,
     has_drum,
     integrator_of,
+    length_of,
     moves,
+    numbers_of,
+    room_in_step,
+    shares_of,
     turns,
 )
 
 
 @view
-def drum_at(conditions):
-    """`Drum` of a line with these conditions."""
-    return drum_of(conditions.parameters, conditions.force, conditions.force_rate)
-
-
-@kernel
-def length_of(system, k):
-    """Length [m] and speed [m/s] of the drum of line k at the start of the step."""
-    state = state_of(system, k)
-    return state[at.LENGTH], state[at.REELING]
-
-
-@kernel
-def reeling_in_step(system, k):
-    """Coefficients of the unstretched length of line k as `winch.py` has them; a drum counts as held."""
+def chain_in_step(system, k, time):
+    """The `Chain` of line k at a time [s] of the communication step, with a drum at the stage."""
+    conditions, numbers = conditions_of(system, k), numbers_of(system, k)
     if has_drum(system, k):
-        return state_of(system, k)[at.LENGTH], 0.0, 0.0, NEUTRAL
-    return conditions_of(system, k).reeling
+        return chain_with(conditions, numbers[LENGTH], numbers[SPEED])
+    return chain_during(conditions, time)
+
+
+@kernel
+def begin_step(system, k):
+    """Let the drum of line k (modified) begin a step with the length and the speed of its state; error estimates are 0."""
+    numbers = numbers_of(system, k)
+    numbers[LENGTH], numbers[SPEED] = length_of(system, k)
+    numbers[SOLUTION] = numbers[INCREMENT] = 0.0
+
+
+@kernel
+def added_up(start, factors, stage, speeds):
+    """start + sum_j factors[stage, j] U_uj."""
+    for j in range(stage):
+        start += factors[stage, j] * speeds[j]
+    return start
+
+
+@kernel
+def go_to_stage(system, k, stage, h):
+    """L_i, u_i and r_i of the drum of line k (modified) at a stage; False if it has no length.
+
+    The last stage finds L_i and u_i there.
+    """
+    numbers, speeds, (length, speed) = numbers_of(system, k), shares_of(system, k).speeds, length_of(system, k)
+    numbers[REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
+    if stage < STAGES - 1:
+        numbers[LENGTH] = length + h * added_up(ALPHA[stage] * speed, P, stage, speeds)
+        numbers[SPEED] = added_up(speed, A, stage, speeds)
+    return 0.0 < numbers[LENGTH] < inf
+
+
+# --- the border
 
 
 @view
-def conditions_in_step(system, k):
-    """`BoundaryConditions` of line k in a step; a drum counts as held."""
-    return drum_step.with_reeling(conditions_of(system, k), reeling_in_step(system, k))
+def record_of(system, k):
+    """Record of derivatives of the first segment of line k at the start of the step."""
+    return assembly.record_of(0, segments_of(system, k), integrator_of(system, k).records)
 
 
 @kernel
-def form_with_drum(system, k, time, h):
-    """Matrix of a step of line k, whose drum turns, into its scratch space, see `drum_step.form`."""
-    conditions, room = conditions_of(system, k), integrator_of(system, k)
-    x, v = motion_of(system, k)
-    drum_step.form(conditions, chain_with(conditions, *length_of(system, k)), time, h, x, v, room.w)
+def pull_of(system, k, change, factor, move):
+    """T_v change + factor T_x move [N] of vectors between the nodes of the first segment of line k."""
+    record, by_position = record_of(system, k), vector_at(numbers_of(system, k), BY_POSITION)
+    return record[segment.DAMPER] * dot(segment.direction_in(record), change) + factor * dot(by_position, move)
 
 
 @kernel
-def start_stage_with_drum(system, k, stage, time, h):
-    """Argument and forces of a stage of line k, whose drum turns, into its scratch space; False if it has no length."""
-    conditions, room = conditions_of(system, k), integrator_of(system, k)
-    length, speed = length_of(system, k)
-    numbers, now = room.numbers, time + ALPHA[stage] * h
-    rosenbrock.combine(stage, h, room.w)
-    last = numbers[STAGE_LENGTH], numbers[STAGE_SPEED], numbers[SOLUTION], numbers[INCREMENT]
-    length_i, speed_i = motion_at_stage(stage, h, length, speed, last, room.drum)
-    if not 0.0 < length_i < inf:
-        return False
-    numbers[STAGE_LENGTH], numbers[STAGE_SPEED] = length_i, speed_i
-    drum_step.place_stage(conditions, chain_with(conditions, length_i, speed_i), stage, now, room.w)
-    return True
-
-
-@view
-def border_in(system, k, time):
-    """`Border` and `Drum` of line k in a step that begins at a time [s]."""
-    conditions, w = conditions_of(system, k), integrator_of(system, k).w
-    drum, chain = drum_at(conditions), chain_with(conditions, *length_of(system, k))
-    x, _ = motion_of(system, k)
-    return border_of(conditions, drum, chain, time, x, w), drum
-
-
-@kernel
-def put_border(border, numbers):
-    """Keep a `Border` for the stages of the step in the numbers of a drum (modified)."""
-    numbers[BORDER], numbers[BORDER + 1], numbers[BORDER + 2] = border.by_speed, border.by_length, border.damper
-    numbers[BORDER + 3] = border.rate
-    put_at(numbers, BORDER + 4, border.by_position)
-    put_at(numbers, BORDER + 7, border.direction)
-
-
-@kernel
-def border_at(numbers):
-    """`Border` that `put_border` has kept."""
-    by_position, direction = vector_at(numbers, BORDER + 4), vector_at(numbers, BORDER + 7)
-    by_speed, by_length, damper, rate = numbers[BORDER], numbers[BORDER + 1], numbers[BORDER + 2], numbers[BORDER + 3]
-    return Border(by_speed, by_length, by_position, damper, direction, rate)
-
-
-# --- the matrix
+def rate_of(system, k, time):
+    """Explicit time derivative of f [N/s] of the drum of line k at a time [s]: of W and of the driven ends."""
+    conditions, rate = conditions_of(system, k), -drum_at(system, k).force_rate
+    if conditions.first == 1:
+        moving, gaining = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
+        rate -= pull_of(system, k, gaining, 1.0, moving)
+    if conditions.n == 1 and conditions.last == 0:
+        moving, gaining = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
+        rate += pull_of(system, k, gaining, 1.0, moving)
+    return rate
 
 
 @kernel
@@ -155,7 +140,7 @@ def sum_forces(system, points):
     """Add the forces of all lines on the free points at the start of the step [N] to `points.right` (modified)."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            n, w = segments_of(system, k), integrator_of(system, k).w
+            n, w = segments_of(system, k), integrator_of(system, k)
             for end in range(2):
                 if is_at_point(system, k, end):
                     add_at(points.right, point_at(system, k, end), get_node(n, n * end, w.force))
@@ -163,50 +148,47 @@ def sum_forces(system, points):
 
 @kernel
 def form_column(system, k, d, points):
-    """Column c of the drum of line k, condensed, into its scratch space; points.right : forces on the points [N]."""
-    n, conditions, room = segments_of(system, k), conditions_of(system, k), integrator_of(system, k)
-    chain, w = chain_with(conditions, *length_of(system, k)), room.w
-    x, v = motion_of(system, k)
-    put_rates(conditions, chain, x, v, room.drum)
+    """Column c of the drum of line k, condensed, into its scratch space; points.right : forces on the points [N].
+
+    F_L with the masses: that of a node grows with the length, and its F/m falls, of a point with all its lines.
+    """
+    n, conditions, w, b = segments_of(system, k), conditions_of(system, k), integrator_of(system, k), shares_of(system, k)
+    (x, v), column, (length, _) = motion_of(system, k), room_in_step(system, k).column, length_of(system, k)
+    growing = chain_with(conditions, length, 1.0)
+    assembly.rate_from_reeling(growing, w.start_x, w.start_v, w.records, b.by_length)
+    if has_ground(conditions.parameters):
+        contact.add_rate(growing, x, v, w, b.by_length)
+    clear(b.by_speed)
+    assembly.add_rate_from_acceleration(growing, 1.0, x, w.records, b.by_speed)
     for i in range(n + 1):
-        mass, force = w.mass[i], get_node(n, i, w.force)
-        end = 0 if i == 0 else 1
+        mass, force, end = w.mass[i], get_node(n, i, w.force), 0 if i == 0 else 1
         if (i == 0 or i == n) and is_at_point(system, k, end):
             point = point_at(system, k, end)
             mass, force = points.mass[point], get(points.right, point)
-        put_in_column(chain, i, d, mass, force, room.drum)
-    condensed.reduce(rows_of(system, k), w.matrix, room.drum.column)
+        share = (w.mass[i] - point_mass(growing, i)) / (mass * length)
+        put(b.by_length, i, add(get(b.by_length, i), scale(-share, force)))
+        put(column, i, add_scaled(get(b.by_speed, i), d, get(b.by_length, i)))
+    condensed.reduce(rows_of(system, k), w.matrix, column)
 
 
 @kernel
-def row_of(system, k, end, border, d):
-    """Row r of the drum of line k at one of its ends."""
-    n, columns = segments_of(system, k), integrator_of(system, k).columns
-    g = add_scaled(scale(border.damper, border.direction), d, border.by_position)
-    if n == 1:
-        return g if end == 0 else scale(-1.0, g)
-    beside = transposed_apply(g, condensed.block_beside(n, 0, condensed.columns_of(n, end, columns)))
-    return add(g, beside) if end == 0 else beside
-
-
-@kernel
-def place_border(system, k, time, d, points):
-    """Pivot of the drum of line k, and its part of the matrix of the points (modified); False if it has no solution."""
-    n, room = segments_of(system, k), integrator_of(system, k)
-    border, drum = border_in(system, k, time)
-    pivot = pivot_of(drum, border, d, condensed.first_difference(rows_of(system, k), room.drum.column))
-    room.numbers[PIVOT] = pivot
-    put_border(border, room.numbers)
-    if not 0.0 < pivot < inf:
-        return False
-    for row_end in range(2):
-        column_of_drum = scale(1.0 / pivot, get(room.drum.column, n * row_end))
-        for column_end in range(2):
-            if is_at_point(system, k, row_end) and is_at_point(system, k, column_end):
-                row, column = point_at(system, k, row_end), point_at(system, k, column_end)
-                block = outer(column_of_drum, row_of(system, k, column_end, border, d))
-                add_to_block(*size_of_blocks(system), row, column, block, points.matrix)
-    return True
+def take_equation(system, k, time, d):
+    """f_u, df/dt, g and P of the drum of line k, with its condensed column, into its numbers (modified); False: none."""
+    conditions, drum, record = conditions_of(system, k), drum_at(system, k), record_of(system, k)
+    (x, _), (length, _), numbers = motion_of(system, k), length_of(system, k), numbers_of(system, k)
+    by_speed = -drum.damping
+    if sees_reeling(conditions.parameters):
+        stretched, _ = segment.geometry(sub(get(x, 1), get(x, 0)))
+        by_speed -= record[segment.DAMPER] * stretched / length
+    by_length = record[segment.SLOPE] * property_of(conditions, 0, at.SHARE)
+    response = condensed.first_difference(rows_of(system, k), room_in_step(system, k).column)
+    e = segment.direction_in(record)
+    by_position = transposed_apply(e, get_matrix(record, segment.K))
+    put_at(numbers, BY_POSITION, by_position)
+    put_at(numbers, ROW, add_scaled(scale(record[segment.DAMPER], e), d, by_position))
+    numbers[BY_SPEED], numbers[RATE] = by_speed, rate_of(system, k, time)
+    numbers[PIVOT] = drum.mass / d - by_speed - d * by_length - pull_of(system, k, response, d, response)
+    return 0.0 < numbers[PIVOT] < inf
 
 
 @kernel
@@ -220,8 +202,9 @@ def place_drums(system, time, h):
     for k in range(lines_of(system)):
         if turns(system, k):
             form_column(system, k, d, points)
-            if not place_border(system, k, time, d, points):
+            if not take_equation(system, k, time, d):
                 return False
+            place_column(system, k)
     return True
 
 
@@ -229,51 +212,51 @@ def place_drums(system, time, h):
 
 
 @kernel
-def reduce_line_with_drum(system, k, stage, time, h, points):
-    """Right-hand side of a stage of line k, whose drum turns, condensed, and what is left in `points.right` (modified)."""
-    n, conditions, room = segments_of(system, k), conditions_of(system, k), integrator_of(system, k)
-    border, drum = border_at(room.numbers), drum_at(conditions)
-    numbers, w, now = room.numbers, room.w, time + ALPHA[stage] * h
-    _, speed = length_of(system, k)
-    drum_step.reduced_side(conditions, stage, h, stage_rest(stage, speed, room.drum), room.drum)
-    rows = rows_of(system, k)
-    condensed.reduce(rows, w.matrix, w.q)
-    chain = chain_with(conditions, numbers[STAGE_LENGTH], numbers[STAGE_SPEED])
-    right = drum_step.drum_side(chain, drum, numbers[DIRECTION], border, stage, now, h, speed, room.drum)
-    right += pull_of(border, GAMMA * h, condensed.first_difference(rows, w.q))
-    numbers[SOLUTION] = right / numbers[PIVOT]
-    for end in range(2):
-        if is_at_point(system, k, end):
-            left = add_scaled(get(w.q, n * end), numbers[SOLUTION], get(room.drum.column, n * end))
-            add_at(points.right, point_at(system, k, end), left)
+def subtract_rest(system, k):
+    """Subtract F_u r of the drum of line k [N] from the right-hand side of a stage of the line (modified)."""
+    q, by_speed, rest = integrator_of(system, k).q, shares_of(system, k).by_speed, numbers_of(system, k)[REST]
+    for i in range(len(by_speed)):
+        q[i] -= rest * by_speed[i]
+
+
+@kernel
+def solve_drum(system, k, stage, time, h):
+    """p of a stage of the drum of line k (modified) but for what q of its ends adds; q of its inner nodes is solved."""
+    n, w, numbers, record = segments_of(system, k), integrator_of(system, k), numbers_of(system, k), record_of(system, k)
+    drum, chain, (_, speed) = drum_at(system, k), chain_in_step(system, k, time), length_of(system, k)
+    x_p, x_q = assembly.lower_and_upper(n, 0, w.stage_x)
+    v_p, v_q = assembly.lower_and_upper(n, 0, w.stage_v)
+    r_p, r_q = assembly.lower_and_upper(n, 0, w.r)
+    length, e = segment.geometry(sub(first(x_q), first(x_p)))
+    tension = segment.tension_of(chain, 0, w.modes[0], length, dot(e, sub(first(v_q), first(v_p))))
+    inertia = added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, shares_of(system, k).speeds)
+    still = record[segment.DAMPER] * dot(segment.direction_in(record), sub(first(r_q), first(r_p)))
+    right = balance(drum, numbers[DIRECTION], tension, chain.reeling, time + ALPHA[stage] * h)
+    others = drum.mass * inertia / h - still - numbers[BY_SPEED] * numbers[REST]
+    right += others + GAMMA_I[stage] * h * numbers[RATE]
+    difference = condensed.first_difference(rows_of(system, k), w.q)
+    numbers[SOLUTION] = (right + pull_of(system, k, difference, GAMMA * h, difference)) / numbers[PIVOT]
+
+
+@kernel
+def add_left(system, k, end, left):
+    """What is left of the right-hand side of a stage of line k at an end, with the part of its drum."""
+    p, column = numbers_of(system, k)[SOLUTION], room_in_step(system, k).column
+    return add_scaled(left, p, get(column, segments_of(system, k) * end))
 
 
 @kernel
 def turn_drum(system, k, stage, h):
     """Solution of a stage for the drum of line k, whose ends have theirs in w.q; that of the inner nodes gets its part."""
-    n, room = segments_of(system, k), integrator_of(system, k)
-    border = border_at(room.numbers)
-    numbers, q, d = room.numbers, room.w.q, GAMMA * h
-    p, rows = numbers[SOLUTION], rows_of(system, k)
+    numbers, q, d = numbers_of(system, k), integrator_of(system, k).q, GAMMA * h
+    p = numbers[SOLUTION]
     for end in range(2):
         if is_at_point(system, k, end):
-            p -= dot(row_of(system, k, end, border, d), get(q, n * end)) / numbers[PIVOT]
-    for i in range(3 * rows.first, 3 * rows.last + 3):
-        q[i] += p * room.drum.column[i]
-    _, speed = length_of(system, k)
-    increment = p - stage_rest(stage, speed, room.drum)
-    room.drum.speeds[stage] = increment
+            p -= dot(row_of(system, k, end), get(q, segments_of(system, k) * end)) / numbers[PIVOT]
+    add_column(system, k, p, q)
+    increment = p - numbers[REST]
+    shares_of(system, k).speeds[stage] = increment
     numbers[SOLUTION], numbers[INCREMENT] = p, increment
-
-
-@kernel
-def take_drum(system, k, h):
-    """Result of a step for the drum of line k into its numbers: that of one which turns, or is held."""
-    numbers = integrator_of(system, k).numbers
-    if not turns(system, k):
-        numbers[NEW_LENGTH], numbers[NEW_SPEED] = state_of(system, k)[at.LENGTH], 0.0
-        numbers[LENGTH_ERROR] = numbers[SPEED_ERROR] = 0.0
-        return
-    moved = GAMMA * h * numbers[SOLUTION]
-    numbers[NEW_LENGTH], numbers[NEW_SPEED] = numbers[STAGE_LENGTH] + moved, numbers[STAGE_SPEED] + numbers[INCREMENT]
-    numbers[LENGTH_ERROR], numbers[SPEED_ERROR] = moved, numbers[INCREMENT]
+    if stage >= STAGES - 2:
+        numbers[LENGTH] += d * p
+        numbers[SPEED] += increment

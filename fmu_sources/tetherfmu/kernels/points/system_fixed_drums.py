@@ -1,28 +1,35 @@
-"""The drums in an iteration of a fixed step: the equation of `drum_in_backward_euler.py` for several drums at once.
+"""The drums of winches in an iteration of a fixed step: their speeds are found with the moves of the nodes.
 
-The speed u of a drum is an unknown of its line. With the inner nodes condensed (`linear_algebra.condensed`), p and y theirs
-with the ends held, and q the moves of the ends,
+    m (u - u0)/h + c u + W + F sign(u) = T,   L = L0 + h u,   F sign(0): any force from -F to F
 
-    u' - u = -(r + s F - T_x p - sum_e r_e q_e)/P,   P = dr/du - T_x y
-    r_0 = -(1 + C_0,1) T_x,   r_n = -C_n,1 T_x,   with one segment r_0 = -T_x, r_n = T_x
+T is the tension of the first segment at the end of the step. The matrix A of the inner nodes of a line is solved for two
+right-hand sides, minus the gradient g of Phi and its change with u; with the moves q of its free ends (`at_points.py`)
 
-so that what is left of the line on its free ends loses c r/P, with c the column of the drum left there. That is so of a drum
-that turns in a direction s; one at a limit of its speed, and one that friction holds, have a given u'. Which of these it is
-shows only in the solution. In the order of u' they are
+    A p = -g,   A y = -dg/du,   r = m (u - u0)/h + c u + W - T,   P = dr/du - T_x y
+    u' - u = -(r + s F - T_x p + r_0 q_0 + r_n q_n)/P;   move = p + (u' - u) y
+
+That is so of a drum that turns in a direction s; one at a limit of its speed, and one that friction holds, have a given u'.
+Which of these it is shows only in the solution. In the order of u' they are
 
     AT_LOWEST, INWARDS, HELD, OUTWARDS, AT_HIGHEST;    without friction AT_LOWEST, OUTWARDS, AT_HIGHEST
 
 Each drum is sought as it turns now, and then one place nearer to where it was found, until all of them are found where they
-were sought. If they are not after `MOST_TRIES`, the speeds that were found last are taken: no convergence.
+were sought. If they are not after `MOST_TRIES`, the speeds that were found last are taken: no convergence. A line without
+free points finds its u' at once: the speed nearest to u - (r - T_x p)/P, by F/P nearer to 0 and within the limits.
+
+The move is the direction of Newton's method for the potential with the new speeds, and is shortened until that falls. So
+each iteration descends as one of `backward_euler.py` does, and one factorization does for chain and drum. See
+docs/models/numerics.md, "A drum in the same system".
 """
 
-from ..compilation import kernel, view
+from ..compilation import kernel
 from ..equations.assembly import node_masses
 from ..equations.boundary import hold_ends, load_during
-from ..equations.drum import HELD, INWARDS, OUTWARDS
+from ..equations.drum import HELD, INWARDS, OUTWARDS, force_at
 from ..equations.lines import (
     add_at,
     clear,
+    conditions_of,
     is_at_point,
     lines_of,
     load_at,
@@ -31,91 +38,153 @@ from ..equations.lines import (
     points_of,
     rows_of,
     segments_of,
-    size_of_blocks,
 )
 from ..equations.node_loads import free_acceleration
-from ..line import backward_euler
-from ..line import drum_in_backward_euler as of_one
+from ..equations.properties import point_mass, sees_reeling
+from ..line import backward_euler, incremental_potential
 from ..linear_algebra import condensed
-from ..linear_algebra.matrices import outer, transposed_apply
-from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import add_scaled, dot, get, put, scale
-from .system_fixed_room import (
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub
+from .at_points import place_column, row_of
+from .system_room import (
     CHANGE,
+    GOAL,
+    HIGHEST,
     IS_FOUND,
+    LOWEST,
     ONWARD,
+    PIVOT,
+    ROW,
     SOUGHT,
-    SPEED,
+    TENSION,
+    TRIAL,
     WAY,
     attempt_of,
+    drum_at,
     is_turning,
-    room_in_fixed_steps,
+    length_of,
+    numbers_of,
+    room_in_step,
     scratch_of,
-    trial_of_line,
 )
-from .system_room import moves
 
+MOST_REELED = 0.1  # part of the length by which it changes in an iteration
+LEAST_PIVOT = 1e-3  # of what P is where the chain does not yield
 MOST_TRIES = 8  # at ways in which the drums are found in an iteration
 AT_LOWEST, AT_HIGHEST, GIVEN = -2.0, 2.0, 3.0  # beside the directions of `equations/drum.py`; GIVEN: at any other speed
+
+# --- loads on free ends
+
+
+@kernel
+def load_on_end(system, k, end, time):
+    """Load [N] at a time [s] on an end of line k that may be free, and the mass there [kg], a point's with all its lines."""
+    if is_at_point(system, k, end):
+        point = point_at(system, k, end)
+        return load_at(system, point, time), points_of(system).mass[point]
+    conditions, mass = conditions_of(system, k), scratch_of(system, k).mass
+    return scale(float(end), load_during(conditions, time)), mass[conditions.n * end]
+
+
+@kernel
+def take_masses(system, step):
+    """Masses of the free points [kg] from the end masses of their lines, and the free flight of all free ends (modified)."""
+    points, h = points_of(system), step.h
+    clear(points.mass)
+    for k in range(lines_of(system)):
+        for end in range(2):
+            if is_at_point(system, k, end):
+                points.mass[point_at(system, k, end)] += scratch_of(system, k).mass[segments_of(system, k) * end]
+    for k in range(lines_of(system)):
+        conditions, free, (x, v) = conditions_of(system, k), scratch_of(system, k).free, motion_of(system, k)
+        for end in range(2):
+            node = conditions.n * end
+            if conditions.first <= node <= conditions.last:
+                load, mass = load_on_end(system, k, end, step.time + h)
+                falling = free_acceleration(attempt_of(system, k, step).chain)
+                flight = backward_euler.flight(get(x, node), get(v, node), h, falling)
+                put(free, node, add_scaled(flight, h * h / mass, load))
+
 
 # --- the equations of a line
 
 
 @kernel
+def pull_by_speed(attempt, length, k, c, rate):
+    """What the pull of a segment gains with u [N s/m]: along its direction, along `incremental_potential.slant_of`.
+
+    Length [m], k [N/m], c [N s/m] and the rate that the damper sees [m/s].
+    """
+    chain = attempt.chain
+    if sees_reeling(chain.parameters):
+        shrinkage = incremental_potential.shrinkage(attempt)
+        return -attempt.h / chain.length * (k * length + c * rate), -c * length * shrinkage / chain.length
+    return -attempt.h / chain.length * k * length, -attempt.h / chain.length * c * rate
+
+
+@kernel
+def mass_by_speed(attempt, i, w):
+    """What the mass of node i gains with u [kg s/m]."""
+    chain = attempt.chain
+    return attempt.h / chain.length * (w.mass[i] - point_mass(chain, i))
+
+
+@kernel
 def form_column(system, k, step):
-    """-dg/du of the drum of line k into its column (modified)."""
-    attempt, room, points = attempt_of(system, k, step), room_in_fixed_steps(system, k), points_of(system)
-    w, column, n, end_of_step = room.stages.chain, room.column, segments_of(system, k), step.time + step.h
-    of_one.begin_column(attempt, w, column)
+    """-dg/du of the drum of line k into its column (modified): of the masses, of their loads, of springs and dampers."""
+    attempt, w, column = attempt_of(system, k, step), scratch_of(system, k), room_in_step(system, k).column
+    n, h, b = attempt.chain.n, step.h, incremental_potential.shrinkage(attempt)
+    for i in range(n + 1):
+        put(column, i, scale(mass_by_speed(attempt, i, w) / (h * h), sub(get(w.free, i), get(w.x, i))))
     for end in range(2):
-        if is_at_point(system, k, end):
-            point = point_at(system, k, end)
-            of_one.add_load(attempt, n * end, points.mass[point], load_at(system, point, end_of_step), w, column)
-        elif end == 1 and attempt.conditions.last == n:
-            of_one.add_load(attempt, n, w.mass[n], load_during(attempt.conditions, end_of_step), w, column)
-    of_one.add_pulls(attempt, w, column)
+        load, mass = load_on_end(system, k, end, step.time + h)
+        put(column, n * end, add_scaled(get(column, n * end), -mass_by_speed(attempt, n * end, w) / mass, load))
+    for s in range(n):
+        length, e, _, stiffness, c, rate, r0 = incremental_potential.segment_at(attempt, s, w.x, w)
+        along, aslant = pull_by_speed(attempt, length, stiffness, c, rate)
+        pull = add(scale(along, e), scale(aslant, incremental_potential.slant_of(b, length, e, r0)))
+        put(column, s, add(get(column, s), pull))
+        put(column, s + 1, sub(get(column, s + 1), pull))
     hold_ends(attempt.conditions, column)
 
 
 @kernel
-def row_of(system, k, end, by_position):
-    """r_e of the drum of line k at one of its ends [N/m]; by_position : T_x [N/m]."""
-    n, columns = segments_of(system, k), room_in_fixed_steps(system, k).columns
-    if n == 1:
-        return by_position if end == 1 else scale(-1.0, by_position)
-    beside = transposed_apply(by_position, condensed.block_beside(n, 0, condensed.columns_of(n, end, columns)))
-    return scale(-1.0, beside if end == 1 else add_scaled(beside, 1.0, by_position))
+def take_equation(system, k, step):
+    """P, T + T_x p and T_x of the drum of line k, whose move and column are condensed, into its numbers (modified)."""
+    attempt, w, rows, drum = attempt_of(system, k, step), scratch_of(system, k), rows_of(system, k), drum_at(system, k)
+    h, chain, column, numbers = step.h, attempt.chain, room_in_step(system, k).column, numbers_of(system, k)
+    length, e, rest, stiffness, c, rate, r0 = incremental_potential.segment_at(attempt, 0, w.x, w)
+    b = incremental_potential.shrinkage(attempt)
+    by_position = add(scale(stiffness, e), scale(c * b / h, incremental_potential.slant_of(b, length, e, r0)))
+    along, aslant = pull_by_speed(attempt, length, stiffness, c, rate)
+    inertia = drum.mass / h + drum.damping
+    lowest = LEAST_PIVOT * (inertia + (h * stiffness + c) * length / chain.length)
+    yielded = dot(by_position, condensed.first_difference(rows, column))
+    numbers[PIVOT] = max(inertia - along - aslant - yielded, lowest)
+    tension = stiffness * (length - rest) + c * rate
+    numbers[TENSION] = tension + dot(by_position, condensed.first_difference(rows, w.move))
+    put_at(numbers, ROW, by_position)
 
 
-@view
-def equation_of(system, k, step):
-    """`Border` of the drum of line k, P [N s/m], and T + T_x p [N]: its inner nodes are condensed."""
-    attempt, room, rows = attempt_of(system, k, step), room_in_fixed_steps(system, k), rows_of(system, k)
-    w = room.stages.chain
-    border = of_one.border_of(attempt, trial_of_line(system, k, step).drum, w)
-    pivot = of_one.pivot_of(border, dot(border.by_position, condensed.first_difference(rows, room.column)))
-    return border, pivot, border.tension + dot(border.by_position, condensed.first_difference(rows, w.move))
+@kernel
+def residual_of(system, k, step, tension):
+    """r [N] of the drum of line k with a tension [N]."""
+    (_, before), speed, drum = length_of(system, k), numbers_of(system, k)[TRIAL], drum_at(system, k)
+    residual = drum.mass * (speed - before) / step.h + drum.damping * speed
+    return residual + (force_at(drum, step.time + step.h) - tension)
 
 
 @kernel
 def place_drum(system, k, step, points):
     """Part of the drum of line k of the matrix and the right-hand side of the points (modified), as it is sought."""
-    n, room, trial = segments_of(system, k), room_in_fixed_steps(system, k), trial_of_line(system, k, step)
-    numbers, column = room.numbers, room.column
-    speed, way = numbers[SPEED], numbers[WAY]
-    turns = abs(way) == OUTWARDS
-    border, pivot, tension = equation_of(system, k, step)
-    change = numbers[SOUGHT] - speed
-    if turns:
-        change = -(of_one.residual_of(trial, speed, tension) + way * trial.drum.friction) / pivot
-    for row_end in range(2):
-        if is_at_point(system, k, row_end):
-            row, left = point_at(system, k, row_end), get(column, n * row_end)
-            add_at(points.right, row, scale(change, left))
-            for column_end in range(2):
-                if turns and is_at_point(system, k, column_end):
-                    block = outer(scale(-1.0 / pivot, left), row_of(system, k, column_end, border.by_position))
-                    add_to_block(*size_of_blocks(system), row, point_at(system, k, column_end), block, points.matrix)
+    numbers, column = numbers_of(system, k), room_in_step(system, k).column
+    way, change = numbers[WAY], numbers[SOUGHT] - numbers[TRIAL]
+    if abs(way) == OUTWARDS:
+        residual = residual_of(system, k, step, numbers[TENSION])
+        change = -(residual + way * drum_at(system, k).friction) / numbers[PIVOT]
+        place_column(system, k)
+    for end in range(2):
+        if is_at_point(system, k, end):
+            add_at(points.right, point_at(system, k, end), scale(change, get(column, segments_of(system, k) * end)))
 
 
 # --- how a drum is found
@@ -160,11 +229,11 @@ def seek(system, step, is_given):
     """Let all drums (modified) be sought as they turn now, or at the speeds that they have."""
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            numbers, trial = room_in_fixed_steps(system, k).numbers, trial_of_line(system, k, step)
-            limits = trial.lowest, trial.highest
-            way = GIVEN if is_given else way_at(numbers[SPEED], *limits, trial.drum.friction)
-            numbers[WAY], numbers[SOUGHT] = way, numbers[SPEED] if is_given else speed_on(way, *limits)
-            numbers[ONWARD], numbers[IS_FOUND] = numbers[SPEED], 1.0
+            numbers = numbers_of(system, k)
+            speed, limits = numbers[TRIAL], (numbers[LOWEST], numbers[HIGHEST])
+            way = GIVEN if is_given else way_at(speed, *limits, drum_at(system, k).friction)
+            numbers[WAY], numbers[SOUGHT] = way, speed if is_given else speed_on(way, *limits)
+            numbers[ONWARD], numbers[IS_FOUND] = speed, 1.0
 
 
 @kernel
@@ -173,16 +242,17 @@ def find_drum(system, k, step, points):
 
     Where the line meets no free point u' does not depend on how it was sought.
     """
-    room, trial = room_in_fixed_steps(system, k), trial_of_line(system, k, step)
-    numbers, chain = room.numbers, attempt_of(system, k, step).chain
-    border, pivot, tension = equation_of(system, k, step)
+    numbers, friction, tension = numbers_of(system, k), drum_at(system, k).friction, numbers_of(system, k)[TENSION]
+    lowest, highest, speed, way = numbers[LOWEST], numbers[HIGHEST], numbers[TRIAL], numbers[WAY]
     for end in range(2):
         if is_at_point(system, k, end):
-            tension += dot(row_of(system, k, end, border.by_position), get(points.right, point_at(system, k, end)))
-    speed, way, friction = numbers[SPEED], numbers[WAY], trial.drum.friction
-    wanted = speed - of_one.residual_of(trial, speed, tension) / pivot
-    onward, farthest = of_one.speed_after(chain, trial, speed, wanted, pivot), of_one.farthest_change(chain, step.h)
-    limits = max(trial.lowest, speed - farthest), min(trial.highest, speed + farthest)
+            tension -= dot(row_of(system, k, end), get(points.solution, point_at(system, k, end)))
+    wanted = speed - residual_of(system, k, step, tension) / numbers[PIVOT]
+    drawn = max(abs(wanted) - friction / numbers[PIVOT], 0.0)
+    nearest = min(highest, max(lowest, drawn if wanted > 0.0 else -drawn))
+    farthest = MOST_REELED * attempt_of(system, k, step).chain.length / step.h
+    onward = speed + max(-farthest, min(farthest, nearest - speed))
+    limits = max(lowest, speed - farthest), min(highest, speed + farthest)
     found = way_at(onward, *limits, friction)
     is_other = found != way and (is_at_point(system, k, 0) or is_at_point(system, k, 1))
     numbers[ONWARD], numbers[WAY] = onward, nearer(way, found, *limits, friction)
@@ -193,10 +263,10 @@ def find_drum(system, k, step, points):
 @kernel
 def find_drums(system, step):
     """`find_drum` of all drums (modified); how many are found as they were not sought."""
-    points, others = points_of(system), 0
+    others = 0
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            others += find_drum(system, k, step, points)
+            others += find_drum(system, k, step, points_of(system))
     return others
 
 
@@ -205,7 +275,7 @@ def give(system, step):
     """Let all drums (modified) be sought at the speeds that were found last."""
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            numbers = room_in_fixed_steps(system, k).numbers
+            numbers = numbers_of(system, k)
             numbers[WAY], numbers[SOUGHT] = GIVEN, numbers[ONWARD]
 
 
@@ -213,53 +283,15 @@ def give(system, step):
 
 
 @kernel
-def sum_masses(system):
-    """Masses of the free points [kg] (modified) from the end masses of their lines."""
-    points = points_of(system)
-    clear(points.mass)
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            for end in range(2):
-                if is_at_point(system, k, end):
-                    points.mass[point_at(system, k, end)] += scratch_of(system, k).mass[segments_of(system, k) * end]
-
-
-@kernel
-def fly_points(system, step):
-    """Free flight of the free points, with their loads, into the scratch space of their lines (modified)."""
-    points, h = points_of(system), step.h
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if is_at_point(system, k, end):
-                point, node = point_at(system, k, end), segments_of(system, k) * end
-                attempt, free = attempt_of(system, k, step), scratch_of(system, k).free
-                x, v = motion_of(system, k)
-                flight = backward_euler.flight(get(x, node), get(v, node), h, free_acceleration(attempt.chain))
-                put(free, node, add_scaled(flight, h * h / points.mass[point], load_at(system, point, step.time + h)))
-
-
-@kernel
 def turn(system, step):
     """Let all drums (modified) have the speeds that were found, and the masses follow."""
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            numbers = room_in_fixed_steps(system, k).numbers
-            numbers[CHANGE] = numbers[ONWARD] - numbers[SPEED]
-            numbers[SPEED] = numbers[ONWARD]
-            attempt, w, (x, _) = attempt_of(system, k, step), scratch_of(system, k), motion_of(system, k)
-            node_masses(attempt.chain, w.mass)
-            backward_euler.fly_kite(attempt, step.time, x, w)
-    sum_masses(system)
-    fly_points(system, step)
-
-
-@kernel
-def move_along(system, k):
-    """Add what the change of the speed of the drum of line k moves its inner nodes by to their move (modified)."""
-    room, rows = room_in_fixed_steps(system, k), rows_of(system, k)
-    move, change = room.stages.chain.move, room.numbers[CHANGE]
-    for i in range(3 * rows.first, 3 * rows.last + 3):
-        move[i] += change * room.column[i]
+            numbers = numbers_of(system, k)
+            numbers[CHANGE] = numbers[ONWARD] - numbers[TRIAL]
+            numbers[TRIAL] = numbers[ONWARD]
+            node_masses(attempt_of(system, k, step).chain, scratch_of(system, k).mass)
+    take_masses(system, step)
 
 
 @kernel
@@ -268,7 +300,7 @@ def unconverged_drums(system, step):
     count = 0
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
-            room = room_in_fixed_steps(system, k)
-            moved = step.h * abs(room.numbers[CHANGE])
-            count += not (moved <= segments_of(system, k) * room.goal[0] and room.numbers[IS_FOUND] == 1.0)
+            numbers = numbers_of(system, k)
+            moved = step.h * abs(numbers[CHANGE])
+            count += not (moved <= segments_of(system, k) * numbers[GOAL] and numbers[IS_FOUND] == 1.0)
     return count

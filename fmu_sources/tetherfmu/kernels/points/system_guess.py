@@ -6,6 +6,8 @@ carried along by their ends, free points by the mean of their neighbours, where 
 
 from math import inf
 
+from tetherfmu.runtime import layout as at
+
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.lines import (
@@ -18,38 +20,34 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
-    size_of_blocks,
+    state_of,
 )
 from ..line import backward_euler
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
-from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, get, scale, sub
+from .at_points import add_block
 from .system_descent import (
     direction,
     go_along,
-    holds,
     potential,
     solve_points,
     take_trial,
     try_part,
     unconverged_lines,
 )
-from .system_fixed_drums import fly_points, sum_masses
-from .system_fixed_room import FROM_LENGTH, attempt_of, room_in_fixed_steps, scratch_of
-from .system_room import has_drum, moves
+from .system_fixed_drums import take_masses
+from .system_room import GOAL, attempt_of, has_drum, moves, numbers_of, scratch_of
 
 
 @kernel
 def start(system, step):
-    """Fill what `backward_euler.start` does of all lines; free points have their loads in their free flight."""
+    """Fill what `backward_euler.start` does of all lines; free ends have their loads in their free flight."""
     for k in range(lines_of(system)):
         if moves(system, k):
-            attempt, room = attempt_of(system, k, step), room_in_fixed_steps(system, k)
-            x, _ = motion_of(system, k)
-            backward_euler.start(attempt, step.time, step.kind, x, room.stages.chain)
-            room.goal[0] = backward_euler.goal_of(attempt, step.kind)
-    sum_masses(system)
-    fly_points(system, step)
+            attempt, (x, _) = attempt_of(system, k, step), motion_of(system, k)
+            backward_euler.start(attempt, step.time, step.kind, x, scratch_of(system, k))
+            numbers_of(system, k)[GOAL] = backward_euler.goal_of(attempt, step.kind)
+    take_masses(system, step)
 
 
 @kernel
@@ -70,30 +68,26 @@ def move_of_driven(system, k, end):
 @kernel
 def length_before(system, k):
     """Unstretched length of line k [m] at the start of the communication step, of one with a drum at that of the step."""
-    return (
-        room_in_fixed_steps(system, k).numbers[FROM_LENGTH] if has_drum(system, k) else conditions_of(system, k).reeling[0]
-    )
+    return state_of(system, k)[at.LENGTH] if has_drum(system, k) else conditions_of(system, k).reeling[0]
 
 
 @kernel
 def add_weight(system, k, points):
     """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
     weight = 1.0 / length_before(system, k)
-    block = add_to_diagonal(ZERO_MATRIX, weight)
     for end in range(2):
         if is_at_point(system, k, end):
-            row, other = point_at(system, k, end), point_at(system, k, 1 - end)
-            add_to_block(*size_of_blocks(system), row, row, block, points.matrix)
+            add_block(system, k, end, end, add_to_diagonal(ZERO_MATRIX, weight))
             if is_at_point(system, k, 1 - end):
-                add_to_block(*size_of_blocks(system), row, other, add_to_diagonal(ZERO_MATRIX, -weight), points.matrix)
+                add_block(system, k, end, 1 - end, add_to_diagonal(ZERO_MATRIX, -weight))
             else:
-                add_at(points.right, row, scale(weight, move_of_driven(system, k, 1 - end)))
+                add_at(points.right, point_at(system, k, end), scale(weight, move_of_driven(system, k, 1 - end)))
     return not (is_at_point(system, k, 0) and is_at_point(system, k, 1))
 
 
 @kernel
 def carry_points(system, points):
-    """Moves of the free points [m] when all lines are carried along, into points.right (modified); 0 if none is driven."""
+    """Moves of the free points [m] (modified) when all lines are carried along; 0 if none is driven."""
     clear(points.matrix)
     clear(points.right)
     held = 0
@@ -101,14 +95,14 @@ def carry_points(system, points):
         if moves(system, k):
             held += add_weight(system, k, points)
     if held == 0 or not solve_points(system, points):
-        clear(points.right)
+        clear(points.solution)
 
 
 @kernel
 def move_of_end(system, k, end, points):
     """Move of an end of line k [m], carried along: as its point, or as itself if it is driven, else as the other end."""
     if is_at_point(system, k, end):
-        return get(points.right, point_at(system, k, end))
+        return get(points.solution, point_at(system, k, end))
     if is_driven(system, k, end):
         return move_of_driven(system, k, end)
     return move_of_driven(system, k, 1 - end) if is_driven(system, k, 1 - end) else ZERO_VECTOR
@@ -124,8 +118,7 @@ def carry(system, step):
             x, _ = motion_of(system, k)
             ways = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
             backward_euler.carry_by(attempt_of(system, k, step), *ways, x, scratch_of(system, k))
-    carried, _ = potential(system, step, True)
-    return carried
+    return potential(system, step, True)[0]
 
 
 @kernel
@@ -138,13 +131,6 @@ def add_drag(system, step):
 
 
 @kernel
-def phi_of(system, step):
-    """Phi [J] at the positions of the iteration."""
-    phi, _ = potential(system, step, False)
-    return phi
-
-
-@kernel
 def guess(system, step):
     """Positions to start from of all lines (modified): free, or carried along; Phi [J] there, with the drag there."""
     carried = carry(system, step)
@@ -152,18 +138,18 @@ def guess(system, step):
         if moves(system, k):
             w = scratch_of(system, k)
             copy(w.free, w.x)
-    if carried < phi_of(system, step):
+    if carried < potential(system, step, False)[0]:
         take_trial(system)
     add_drag(system, step)
-    return phi_of(system, step)
+    return potential(system, step, False)[0]
 
 
 @kernel
 def begin_as_expected(system, step):
     """The first iteration of all lines (modified) with the accelerations that are expected; see `system_descent.descend`.
 
-    Where no node moves by more than one that has converged Phi need not be asked. Elsewhere, if Phi is lower with the lines
-    carried along, the results are that of a new `guess` and inf.
+    Where no node moves by more than one that has converged Phi is not asked, and inf. Elsewhere, if Phi is lower with the
+    lines carried along, the results are that of a new `guess` and inf.
     """
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -174,8 +160,8 @@ def begin_as_expected(system, step):
     if taken > 0.0 and unconverged_lines(system, taken) == 0:
         try_part(system, taken)
         take_trial(system)
-        return 0.0 if holds(system, step) else phi_of(system, step), taken
-    phi = phi_of(system, step)
+        return inf, taken
+    phi, _ = potential(system, step, False)
     if taken > 0.0 and not carry(system, step) < phi:
         return go_along(system, step, taken, phi)
     return guess(system, step), inf

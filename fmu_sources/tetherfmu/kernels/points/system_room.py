@@ -1,58 +1,159 @@
 """Scratch space of the lines of a system in a step, and what of a line moves.
 
-What a drum does in a step stands in `Room.numbers`, at the places below.
+What a drum does in a step stands in `Room.numbers`, at the places below. Its length and speed at the start of the step, in
+fixed steps of the stage, are those of the state of its line.
 """
 
 from collections import namedtuple
 
+from tetherfmu.runtime import layout as at
+
 from ..arrays import behind, places_of
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.drum import HELD
-from ..equations.lines import CONDITIONS, conditions_of, lines_of, parameters_of, room_of, segments_of
+from ..equations.boundary import chain_with
+from ..equations.drum import HELD, drum_of
+from ..equations.lines import (
+    CONDITIONS,
+    conditions_of,
+    lines_of,
+    motion_of,
+    parameters_of,
+    room_of,
+    segments_of,
+    state_of,
+)
 from ..flat_arrays import part
-from ..line import drum_step, rosenbrock
+from ..line import rosenbrock, second_order
+from ..line.incremental_potential import Attempt
+from ..line.rodas4p import STAGES
 from ..linear_algebra import condensed
 
-Room = namedtuple("Room", "w columns drum numbers")
+Room = namedtuple("Room", "numbers columns own column")
 Room.__doc__ = """Scratch arrays of a line.
 
-w : `rosenbrock.Workspace`.  columns : of its ends, see `linear_algebra.condensed`.  drum : `drum_step.Workspace`.
-numbers : of its drum, DRUM_NUMBERS.
+numbers : see below.  columns : of its ends, see `linear_algebra.condensed`.  own : of the method, see `own_size`.
+column : of its drum, 3 (n + 1).
+"""
+Shares = namedtuple("Shares", "by_length by_speed speeds")
+Shares.__doc__ = """Scratch arrays of a drum in a Rosenbrock step, see `system_drums.py`.
+
+by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) numbers.  speeds : U_u of all stages [m/s].
 """
 
 (
+    PIVOT,  # P and g of the equation of the drum, see `at_points.py`
+    ROW,
+    # Rosenbrock steps
     DIRECTION,  # in which the drum turns, see `equations/drum.py`
     TURNED_BACK,  # not 0: a drum without mass has turned round under friction, which holds it
-    NEW_LENGTH,  # after the step [m]
-    NEW_SPEED,  # [m/s]
-    LENGTH_ERROR,  # their error estimates
-    SPEED_ERROR,
-    STAGE_LENGTH,  # L_i, u_i, p and U_u of a stage, see `drum_step.py`
-    STAGE_SPEED,
-    SOLUTION,
+    LENGTH,  # L_i [m] and u_i [m/s] of a stage; in the end of the step
+    SPEED,
+    REST,  # r_i of a stage [m/s]
+    SOLUTION,  # p [m/s] and U_u [m/s] of a stage; in the end the error estimates of L over d and of u
     INCREMENT,
-    PIVOT,
-    BORDER,  # the numbers of `drum_step.Border`
-    DRUM_NUMBERS,  # how many there are
-) = places_of(*[1] * 11, 10)
+    BY_SPEED,  # f_u [N s/m]
+    RATE,  # explicit time derivative of f [N/s]
+    BY_POSITION,  # T_x [N/m]
+    # fixed steps
+    GOAL,  # the largest move of a node with which the line has converged [m]
+    UNCONVERGED,  # in how many steps the iteration ended before
+    START_LENGTH,  # of the drum at the start of a step of three stages [m]
+    START_SPEED,  # [m/s]
+    ONWARD_LENGTH,  # the start of the third stage but for the result of the second one [m]
+    ONWARD_SPEED,  # [m/s]
+    BEFORE,  # speeds in the last stage but one, and in the one before it [m/s]
+    LONG_BEFORE,
+    LOWEST,  # limits of the speed in a step or a stage [m/s]
+    HIGHEST,
+    TRIAL,  # u of the iteration [m/s]
+    CHANGE,  # by how much the last iteration changed it [m/s]
+    WAY,  # how u' is sought in the iteration
+    SOUGHT,  # its value where that is given [m/s]
+    ONWARD,  # u' as found [m/s]
+    IS_FOUND,  # 1 if u' was found as it was sought, else 0
+    TENSION,  # T + T_x p [N]
+    _,
+    NUMBERS,  # how many there are: an even number
+) = places_of(1, 3, *[1] * 9, 3, *[1] * 18)
+
+
+@kernel
+def own_size(n):
+    """Length of the room of the method: of a Rosenbrock step with its `Shares`, or of a fixed step."""
+    return max(rosenbrock.workspace_size(n) + 6 * (n + 1) + STAGES, second_order.workspace_size(n))
 
 
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, so that pairs lie within a line of the cache."""
-    size = CONDITIONS + rosenbrock.workspace_size(n) + condensed.columns_size(n) + drum_step.drum_size(n) + DRUM_NUMBERS
+    size = CONDITIONS + condensed.columns_size(n) + NUMBERS + own_size(n) + 3 * (n + 1)
     return size + size % 2
 
 
 @view
-def integrator_of(system, k):
+def room_in_step(system, k):
     """`Room` of line k."""
     n, room = segments_of(system, k), behind(CONDITIONS, room_of(system, k))
-    own, columns, drum = rosenbrock.workspace_size(n), condensed.columns_size(n), drum_step.drum_size(n)
-    w, beside = rosenbrock.workspace(n, part(room, 0, own)), behind(own + columns, room)
-    numbers = part(beside, drum, DRUM_NUMBERS)
-    return Room(w, part(room, own, columns), drum_step.beside(n, w, part(beside, 0, drum)), numbers)
+    columns, own = condensed.columns_size(n), own_size(n)
+    numbers, ends, behind_ends = part(room, 0, NUMBERS), part(room, NUMBERS, columns), behind(NUMBERS + columns, room)
+    return Room(numbers, ends, part(behind_ends, 0, own), part(behind_ends, own, 3 * (n + 1)))
+
+
+@view
+def numbers_of(system, k):
+    """Numbers of line k, at the places above."""
+    return room_in_step(system, k).numbers
+
+
+@view
+def integrator_of(system, k):
+    """`rosenbrock.Workspace` of line k."""
+    return rosenbrock.workspace(segments_of(system, k), room_in_step(system, k).own)
+
+
+@view
+def shares_of(system, k):
+    """`Shares` of line k."""
+    flat = 3 * (segments_of(system, k) + 1)
+    room = behind(rosenbrock.workspace_size(segments_of(system, k)), room_in_step(system, k).own)
+    return Shares(part(room, 0, flat), part(room, flat, flat), part(room, 2 * flat, STAGES))
+
+
+@view
+def stages_of(system, k):
+    """`second_order.Workspace` of line k."""
+    return second_order.workspace(segments_of(system, k), room_in_step(system, k).own)
+
+
+@view
+def scratch_of(system, k):
+    """`backward_euler.Workspace` of line k."""
+    return stages_of(system, k).chain
+
+
+@view
+def drum_at(system, k):
+    """`Drum` of line k."""
+    conditions = conditions_of(system, k)
+    return drum_of(conditions.parameters, conditions.force, conditions.force_rate)
+
+
+@kernel
+def length_of(system, k):
+    """Length [m] and speed [m/s] of the drum of line k in its state."""
+    state = state_of(system, k)
+    return state[at.LENGTH], state[at.REELING]
+
+
+@kernel
+def put_length(system, k, length, speed):
+    """Let the drum of line k (modified) have a length [m] and a speed [m/s] in its state."""
+    state = state_of(system, k)
+    state[at.LENGTH], state[at.REELING] = length, speed
+
+
+# --- what moves
 
 
 @kernel
@@ -63,8 +164,8 @@ def has_drum(system, k):
 
 @kernel
 def turns(system, k):
-    """Whether line k has a drum that turns in the step."""
-    return has_drum(system, k) and integrator_of(system, k).numbers[DIRECTION] != HELD
+    """Whether line k has a drum that turns in a Rosenbrock step."""
+    return has_drum(system, k) and numbers_of(system, k)[DIRECTION] != HELD
 
 
 @kernel
@@ -83,25 +184,67 @@ def moves(system, k):
 @kernel
 def does_any_move(system):
     """Whether any line takes part in a step."""
-    moving = 0
+    count = 0
     for k in range(lines_of(system)):
-        moving += moves(system, k)
-    return moving > 0
+        count += moves(system, k)
+    return count > 0
+
+
+@kernel
+def any_drum(system):
+    """Whether any winch is controlled by force."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += has_drum(system, k)
+    return count > 0
 
 
 @kernel
 def is_any_turning(system):
-    """Whether any drum turns in the step."""
-    turning = 0
+    """Whether any drum turns in a Rosenbrock step."""
+    count = 0
     for k in range(lines_of(system)):
-        turning += turns(system, k)
-    return turning > 0
+        count += turns(system, k)
+    return count > 0
 
 
 @kernel
 def is_any_reeling(system):
-    """Whether the unstretched length of any line changes in the step."""
-    reeling = 0
+    """Whether the unstretched length of any line changes in a Rosenbrock step."""
+    count = 0
     for k in range(lines_of(system)):
-        reeling += winch.is_reeling(conditions_of(system, k).reeling)
-    return reeling > 0 or is_any_turning(system)
+        count += winch.is_reeling(conditions_of(system, k).reeling)
+    return count > 0 or is_any_turning(system)
+
+
+# --- fixed steps
+
+Step = namedtuple("Step", "time h kind turns")
+Step.__doc__ = """A fixed step: its start [s] in the communication step, h [s], its kind (`backward_euler.start`).
+
+turns : whether the speeds of the drums are found in it; else their lengths change as the conditions of their lines say.
+"""
+
+
+@kernel
+def is_turning(system, k, step):
+    """Whether line k has a drum whose speed is found in the step."""
+    return step.turns and has_drum(system, k)
+
+
+@kernel
+def length_and_rate(system, k, step):
+    """Unstretched length [m] of line k at the end of a step and its rate [m/s], in the iteration."""
+    if is_turning(system, k, step):
+        (length, _), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
+        return length + step.h * speed, speed
+    reeling, end = conditions_of(system, k).reeling, step.time + step.h
+    return winch.length_at(reeling, end), winch.rate_at(reeling, end)
+
+
+@view
+def attempt_of(system, k, step):
+    """`incremental_potential.Attempt` of line k."""
+    conditions = conditions_of(system, k)
+    _, v = motion_of(system, k)
+    return Attempt(conditions, chain_with(conditions, *length_and_rate(system, k, step)), step.h, v)

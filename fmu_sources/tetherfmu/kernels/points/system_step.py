@@ -13,10 +13,8 @@ F at a stage counts times the mass of the start over that of the stage, at a poi
 `share_forces` gives each line its part.
 """
 
-from tetherfmu.runtime import plan_layout as places
-
 from ..compilation import kernel, view
-from ..equations.boundary import chain_during, hold_ends
+from ..equations import winch
 from ..equations.lines import (
     add_at,
     clear,
@@ -37,12 +35,20 @@ from ..line import rosenbrock
 from ..line.rodas4p import ALPHA, GAMMA_I, STAGES
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.pairs import first, second
-from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import add, add_scaled, get, put, scale, sub
+from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
+from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from . import system_drums
-from .system_drums import conditions_in_step
-from .system_room import has_drum, integrator_of, is_any_reeling, is_any_turning, moves, turns
+from .at_points import place_matrix, take_ends
+from .system_drums import chain_in_step
+from .system_room import (
+    has_drum,
+    integrator_of,
+    is_any_reeling,
+    is_any_turning,
+    moves,
+    room_in_step,
+    turns,
+)
 
 # --- the matrix of a step
 
@@ -57,8 +63,10 @@ def prepare(system, time, h):
     for k in range(lines_of(system)):
         if moves(system, k):
             form_line(system, k, time, h)
-            if not condense_line(system, k, points):
+            matrix = integrator_of(system, k).matrix
+            if not condensed.condense(rows_of(system, k), matrix, room_in_step(system, k).columns):
                 return False
+            place_matrix(system, k, matrix)
     return True
 
 
@@ -75,74 +83,61 @@ def factorize(system, time, h):
 
 @kernel
 def form_line(system, k, time, h):
-    """Matrix of a step of line k into its scratch space, see `rosenbrock.form`."""
+    """Matrix of a step of line k into its scratch space, see `rosenbrock.form`, and its end masses into those of its points.
+
+    The masses [kg] and their rates [kg/s] are added to those of the free points (modified).
+    """
+    if has_drum(system, k):
+        system_drums.begin_step(system, k)
+    points, chain, w = points_of(system), chain_in_step(system, k, time), integrator_of(system, k)
     x, v = motion_of(system, k)
-    if turns(system, k):
-        system_drums.form_with_drum(system, k, time, h)
-    else:
-        rosenbrock.form(conditions_in_step(system, k), time, h, x, v, integrator_of(system, k).w)
-    add_masses(system, k, time)
-
-
-@kernel
-def add_masses(system, k, time):
-    """Add the end masses of line k [kg] and their rates [kg/s] to those of its free points (modified)."""
-    points, n, mass = points_of(system), segments_of(system, k), integrator_of(system, k).w.mass
-    chain = chain_during(conditions_of(system, k), time)
+    rosenbrock.form(conditions_of(system, k), chain, turns(system, k), time, h, x, v, w)
     for end in range(2):
-        point, node = point_at(system, k, end), n * end
-        if point != places.DRIVEN:
-            points.mass[point] += mass[node]
-            points.mass_rate[point] += (mass[node] - point_mass(chain, node)) * chain.growth
-
-
-@kernel
-def condense_line(system, k, points):
-    """Condense line k to its free points and add what is left to the matrix of the points (modified); False if singular."""
-    n, room = segments_of(system, k), integrator_of(system, k)
-    matrix, columns, size = room.w.matrix, room.columns, size_of_blocks(system)
-    start, end, rows = point_at(system, k, 0), point_at(system, k, 1), rows_of(system, k)
-    if not condensed.condense(rows, matrix, columns):
-        return False
-    if rows.start_is_shared and rows.end_is_shared:
-        own, across = condensed.condensed_blocks(n, matrix, columns)
-        add_to_block(*size, start, start, first(own), points.matrix)
-        add_to_block(*size, end, end, second(own), points.matrix)
-        add_to_block(*size, start, end, first(across), points.matrix)
-        add_to_block(*size, end, start, second(across), points.matrix)
-    elif rows.start_is_shared:
-        add_to_block(*size, start, start, condensed.condensed_block(n, 0, 0, matrix, columns), points.matrix)
-    elif rows.end_is_shared:
-        add_to_block(*size, end, end, condensed.condensed_block(n, 1, 1, matrix, columns), points.matrix)
-    return True
+        if is_at_point(system, k, end):
+            point, node = point_at(system, k, end), chain.n * end
+            points.mass[point] += w.mass[node]
+            if not turns(system, k):
+                points.mass_rate[point] += (w.mass[node] - point_mass(chain, node)) * chain.growth
 
 
 # --- a stage
 
 
 @view
-def start_stage(conditions, w, stage, time, h):
-    """Argument and forces of a stage of a line into its scratch space, up to what `rosenbrock.right_hand_side` needs."""
-    now = time + ALPHA[stage] * h
+def start_stage(system, k, stage, time, h):
+    """Argument and forces of a stage of line k into its scratch space, up to what `rosenbrock.right_hand_side` needs.
+
+    False if its drum has no length.
+    """
+    conditions, w, now = conditions_of(system, k), integrator_of(system, k), time + ALPHA[stage] * h
     rosenbrock.combine(stage, h, w)
-    if conditions.first == 1 or conditions.last == conditions.n - 1:
-        ends, driven = rosenbrock.curves_of(conditions)
-        rosenbrock.prescribe_ends(ends, driven, now, w)
-    rosenbrock.stage_masses(conditions, stage, now, w)
-    rosenbrock.stage_force(conditions, chain_during(conditions, now), now, w)
+    if turns(system, k) and not system_drums.go_to_stage(system, k, stage, h):
+        return False
+    rosenbrock.prescribe_ends(conditions, now, w)
+    chain = chain_in_step(system, k, now)
+    rosenbrock.stage_masses(chain, stage, turns(system, k) or winch.is_reeling(conditions.reeling), w)
+    rosenbrock.stage_force(conditions, chain, now, w)
     if stage == 0:
         rosenbrock.take_force_rate(conditions, time, w)
+    return True
 
 
 @view
-def reduce_line(system, k, conditions, w, stage, h, points):
+def reduce_line(system, k, stage, time, h, points):
     """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
-    rosenbrock.right_hand_side(conditions, stage, h, w)
+    n, w = segments_of(system, k), integrator_of(system, k)
+    rosenbrock.right_hand_side(conditions_of(system, k), stage, h, w)
+    if turns(system, k):
+        system_drums.subtract_rest(system, k)
     condensed.solve_inner(rows_of(system, k), w.matrix, w.q)
+    if turns(system, k):
+        system_drums.solve_drum(system, k, stage, time, h)
     for end in range(2):
-        point = point_at(system, k, end)
-        if point != places.DRIVEN:
-            add_at(points.right, point, condensed.what_is_left(conditions.n, end, w.matrix, w.q))
+        if is_at_point(system, k, end):
+            left = condensed.what_is_left(n, end, w.matrix, w.q)
+            if turns(system, k):
+                left = system_drums.add_left(system, k, end, left)
+            add_at(points.right, point_at(system, k, end), left)
 
 
 @kernel
@@ -160,28 +155,17 @@ def place_loads(system, stage, reels, time, h, points):
         put(points.right, point, add_scaled(load, GAMMA_I[stage] * h, get(points.load_rate, point)))
 
 
-@kernel
-def solve_points(system, points):
-    """Solution of a stage at the free points (modified) from their right-hand side."""
-    solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
-
-
 @view
-def expand_line(system, k, n, room, points):
-    """Solution of a stage of line k from that of the points, into its scratch space."""
-    hold_ends(conditions_of(system, k), room.w.q)
-    for end in range(2):
-        if is_at_point(system, k, end):
-            put(room.w.q, n * end, get(points.solution, point_at(system, k, end)))
-    condensed.expand(rows_of(system, k), room.columns, room.w.q)
-
-
-@view
-def end_stage(n, w, stage, h):
-    """Velocities of a stage of a line, whose solution is in its scratch space, to their places there."""
-    rosenbrock.take_velocities(n, stage, w)
+def end_stage(system, k, stage, h):
+    """Solution of a stage of line k from that of the points, and its velocities, into its scratch space."""
+    w = integrator_of(system, k)
+    take_ends(system, k, w.q)
+    condensed.expand(rows_of(system, k), room_in_step(system, k).columns, w.q)
+    if turns(system, k):
+        system_drums.turn_drum(system, k, stage, h)
+    rosenbrock.take_velocities(segments_of(system, k), stage, w)
     if stage >= STAGES - 2:
-        rosenbrock.add_stage(n, stage, h, w)
+        rosenbrock.add_stage(segments_of(system, k), stage, h, w)
 
 
 # --- all stages
@@ -195,8 +179,9 @@ def solve_stages(system, time, h):
     """
     reels = is_any_reeling(system)
     for stage in range(STAGES):
-        if not start_stages(system, stage, time, h):
-            return False
+        for k in range(lines_of(system)):
+            if moves(system, k) and not start_stage(system, k, stage, time, h):
+                return False
         if reels:
             stage_masses(system, stage)
         if stage == 0 and not factorize(system, time, h):
@@ -206,38 +191,16 @@ def solve_stages(system, time, h):
 
 
 @kernel
-def start_stages(system, stage, time, h):
-    """`start_stage` of all lines; False if a drum has no length."""
-    for k in range(lines_of(system)):
-        if turns(system, k):
-            if not system_drums.start_stage_with_drum(system, k, stage, time, h):
-                return False
-        elif moves(system, k):
-            start_stage(conditions_in_step(system, k), integrator_of(system, k).w, stage, time, h)
-    return True
-
-
-@kernel
-def add_stage_masses(system, k):
-    """Add the end masses of line k at a stage [kg] to those of its free points (modified)."""
-    points, n, stage_mass = points_of(system), segments_of(system, k), integrator_of(system, k).w.stage_mass
-    for end in range(2):
-        point = point_at(system, k, end)
-        if point != places.DRIVEN:
-            points.stage_mass[point] += stage_mass[n * end]
-
-
-@kernel
 def share_forces(system, k, stage):
     """Let the forces at the free ends of line k count as parts of those on points whose masses change (modified).
 
     `rosenbrock.without_damping` multiplies F by m_0/m of the node; that of the point, M_0/M, is to be the factor. The rate
     of M v' has -F/M_0 dM/dt.
     """
-    points, n, w = points_of(system), segments_of(system, k), integrator_of(system, k).w
+    points, n, w = points_of(system), segments_of(system, k), integrator_of(system, k)
     for end in range(2):
-        point, node = point_at(system, k, end), n * end
-        if point != places.DRIVEN:
+        if is_at_point(system, k, end):
+            point, node = point_at(system, k, end), n * end
             force = get_node(n, node, w.force)
             if stage == 0:
                 rate = add_scaled(get(w.q, node), -points.mass_rate[point] / points.mass[point], force)
@@ -248,11 +211,14 @@ def share_forces(system, k, stage):
 
 @kernel
 def stage_masses(system, stage):
-    """Masses of the free points at a stage, and the forces that follow from them, in a system that reels (modified)."""
-    clear(points_of(system).stage_mass)
+    """Masses of the free points at a stage [kg], and the forces that follow from them, in a system that reels (modified)."""
+    points = points_of(system)
+    clear(points.stage_mass)
     for k in range(lines_of(system)):
-        if moves(system, k):
-            add_stage_masses(system, k)
+        n, stage_mass = segments_of(system, k), integrator_of(system, k).stage_mass
+        for end in range(2):
+            if is_at_point(system, k, end):
+                points.stage_mass[point_at(system, k, end)] += stage_mass[n * end]
     for k in range(lines_of(system)):
         if moves(system, k):
             share_forces(system, k, stage)
@@ -264,18 +230,12 @@ def solve_stage(system, stage, reels, time, h):
     points = points_of(system)
     place_loads(system, stage, reels, time, h, points)
     for k in range(lines_of(system)):
-        if turns(system, k):
-            system_drums.reduce_line_with_drum(system, k, stage, time, h, points)
-        elif moves(system, k):
-            reduce_line(system, k, conditions_of(system, k), integrator_of(system, k).w, stage, h, points)
-    solve_points(system, points)
+        if moves(system, k):
+            reduce_line(system, k, stage, time, h, points)
+    solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
     for k in range(lines_of(system)):
         if moves(system, k):
-            n, room = segments_of(system, k), integrator_of(system, k)
-            expand_line(system, k, n, room, points)
-            if turns(system, k):
-                system_drums.turn_drum(system, k, stage, h)
-            end_stage(n, room.w, stage, h)
+            end_stage(system, k, stage, h)
 
 
 @kernel
@@ -283,15 +243,13 @@ def step(system, time, h):
     """One step of h [s] of all lines from their states at a time [s] of the communication step; False if it is singular.
 
     The results stand in the scratch space of the lines: x and v, with their error estimates U_x/d in q and U_v in
-    velocity_error.
+    velocity_error, and those of drums.
     """
     if not prepare(system, time, h) or not solve_stages(system, time, h):
         return False
     for k in range(lines_of(system)):
         if moves(system, k):
-            rosenbrock.take_result(conditions_of(system, k), time + h, integrator_of(system, k).w)
-            if has_drum(system, k):
-                system_drums.take_drum(system, k, h)
+            rosenbrock.take_result(conditions_of(system, k), time + h, integrator_of(system, k))
     return True
 
 
@@ -301,11 +259,9 @@ def step(system, time, h):
 @view
 def whole_masses(system, k, w):
     """Let the free ends of line k have the masses of their points [kg] (modified), for what judges and corrects a step."""
-    points, n = points_of(system), segments_of(system, k)
     for end in range(2):
-        point = point_at(system, k, end)
-        if point != places.DRIVEN:
-            w.mass[n * end] = points.mass[point]
+        if is_at_point(system, k, end):
+            w.mass[segments_of(system, k) * end] = points_of(system).mass[point_at(system, k, end)]
 
 
 @view
@@ -314,14 +270,13 @@ def collect_changes(system, k, before, w):
 
     before : of start and end.  Returns how many have changed.
     """
-    points, n = points_of(system), segments_of(system, k)
     changed = 0
     for end in range(2):
-        point, node = point_at(system, k, end), n * end
+        node = segments_of(system, k) * end
         velocity = before[1] if end == 1 else before[0]
         change = sub(get(w.v, node), velocity)
-        if point != places.DRIVEN and not (change[0] == 0.0 and change[1] == 0.0 and change[2] == 0.0):
-            add_at(points.change, point, change)
+        if is_at_point(system, k, end) and not (change[0] == 0.0 and change[1] == 0.0 and change[2] == 0.0):
+            add_at(points_of(system).change, point_at(system, k, end), change)
             put(w.v, node, velocity)
             changed += 1
     return changed
@@ -330,8 +285,7 @@ def collect_changes(system, k, before, w):
 @kernel
 def apply_changes(system, k):
     """Add `Points.change` [m/s] to the velocities of the free ends of line k in the result of the step (modified)."""
-    points, n, w = points_of(system), segments_of(system, k), integrator_of(system, k).w
     for end in range(2):
-        point, node = point_at(system, k, end), n * end
-        if point != places.DRIVEN:
-            put(w.v, node, add(get(w.v, node), get(points.change, point)))
+        if is_at_point(system, k, end):
+            change = get(points_of(system).change, point_at(system, k, end))
+            add_at(integrator_of(system, k).v, segments_of(system, k) * end, change)

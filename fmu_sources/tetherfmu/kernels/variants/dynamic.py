@@ -12,13 +12,14 @@ from ..equations.lines import System
 from ..equations.plan import OneLine
 from ..flat_arrays import part
 from ..motion import iteration_limit
+from ..points import system_room
 from . import dynamic_chain, moving_lines, resting_kite
 
 
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(moving_lines.line_work_size(n), resting_kite.work_size(n))
+    return max(system_room.line_work_size(n), resting_kite.work_size(n))
 
 
 @kernel

@@ -27,14 +27,8 @@ from ..equilibrium import compressed_chain, end_tensions
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fixed_steps
-from ..points import system_fixed_room, system_room
+from ..points import system_room
 from ..step.plausibility import note, note_stiff_and_slack, note_unconverged
-
-
-@kernel
-def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    return max(system_room.line_work_size(n), system_fixed_room.line_work_size(n))
 
 
 @view
@@ -58,7 +52,7 @@ def move(system, steps, step):
         return status
     status = fixed_steps.integrate(system, steps, step)
     for k in range(lines_of(system)):
-        note_unconverged(system_fixed_room.scratch_of(system, k).unconverged[0], steps.size, state_of(system, k))
+        note_unconverged(system_room.numbers_of(system, k)[system_room.UNCONVERGED], steps.size, state_of(system, k))
     return status
 
 

@@ -29,7 +29,7 @@ from ..equations.lines import (
 )
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
-from ..points import system_fixed_room
+from ..points import system_room
 from ..step import power_balance, transaction
 from ..step.outputs import complete
 from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
@@ -42,7 +42,7 @@ name = SYSTEM
 @kernel
 def line_work_size(n):
     """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    return max(moving_lines.line_work_size(n), resting_line.line_work_size(n))
+    return max(system_room.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
@@ -81,7 +81,7 @@ def complete_plan(plan):
 def iteration_limit_of(system):
     """The most iterations of all lines in the last communication step: each factorizes the matrix of each line once."""
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]
-    return iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_fixed_room.any_drum(system), duration)
+    return iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
 
 
 @kernel
