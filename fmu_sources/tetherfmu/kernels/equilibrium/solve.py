@@ -6,16 +6,14 @@
 4. Pseudo-transient continuation, with stiffnesses, then with compliances.
 5. Steps 1 to 4 again with a perturbation load from the side, if what was found is a compressed chain (`compressed_chain.py`)
    or nothing was found and the chain has no load.
-6. Load continuation from the equilibrium under smaller loads (`load_continuation.py`).
-7. Rotation about the chord (`chord_rotation.py`).
-8. Where the wind begins at z = 0: from the equilibrium in a layer of air where it grows gradually (`calm_layer.py`).
-9. Stiffness continuation from the equilibrium with smaller stiffnesses (`stiffening.py`).
-10. Pseudo-transient continuation with tensions of either sign (`compressed_segments.py`).
-11. Step 8 with pseudo-transient continuation where Newton's method fails.
+6. Continuation of the loads, from smaller ones (`continuation.py`).
+7. Pseudo-transient continuation with tensions of either sign (`compressed_segments.py`).
+8. Continuation of the stiffnesses, from smaller ones.
+9. Where the wind begins at z = 0: continuation of a layer of air where it grows gradually.
 
-Each method starts from the first guess, not from where the last one failed. All of them are without ground. Where the chain
-then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`), and where there is none
-with its friction, without: what lies then rests.
+Each method starts from the first guess, not from where the last one failed. Steps 1 to 8 are without ground. Where the
+chain then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`), then by steps 7 and
+9 with the ground, and where there is none with its friction, without: what lies then rests.
 
 A search that has taken `BUDGET` ends before its next method.
 """
@@ -25,23 +23,16 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 from ..compilation import kernel
 from ..equations import air, assembly
 from ..equations.ground import smooth, without_ground
-from ..linear_algebra.vectors import get
-from . import (
-    calm_layer,
-    chord_rotation,
-    compressed_chain,
-    compressed_segments,
-    load_continuation,
-    lying_chain,
-    newton,
-    stiffening,
-)
-from .first_guess import guess, is_loaded
+from . import compressed_chain, compressed_segments, continuation, lying_chain, newton
+from .first_guess import axial_compliance, guess, is_loaded
+from .rigid_body import rigid_velocity
 
 # Segments times Newton iterations of a search. Of 24 000 searches that succeed in random flights of the stability map,
 # without and with ground, the hardest takes 2.0e6: 7327 iterations with 272 segments. Beside it, the method that has begun
 # may take another 16 000 iterations, which is about a second in all with 300 segments.
 BUDGET = 5_000_000
+LEVELS = (0.5, 0.25, 0.125)  # of the loads, at which step 6 begins
+STRAINS = (1e-2, 1e-3, 1e-1)  # by which the mean load stretches the chain where step 8 begins
 FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
 
 
@@ -60,9 +51,9 @@ def by_newton(body, perturbed, w):
     iterations = 0
     load_stiffness = 0.0
     for pseudo_transient in (False, True):
-        for compliant in (False, True):
+        for kind in (newton.STIFFNESSES, newton.COMPLIANCES):
             load_stiffness = guess(body, perturbed, w)
-            found, more = newton.relax(body, compliant, pseudo_transient, load_stiffness, w)
+            found, more = newton.relax(body, kind, pseudo_transient, load_stiffness, w)
             iterations += more
             if found and is_stable(body):
                 return FOUND, iterations
@@ -83,68 +74,63 @@ def at_once(body, w):
 
 
 @kernel
-def by_load_continuation(body, w):
-    """Step 6: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
-    ground, kite = get(body.v, 0), get(body.v, body.chain.n)
+def by_loads(body, most, w):
+    """Step 6: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations, about `most`."""
     iterations = 0
-    reached = 0.0
-    level = 0.5
-    while reached == 0.0 and level >= load_continuation.LOWEST:
-        load_continuation.put_end_velocities(body, level, ground, kite)
-        status, more = at_once(load_continuation.at_level(body, level, w), w)
-        iterations += more
-        if status == OK:
-            reached, more = load_continuation.raise_level(body, level, ground, kite, w)
+    for level in LEVELS:
+        if iterations < most:
+            status, more = at_once(continuation.at_level(continuation.LOADS, body, level, w), w)
             iterations += more
-        level *= 0.5
-    load_continuation.put_end_velocities(body, 1.0, ground, kite)
-    return OK if reached == 1.0 and is_stable(body) else NO_EQUILIBRIUM, iterations
+            if status == OK:
+                found, more = continuation.lead(continuation.LOADS, body, level, 0.0, most - iterations, w)
+                return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations + more
+    return NO_EQUILIBRIUM, iterations
 
 
 @kernel
 def by_compressed_segments(body, w):
-    """Step 10: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
+    """Step 7: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     assembly.node_masses(body.chain, w.mass)
     found, iterations = compressed_segments.find(body, guess(body, False, w), w)
     return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations
 
 
 @kernel
-def by_calm_layer(body, slowly, most, w):
-    """Step 8, or step 11 if `slowly`: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations, about `most`."""
-    thickness = calm_layer.thickest(body)
-    layered = calm_layer.in_layer(body, thickness, w)
-    load = guess(layered, False, w) if slowly else 0.0
+def by_stiffness(body, most, w):
+    """Step 8: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations, about `most`."""
+    load = guess(body, False, w)
+    iterations = 0
+    for strain in STRAINS:
+        level = load * body.chain.length * axial_compliance(body.chain) / strain
+        if level < 1.0 and iterations < most:
+            status, more = at_once(continuation.at_level(continuation.STIFFNESS, body, level, w), w)
+            iterations += more
+            if status == OK:
+                found, more = continuation.lead(continuation.STIFFNESS, body, level, load, most - iterations, w)
+                iterations += more
+                if found and is_stable(body):
+                    return OK, iterations
+    return NO_EQUILIBRIUM, iterations
+
+
+@kernel
+def by_layer(body, most, w):
+    """Step 9: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations, about `most`."""
+    level = min(1.0, continuation.THINNEST * body.chain.n / body.chain.length)
+    layered = continuation.at_level(continuation.LAYER, body, level, w)
+    load = guess(layered, False, w)
     hanging = lying_chain.on(layered, without_ground())
     status, iterations = at_once(hanging, w)
-    if slowly and status != OK:
+    if status != OK:
         status, more = by_compressed_segments(hanging, w)
         iterations += more
     status, more = on_ground(layered, status == OK, w)
     iterations += more
     if status == OK:
-        reached, more = calm_layer.thin(body, thickness, load, most - iterations, w)
+        found, more = continuation.lead(continuation.LAYER, body, level, load, most - iterations, w)
         iterations += more
-        status = OK if reached and is_stable(body) else NO_EQUILIBRIUM
+        status = OK if found and is_stable(body) else NO_EQUILIBRIUM
     return status, iterations
-
-
-@kernel
-def by_stiffening(body, most, w):
-    """Step 9: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations, about `most`."""
-    load = guess(body, False, w)
-    iterations = 0
-    for strain in stiffening.STRAINS:
-        factor = stiffening.stiffness_factor(body, load, strain)
-        if factor < 1.0 and iterations < most:
-            status, more = at_once(stiffening.softened(body, factor, w), w)
-            iterations += more
-            if status == OK:
-                found, more = stiffening.stiffen(body, factor, load, most - iterations, w)
-                iterations += more
-                if found and is_stable(body):
-                    return OK, iterations
-    return NO_EQUILIBRIUM, iterations
 
 
 @kernel
@@ -154,6 +140,44 @@ def on_ground(body, hangs, w):
         return OK if hangs else NO_EQUILIBRIUM, 0
     found, iterations = lying_chain.find(body, hangs, w)
     return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations
+
+
+@kernel
+def in_the_air(body, most, w):
+    """Stable equilibrium of the body without ground (positions and velocities of its inner nodes modified).
+
+    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations; after `most` of them no other step begins.
+    """
+    status, iterations = at_once(body, w)
+    if status != OK:
+        status, more = by_loads(body, most - iterations, w)
+        iterations += more
+    if status != OK and iterations < most:
+        status, more = by_compressed_segments(body, w)
+        iterations += more
+    if status != OK and iterations < most:
+        status, more = by_stiffness(body, most - iterations, w)
+        iterations += more
+    return status, iterations
+
+
+@kernel
+def by_ladder(body, most, w):
+    """All steps, in the air and on the ground: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
+
+    most : iterations after which no other step begins.
+    """
+    has_ground = body.ground.hardness > 0.0
+    status, iterations = in_the_air(lying_chain.on(body, without_ground()), most, w)
+    status, more = on_ground(body, status == OK, w)
+    iterations += more
+    if status != OK and iterations < most and has_ground:
+        status, more = by_compressed_segments(body, w)
+        iterations += more
+    if status != OK and iterations < most and air.is_sheared(body.chain.parameters):
+        status, more = by_layer(body, most - iterations, w)
+        iterations += more
+    return status, iterations
 
 
 @kernel
@@ -168,52 +192,7 @@ def find(body, w):
     if status != OK and iterations < most and body.ground.hardness > 0.0 and body.ground.friction > 0.0:
         status, more = by_ladder(lying_chain.on(body, smooth(body.ground)), most - iterations, w)
         iterations += more
-    return status, iterations
-
-
-@kernel
-def by_ladder(body, most, w):
-    """All steps, in the air and on the ground: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
-
-    most : iterations after which no other step begins.
-    """
-    status, iterations = in_the_air(lying_chain.on(body, without_ground()), most, w)
-    status, more = on_ground(body, status == OK, w)
-    iterations += more
-    if status != OK and iterations < most and body.ground.hardness > 0.0 and air.is_sheared(body.chain.parameters):
-        status, more = by_calm_layer(body, False, most - iterations, w)
-        iterations += more
-    if status != OK and iterations < most:
-        status, more = by_compressed_segments(lying_chain.on(body, without_ground()), w)
-        iterations += more
-        if status == OK:
-            status, more = on_ground(body, True, w)
-            iterations += more
-    if status != OK and iterations < most and air.is_sheared(body.chain.parameters):
-        status, more = by_calm_layer(body, True, most - iterations, w)
-        iterations += more
-    return status, iterations
-
-
-@kernel
-def in_the_air(body, most, w):
-    """Stable equilibrium of the body without ground (positions and velocities of its inner nodes modified).
-
-    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations; after `most` of them no other step begins.
-    """
-    status, iterations = at_once(body, w)
-    if status != OK:
-        status, more = by_load_continuation(body, w)
-        iterations += more
-    if status != OK:
-        status, more = chord_rotation.find(body, w)
-        iterations += more
-    if status != OK and air.is_sheared(body.chain.parameters):
-        status, more = by_calm_layer(body, False, most - iterations, w)
-        iterations += more
-    if status != OK and iterations < most:
-        status, more = by_stiffening(body, most - iterations, w)
-        iterations += more
+    rigid_velocity(body)
     return status, iterations
 
 
@@ -224,7 +203,7 @@ def follow(body, w):
     on_ground = body.ground.hardness > 0.0
     if on_ground:
         newton.keep(body, w)
-    found, iterations = newton.relax(body, False, False, 0.0, w)
+    found, iterations = newton.relax(body, newton.STIFFNESSES, False, 0.0, w)
     if on_ground and not found:
         found, more = lying_chain.slowly(body, w)
         iterations += more
