@@ -50,19 +50,23 @@ def grows(body, load_stiffness, w):
 
 @kernel
 def find(body, load_stiffness, w):
-    """Stable equilibrium from a first guess in the body [m] and w.tension [N] (both modified): (found, iterations).
+    """Equilibrium from a first guess in the body [m] and w.tension [N] (both modified): (found, iterations).
 
-    load_stiffness : stiffness [N/m] that the loads alone give a node.
+    A stable one, if the trials come to it.  load_stiffness : stiffness [N/m] that the loads alone give a node.
     """
     away = AWAY * body.chain.length / body.chain.n
-    iterations = 0
+    is_kept, iterations = False, 0
     for _ in range(MOST_TRIALS):
         found, more = newton.relax(body, newton.EITHER_SIGN, True, load_stiffness, w)
         iterations += more
         if not found:
-            return False, iterations
+            break
+        newton.keep(body, w)
+        is_kept = True
         if not grows(body, load_stiffness, w):
-            return True, iterations
+            break
         for i in range(1, body.chain.n):
             put(body.x, i, add_scaled(get(body.x, i), away, get(w.move, i)))
-    return False, iterations
+    if is_kept:
+        newton.restore(body, w)
+    return is_kept, iterations

@@ -1,12 +1,13 @@
 """Continuation: an equilibrium where there is one at hand, led by one number, its level, to the level 1, where it is sought.
 
-Each equilibrium is the start of the next one. The ratio of a level to the one before grows, to the power 3/2, while
-Newton's method succeeds; where it fails, the root of it is tried. What the level p is:
+Each equilibrium is the start of the next one. The ratio of a level to the one before grows while Newton's method
+succeeds; where it fails, the root of it is tried. What the level p is:
 
-LOADS : wind, velocities of the ends, omega and s are p times the given ones; drag and inertia p^2 times. Where drag stretches
-    a tether, it sweeps more air with nodes that are farther out and faster, so that drag grows again; the first guess knows
-    the loads of the straight line only. Where the equilibria end at a level below 1, however fine its steps, there is none:
-    drag that grows with the square of the distance from the ground end outgrows tension, which grows linearly.
+LOADS : wind, velocities of the ends, omega and s are p times the given ones; drag and inertia p^2 times. Where drag
+    stretches a tether, it sweeps more air with nodes that are farther out and faster, so that drag grows again; the first
+    guess knows the loads of the straight line only. Where the equilibria end at a level below 1, however fine its steps,
+    there is none: drag that grows with the square of the distance from the ground end outgrows tension, which grows
+    linearly.
 STIFFNESS : all EA are p times the given ones. Where both ends are almost together, or weight is next to nothing, the chain
     hangs in a fold whose segments hardly feel a tension, while the least error of a position presses or pulls them with many
     times their load. What remains of the chain without that is its shape, and it is almost the same at a smaller stiffness.
@@ -37,6 +38,7 @@ from .rigid_body import Body
 
 LOADS, STIFFNESS, LAYER, GROUND = range(4)
 FIRST = np.array((1.1, 10.0, 2.0, 3.0))  # ratio of a level to the one before, at the start
+GROWTH = np.array((1.03, 1.5, 1.5, 1.5))  # of the ratio after an equilibrium
 LARGEST = np.array((1.3, 10.0, 10.0, 10.0))  # at most
 SMALLEST = np.array((1.001, 1.5, 1.05, 1.01))  # below it, the equilibria have come to an end
 SNAPPING = 2.0  # ratio below which the next equilibrium may not be near
@@ -68,15 +70,19 @@ def at_level(kind, body, level, w):
 
 
 @kernel
-def relax_at(kind, body, level, is_slow, load_stiffness, w):
+def relax_at(kind, body, level, is_slow, change, load_stiffness, w):
     """Equilibrium at a level from that in w.kept and w.kept_tension: (found, Newton iterations).
 
-    is_slow : whether by pseudo-transient continuation.  load_stiffness : see `newton.relax`.
+    is_slow : whether by pseudo-transient continuation.  change : of the place of the equilibrium, over w.load.
+    load_stiffness : see `newton.relax`.
     """
     other = at_level(kind, body, level, w)
     iterations = 0
     for step in (newton.STIFFNESSES, newton.EITHER_SIGN if is_slow else newton.COMPLIANCES):
         newton.restore(body, w)
+        if not is_slow:
+            for k in range(len(w.load)):
+                body.x[k] += change * w.load[k]
         found, more = newton.relax(other, step, is_slow, load_stiffness, w)
         iterations += more
         if found:
@@ -90,25 +96,31 @@ def lead(kind, body, level, load_stiffness, most, w):
 
     load_stiffness : stiffness [N/m] that the loads alone give a node; 0: by Newton's method alone.
     most : Newton iterations after which it ends.
-    Returns whether the level 1 has been reached, and the number of Newton iterations; w.kept and w.kept_tension have the last
-    equilibrium.
+    Returns whether the level 1 has been reached, and the number of Newton iterations. The last equilibrium is in w.kept and
+    w.kept_tension, too.
     """
     newton.keep(body, w)
+    for k in range(len(w.load)):
+        w.load[k] = 0.0
     ratio = FIRST[kind]
     iterations = 0
     for _ in range(MOST_LEVELS):
         if level >= 1.0 or ratio < SMALLEST[kind] or iterations >= most:
             break
         higher = min(1.0, ratio * level)
-        found, more = relax_at(kind, body, higher, False, load_stiffness, w)
+        change = 1.0 / higher - 1.0 / level
+        found, more = relax_at(kind, body, higher, False, change, load_stiffness, w)
         iterations += more
-        if not found and load_stiffness > 0.0 and ratio < SNAPPING:
-            found, more = relax_at(kind, body, higher, True, load_stiffness, w)
+        is_slow = not found and load_stiffness > 0.0 and ratio < SNAPPING
+        if is_slow:
+            found, more = relax_at(kind, body, higher, True, change, load_stiffness, w)
             iterations += more
         if found:
+            for k in range(len(w.load)):
+                w.load[k] = 0.0 if is_slow or kind != LAYER else (body.x[k] - w.kept[k]) / change
             level = higher
             newton.keep(body, w)
-            ratio = min(LARGEST[kind], ratio * sqrt(ratio))
+            ratio = min(LARGEST[kind], GROWTH[kind] * ratio)
         else:
             ratio = sqrt(ratio)
     return level >= 1.0, iterations

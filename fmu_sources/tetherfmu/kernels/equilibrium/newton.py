@@ -48,7 +48,7 @@ STALLED = 2.0  # a residual that falls no more is rounding up to this many times
 FAST_DECREASE = 1e-4  # of the residual in one iteration: the matrix is kept
 SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration, or through zero to this part
 SLOWEST_GROWTH = 5.0  # a compression grows to no more than this times its size in one iteration
-MOST_PSEUDO_STEPS, MOST_OF_EITHER_SIGN = 300, 1000
+MOST_PSEUDO_STEPS = 300
 LOOSEST = 1e-3  # tension over the load of a node above which a segment counts as taut, however short it is, if compliant
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the pseudo-damping changes
 LARGEST_PSEUDO_DAMPING = 100.0  # over that of the first iteration
@@ -264,9 +264,7 @@ def relax(body, kind, pseudo_transient, load_stiffness, w):
     fast.  load_stiffness : stiffness [N/m] that the loads alone give a node, the first pseudo-damping (0: not known).
     Returns (True, iterations) or (False, iterations).
     """
-    most = MOST_ITERATIONS
-    if pseudo_transient:
-        most = MOST_OF_EITHER_SIGN if kind == EITHER_SIGN else MOST_PSEUDO_STEPS
+    most = MOST_PSEUDO_STEPS if pseudo_transient else MOST_ITERATIONS
     pseudo_damping = load_stiffness if pseudo_transient else 0.0
     least = LEAST_ON_GROUND * pseudo_damping if body.ground.hardness > 0.0 else 0.0
     last = 0.0
