@@ -14,8 +14,9 @@ from ..equations.plan import OneLine
 from ..equations.properties import chain_of
 from ..flat_arrays import part
 from ..motion import iteration_limit
+from ..rest import dynamic_chain, resting_kite
 from ..step.plausibility import note_damping_of_steps
-from . import dynamic_chain, moving_lines, resting_kite
+from . import moving_lines
 
 
 @kernel

@@ -12,11 +12,11 @@ from ..compilation import kernel
 from ..equations.boundary import place_ends
 from ..equations.lines import System, conditions_of, lines_of, motion_of, parameters_of, segments_of, state_of
 from ..equations.properties import chain_of
-from ..equilibrium import compressed_chain, end_tensions
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fixed_steps
 from ..points import system_fixed_room, system_room
+from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_stiff_and_slack, note_unconverged, note_unresolved
 
 

@@ -14,10 +14,10 @@ from ..equations import winch
 from ..equations.boundary import move_ends, spring_at_ground
 from ..equations.ground import under
 from ..equations.properties import chain_of
-from ..equilibrium import end_tensions, newton, solve
-from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..motion.drum_in_equilibrium import drum_at
+from ..rest import end_tensions, newton, solve
+from ..rest.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
 from ..step.outputs import outputs_of_chain
 
 work_size = newton.workspace_size

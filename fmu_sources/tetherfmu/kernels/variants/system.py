@@ -32,10 +32,11 @@ from ..flat_arrays import part
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_fixed_room
+from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import transaction
 from ..step.outputs import complete
 from ..step.plausibility import note_damping_of_steps
-from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
+from . import moving_lines
 
 # --- the plan
 

@@ -12,7 +12,7 @@ import pytest
 
 from balance import residual
 from tetherfmu import TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import chord_rotation
+from tetherfmu.kernels.rest import chord_rotation
 from tetherfmu.runtime.parameters import Environment, Tether
 
 DISTANCE = 500.0

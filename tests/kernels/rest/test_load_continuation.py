@@ -11,7 +11,7 @@ import pytest
 
 from balance import residual
 from tetherfmu import StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import load_continuation, newton
+from tetherfmu.kernels.rest import load_continuation, newton
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.stability.points import kite, point
 

@@ -12,7 +12,7 @@ import pytest
 from balance import residual, turning
 from mechanics import drags
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import (
+from tetherfmu.kernels.rest import (
     calm_layer,
     chord_rotation,
     compressed_segments,

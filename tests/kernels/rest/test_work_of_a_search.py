@@ -10,7 +10,7 @@ from warnings import catch_warnings
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.equilibrium.solve import BUDGET
+from tetherfmu.kernels.rest.solve import BUDGET
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status

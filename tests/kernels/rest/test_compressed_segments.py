@@ -13,7 +13,7 @@ import pytest
 from balance import residual, segments
 from mechanics import drags, line_density
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import compressed_segments
+from tetherfmu.kernels.rest import compressed_segments
 from tetherfmu.runtime.parameters import Tether
 
 COUNT = 40

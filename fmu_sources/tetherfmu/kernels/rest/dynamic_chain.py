@@ -7,10 +7,10 @@ from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
 from ..equations.ground import under
 from ..equations.properties import chain_of
-from ..equilibrium import end_tensions, newton, solve
-from ..equilibrium.rigid_body import Body, rigid_motion, straighten
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
+from . import end_tensions, newton, solve
+from .rigid_body import Body, rigid_motion, straighten
 
 
 @kernel

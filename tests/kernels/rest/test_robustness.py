@@ -11,12 +11,12 @@ cases: `benchmarks/robustness.py`, which also prints times; `pytest -s` shows th
 
 import numpy as np
 import pytest
+from tetherfmu.kernels.rest.chord_rotation import MOST_ROTATIONS
+from tetherfmu.kernels.rest.load_continuation import MOST_LEVELS
 
 from balance import residual
 from benchmarks.robustness import STEP, random_cases, solve, table
-from tetherfmu.kernels.equilibrium.chord_rotation import MOST_ROTATIONS
-from tetherfmu.kernels.equilibrium.load_continuation import MOST_LEVELS
-from tetherfmu.kernels.equilibrium.newton import MOST_ITERATIONS, MOST_PSEUDO_STEPS
+from tetherfmu.kernels.rest.newton import MOST_ITERATIONS, MOST_PSEUDO_STEPS
 from tetherfmu.runtime.parameters import Environment
 
 COUNT, SEED = 2000, 1
