@@ -107,7 +107,7 @@ class KernelByKernel:
         ends = v.reshape(-1, 3)[[0, -1]]
         w = newton.workspace(n, self.work)
         assembly.node_masses(body.chain, w.mass)
-        found, self.state[at.ITERATIONS] = newton.relax(body, False, False, guess(body, False, w), w)
+        found, self.state[at.ITERATIONS] = newton.relax(body, newton.STIFFNESSES, False, guess(body, False, w), w)
         assert found
         end_tensions.store(body, self.state, w)
         v.reshape(-1, 3)[[0, -1]] = ends
