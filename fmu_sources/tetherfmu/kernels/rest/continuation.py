@@ -37,8 +37,8 @@ from . import newton
 from .rigid_body import Body
 
 LOADS, STIFFNESS, LAYER, GROUND = range(4)
-FIRST = np.array((1.1, 10.0, 2.0, 3.0))  # ratio of a level to the one before, at the start
-GROWTH = np.array((1.03, 1.5, 1.5, 1.5))  # of the ratio after an equilibrium
+FIRST = np.array((1.1, 10.0, 2.0, 4.5))  # ratio of a level to the one before, at the start
+GROWTH, LESS = 1.5, np.array((0.5, 0.0, 0.0, 0.0))  # factor on the ratio after an equilibrium, and what is taken off
 LARGEST = np.array((1.3, 10.0, 10.0, 10.0))  # at most
 SMALLEST = np.array((1.001, 1.5, 1.05, 1.01))  # below it, the equilibria have come to an end
 SNAPPING = 2.0  # ratio below which the next equilibrium may not be near
@@ -120,7 +120,7 @@ def lead(kind, body, level, load_stiffness, most, w):
                 w.load[k] = 0.0 if is_slow or kind != LAYER else (body.x[k] - w.kept[k]) / change
             level = higher
             newton.keep(body, w)
-            ratio = min(LARGEST[kind], GROWTH[kind] * ratio)
+            ratio = min(LARGEST[kind], GROWTH * ratio - LESS[kind])
         else:
             ratio = sqrt(ratio)
     return level >= 1.0, iterations

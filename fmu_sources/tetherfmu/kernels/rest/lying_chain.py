@@ -69,10 +69,12 @@ def is_compressed(body, w):
 @kernel
 def by_sinking(body, w):
     """From the equilibrium without ground in the body (modified) to that on its ground: (found, Newton iterations)."""
+    newton.keep(body, w)
     softest = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))
-    found, iterations = continuation.lead(
-        continuation.GROUND, body, softest / continuation.FIRST[continuation.GROUND], 0.0, inf, w
-    )
+    found, iterations = continuation.relax_at(continuation.GROUND, body, softest, False, 0.0, 0.0, w)
+    if found:
+        found, more = continuation.lead(continuation.GROUND, body, softest, 0.0, inf, w)
+        iterations += more
     if not found:
         found, more = slowly(body, w)
         iterations += more

@@ -92,7 +92,8 @@ def by_compressed_segments(body, w):
     """Step 7: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations."""
     assembly.node_masses(body.chain, w.mass)
     found, iterations = compressed_segments.find(body, guess(body, False, w), w)
-    return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations
+    found = found and is_stable(body) and not lying_chain.is_compressed(body, w)
+    return OK if found else NO_EQUILIBRIUM, iterations
 
 
 @kernel
