@@ -20,9 +20,9 @@ from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.boundary import inputs_of_step
 from tetherfmu.kernels.equations.ground import without_ground
 from tetherfmu.kernels.equations.properties import chain_of
-from tetherfmu.kernels.equilibrium import end_tensions, newton
-from tetherfmu.kernels.equilibrium.first_guess import guess
-from tetherfmu.kernels.equilibrium.rigid_body import Body, rigid_motion
+from tetherfmu.kernels.rest import end_tensions, newton
+from tetherfmu.kernels.rest.first_guess import guess
+from tetherfmu.kernels.rest.rigid_body import Body, rigid_motion
 from tetherfmu.kernels.step import power_balance, transaction
 from tetherfmu.kernels.step.outputs import complete
 from tetherfmu.kernels.variants import dynamic
@@ -107,7 +107,7 @@ class KernelByKernel:
         ends = v.reshape(-1, 3)[[0, -1]]
         w = newton.workspace(n, self.work)
         assembly.node_masses(body.chain, w.mass)
-        found, self.state[at.ITERATIONS] = newton.relax(body, False, False, guess(body, False, w), w)
+        found, self.state[at.ITERATIONS] = newton.relax(body, newton.STIFFNESSES, False, guess(body, False, w), w)
         assert found
         end_tensions.store(body, self.state, w)
         v.reshape(-1, 3)[[0, -1]] = ends

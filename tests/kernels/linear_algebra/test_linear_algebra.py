@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tetherfmu.kernels.equilibrium.hanging_chain import solve_symmetric
 from tetherfmu.kernels.linear_algebra.block_tridiagonal import Matrix, factorize, solve
+from tetherfmu.kernels.rest.hanging_chain import solve_symmetric
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 5), (1, 4), (1, 5), (0, 2), (2, 3), (2, 2)])

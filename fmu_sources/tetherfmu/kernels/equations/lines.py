@@ -32,7 +32,7 @@ from .plan import number_in
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `plan_layout.py`.
 
-plan : whole numbers, floats in `variants/resting_kite.py`; of a tether alone a `plan.OneLine`.
+plan : whole numbers, floats in `rest/resting_kite.py`; of a tether alone a `plan.OneLine`.
 """
 
 Points = namedtuple("Points", "matrix pivots right solution mass stage_mass mass_rate change load_rate")

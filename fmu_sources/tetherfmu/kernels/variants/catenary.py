@@ -12,9 +12,9 @@ from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
 from ..equations.ground import has_ground
 from ..equations.properties import property_of
-from ..equilibrium.elastic_catenary import hang, point_in_space
 from ..linear_algebra.vectors import add, add_scaled, norm, put_at, scale, vector_at
 from ..motion.drum_in_equilibrium import drum_at
+from ..rest.elastic_catenary import hang, point_in_space
 from ..step.outputs import write_direction
 from ..step.plausibility import note
 from .chord import chord_load, chord_of, no_work_size, write_common

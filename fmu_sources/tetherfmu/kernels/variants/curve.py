@@ -7,8 +7,8 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations.properties import property_of
-from ..equilibrium.elastic_catenary import LEAST, point_in_space
 from ..linear_algebra.vectors import add_scaled, cross, dot, norm
+from ..rest.elastic_catenary import LEAST, point_in_space
 from ..step.outputs import away_from_chord, place_along_chord, wave_time
 
 SAMPLES = 24  # pieces of the catenary in which wave time and sag are found

@@ -13,7 +13,8 @@ from ..equations.plan import OneLine
 from ..flat_arrays import part
 from ..motion import iteration_limit
 from ..points import system_room
-from . import dynamic_chain, moving_lines, resting_kite
+from ..rest import dynamic_chain, resting_kite
+from . import moving_lines
 
 
 @kernel

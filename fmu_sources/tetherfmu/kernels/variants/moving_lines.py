@@ -23,11 +23,11 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.properties import chain_of
-from ..equilibrium import compressed_chain, end_tensions
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fixed_steps
 from ..points import system_room
+from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note, note_stiff_and_slack, note_unconverged
 
 

@@ -5,62 +5,30 @@ no waves and no damping. Source: P. Williams, Cable Modeling Approximations for 
 Dynamics 40 (2017) 1779; docs/models/theory.md, "Quasi-steady".
 """
 
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import OK
-
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import move_ends, spring_at_ground
-from ..equations.ground import under
 from ..equations.properties import chain_of
-from ..equilibrium import end_tensions, newton, solve
-from ..equilibrium.rigid_body import Body, rigid_motion, rigid_velocity, spring_tensions
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..motion.drum_in_equilibrium import drum_at
+from ..rest import newton, solve
+from ..rest.rigid_body import rigid_velocity, spring_tensions
 from ..step.outputs import outputs_of_chain
 
 work_size = newton.workspace_size
 
 
-@view
-def body_of(n, parameters, state, x, v):
-    """The `Body` of node positions x [m] and velocities v [m/s] that turns about the ground end with the kite of a state."""
-    spin, extension_rate = rigid_motion(n, x, v)
-    return Body(chain_of(n, parameters, state), spin, extension_rate, x, v, under(parameters), x, False)
-
-
-@kernel
-def settle_from(n, parameters, state, warm, w):
-    """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
-
-    warm : whether the inner nodes and the tensions in w.tension are close to it.
-    """
-    x, v = positions_and_velocities(n, state)
-    body = body_of(n, parameters, state, x, v)
-    if warm:
-        found, iterations = solve.follow(body, w)
-        state[at.ITERATIONS] += iterations
-        if found:
-            end_tensions.store(body, state, w)
-            return OK
-    status, iterations = solve.find(body, w)
-    state[at.ITERATIONS] += iterations
-    if status == OK:
-        end_tensions.store(body, state, w)
-    return status
-
-
 @kernel
 def initialize(n, parameters, inputs, state, work):
     """Give a new state (modified) its shape; returns a status: OK or NO_EQUILIBRIUM."""
-    return settle_from(n, parameters, state, False, newton.workspace(n, work))
+    return solve.settle(n, parameters, state, False, newton.workspace(n, work))
 
 
 @kernel
 def settle(n, parameters, state, work):
     """Bring a state (modified) into equilibrium between its ends from one that is close, with its tensions; a status."""
-    return settle_from(n, parameters, state, True, newton.workspace(n, work))
+    return solve.settle(n, parameters, state, True, newton.workspace(n, work))
 
 
 advance_drum = drum_at(settle, spring_at_ground)
@@ -83,7 +51,7 @@ def advance(n, parameters, given, before, state, work):
         for i in range(1, n):
             put(x, i, add_scaled(get(x, i), given.step, get(v, i)))
         move_ends(n, given, state)
-        status = settle_from(n, parameters, state, True, w)
+        status = solve.settle(n, parameters, state, True, w)
     last, _ = positions_and_velocities(n, before)
     for i in range(1, n):
         put(v, i, scale(1.0 / given.step, sub(get(x, i), get(last, i))))
@@ -97,7 +65,7 @@ def velocities_of(n, parameters, state, work):
     w = newton.workspace(n, work)
     put(w.move, 0, get(v, 0))
     put(w.move, n, get(v, n))
-    rigid_velocity(body_of(n, parameters, state, x, w.move))
+    rigid_velocity(solve.body_of(n, parameters, state, x, w.move))
     return w.move
 
 

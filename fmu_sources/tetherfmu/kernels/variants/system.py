@@ -30,9 +30,10 @@ from ..equations.lines import (
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_room
+from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import power_balance, transaction
 from ..step.outputs import complete
-from . import dynamic_chain, moving_lines, resting_forces, resting_line, resting_points
+from . import moving_lines
 
 name = SYSTEM
 

@@ -13,9 +13,9 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations.properties import property_of
-from ..equilibrium.elastic_catenary import point_in_space
-from ..equilibrium.grounded_catenary import hang_on_ground, lying_span, parts_with, scene_of
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put_at, sub, vector_at
+from ..rest.elastic_catenary import point_in_space
+from ..rest.grounded_catenary import hang_on_ground, lying_span, parts_with, scene_of
 from ..step.outputs import away_from_chord, wave_time, write_direction
 from .curve import SAMPLES, crossing_and_sag
 

@@ -12,7 +12,6 @@ import pytest
 
 from balance import residual
 from tetherfmu import TetherQuasiSteady
-from tetherfmu.kernels.equilibrium import chord_rotation
 from tetherfmu.runtime.parameters import Environment, Tether
 
 DISTANCE = 500.0
@@ -42,7 +41,7 @@ def slope(positions, tether, wind, change=1e-6):
     return np.transpose(columns)
 
 
-# without `chord_rotation.find` all of them are refused
+# by steps 1 to 6 all of them are refused
 @pytest.mark.parametrize(
     ("n", "slack", "up", "wind", "aside"),
     [
@@ -67,21 +66,9 @@ def test_found_in_balance_and_stable(n, slack, up, wind, aside):
 
 
 def test_none_is_refused():
-    """As docs/models/numerics.md, "Initial shape", says; 314 without `chord_rotation.find` and `compressed_segments`."""
+    """As docs/models/numerics.md, "Initial shape", says; 314 by steps 1 to 6."""
     cases = (10, 15, 20, 30, 50), (0.02, 0.1, 0.3, 0.5, 0.7, 0.9), (1, -1)
     cases += (0.1, 0.2, 0.5, 1.0, 2.0, 4.0), (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0)
     assert len(list(product(*cases))) == 2160
     for case in product(*cases):
         start(*case)
-
-
-def test_a_turn_keeps_lengths_and_heights_over_the_chord():
-    """And what belongs to the angle: a quarter, made of turns of a whole one in `DIRECTIONS` parts."""
-    positions = np.array([[1.0, 2.0, 3.0], [2.0, 2.0, 4.0], [3.0, 1.0, 6.0], [1.0, 2.0, 8.0]])
-    turned = positions.ravel().copy()
-    body = type("Body", (), {"x": turned, "chain": type("Chain", (), {"n": 3})})
-    for _ in range(chord_rotation.DIRECTIONS // 4):
-        chord_rotation.rotate.py_func(body, chord_rotation.COSINE, chord_rotation.SINE)
-    x, y, z = positions.T
-    expected = np.transpose([1.0 - (y - 2.0), 2.0 + (x - 1.0), z])  # about the vertical through (1, 2), anti-clockwise
-    np.testing.assert_allclose(turned.reshape(-1, 3), expected, rtol=0.0, atol=1e-14)

@@ -12,7 +12,7 @@ import numpy as np
 
 from kernels.packed import packed
 from tetherfmu.kernels.equations.properties import chain_at
-from tetherfmu.kernels.equilibrium import hanging_chain
+from tetherfmu.kernels.rest import hanging_chain
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Tether
 

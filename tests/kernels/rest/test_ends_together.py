@@ -1,6 +1,6 @@
 """A slack, stiff tether has a shape with both ends almost together in the wind.
 
-Each start must be in balance by `balance.py`, from its node positions x alone. Without `stiffening`, of the starts with 40
+Each start must be in balance by `balance.py`, from its node positions x alone. By steps 1 to 6, of the starts with 40
 segments in a level wind one in ten is refused.
 """
 

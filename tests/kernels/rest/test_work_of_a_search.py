@@ -12,7 +12,7 @@ import pytest
 
 from stability import flight
 from stability.points import point
-from tetherfmu.kernels.equilibrium.solve import BUDGET
+from tetherfmu.kernels.rest.solve import BUDGET
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status

@@ -8,7 +8,7 @@ from tetherfmu import StepRefused, TetherCatenary, TetherDynamic
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.ground import without_ground
 from tetherfmu.kernels.equations.properties import chain_at
-from tetherfmu.kernels.equilibrium import newton, rigid_body
+from tetherfmu.kernels.rest import newton, rigid_body
 from tetherfmu.runtime.parameters import Environment, Tether
 
 N = 7

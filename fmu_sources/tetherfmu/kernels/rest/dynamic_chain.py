@@ -6,12 +6,11 @@ from tetherfmu.runtime.status import OK
 from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
 from ..equations.properties import chain_of
-from ..equilibrium import newton
-from ..equilibrium.rigid_body import straighten
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put
 from ..step.outputs import outputs_of_chain
 from ..step.plausibility import note_damping_of_steps
-from . import quasi_steady
+from . import newton, solve
+from .rigid_body import straighten
 
 
 @kernel
@@ -28,7 +27,7 @@ def initialize(n, parameters, shape, state, work):
     if shape == at.STATIC_EQUILIBRIUM:
         put(v, 0, ZERO_VECTOR)
         put(v, n, ZERO_VECTOR)
-    status = quasi_steady.settle_from(n, parameters, state, False, newton.workspace(n, work))
+    status = solve.settle(n, parameters, state, False, newton.workspace(n, work))
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
     return status

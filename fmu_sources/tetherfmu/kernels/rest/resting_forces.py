@@ -12,11 +12,11 @@ from tetherfmu.runtime.status import OK
 from ..arrays import behind, copy, split
 from ..compilation import kernel, view
 from ..equations.lines import add_at, band_of, clear, free_points, lines_of, point_at, points_size, state_of
-from ..equilibrium.rigid_body import GIVE
 from ..flat_arrays import part
 from ..linear_algebra.points import place_in, row_size
 from ..linear_algebra.vectors import get, norm, put
 from .resting_line import add_slopes, add_support, fill_others, force_at, is_any_sought, is_sought, rest_line, rounding_at
+from .rigid_body import GIVE
 
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
 ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls

@@ -28,15 +28,14 @@ from ..equations.lines import (
     state_of,
 )
 from ..equations.properties import chain_of, property_of
-from ..equilibrium import end_tensions, newton
-from ..equilibrium.rigid_body import Body
 from ..flat_arrays import part
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.points import add_block, place_in
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
 from ..step import transaction
-from . import dynamic_chain
+from . import dynamic_chain, end_tensions, newton
+from .rigid_body import Body
 
 
 @kernel

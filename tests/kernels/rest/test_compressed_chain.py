@@ -8,7 +8,7 @@ import pytest
 
 from kernels.packed import packed
 from tetherfmu.kernels.equations.properties import chain_at
-from tetherfmu.kernels.equilibrium import compressed_chain
+from tetherfmu.kernels.rest import compressed_chain
 from tetherfmu.runtime.parameters import Tether
 
 TETHER = Tether(segments=6, initial_length=60.0)

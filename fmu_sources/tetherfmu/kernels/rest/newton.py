@@ -11,8 +11,9 @@ The tensions are unknowns beside the positions. They are eliminated from the lin
 what they change is that the lateral stiffness T/l comes from the tension of the last iteration and not from the length of
 the segment, whose error is amplified by EA/l0.
 
-Compliant: the same with the compliances of the segments instead of their stiffnesses (`compliance.py`), because in a stiff
-and slack chain what holds a segment across drowns in the rounding errors of what holds it along.
+COMPLIANCES: the same with the compliances of the segments instead of their STIFFNESSES (`compliance.py`), because in a stiff
+and slack chain what holds a segment across drowns in the rounding errors of what holds it along. EITHER_SIGN: that with
+tensions that may pass through zero, at a part of their size (`compressed_segments.py`).
 
 Pseudo-transient continuation: with a damping c against motion, (c - dF/dx) dx = F, implicit steps in the pseudo-time 1/c. c
 falls while the nodes move little, down to Newton's method.
@@ -39,12 +40,14 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, dot, get, put, sca
 from . import compliance
 from .rigid_body import SPRINGS, TENSIONS, loads, motion_of, support_stiffness
 
+STIFFNESSES, COMPLIANCES, EITHER_SIGN = range(3)  # kinds of step
 MOST_ITERATIONS = 30  # warm it needs 2 or 3, cold about 6
 ROUNDING = 2.3e-16  # relative, of a 64-bit float
 ACCURACY = 1e-12  # residual over the size of the forces
 STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
 FAST_DECREASE = 1e-4  # of the residual in one iteration: the matrix is kept
-SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration
+SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration, or through zero to this part
+SLOWEST_GROWTH = 5.0  # a compression grows to no more than this times its size in one iteration
 MOST_PSEUDO_STEPS = 300
 LOOSEST = 1e-3  # tension over the load of a node above which a segment counts as taut, however short it is, if compliant
 NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the pseudo-damping changes
@@ -53,7 +56,7 @@ LEAST_ON_GROUND = 1e-6  # the same, at least, on the ground: a chain without ten
 
 Workspace = namedtuple(
     "Workspace",
-    "load force move offset share tension aim change kept kept_tension hung hung_tension anchor parameters "
+    "load force move offset share tension aim change kept kept_tension hung hung_tension anchor velocity parameters "
     "matrix response transfer records mass",
 )
 Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
@@ -62,7 +65,7 @@ load : of the nodes without tensions [N].  force : residual [N].  move : of the 
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
 kept, kept_tension : an equilibrium to continue from, positions [m] and tensions [N], n.
 hung, hung_tension : the same without ground.  anchor : where friction holds the nodes of a pile [m].
-parameters : of the chain in other air, see `arrays.parameters_size`.
+velocity : of the nodes under other loads [m/s].  parameters : of the chain at another level, see `arrays.parameters_size`.
 response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
 blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 """
@@ -71,7 +74,7 @@ blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 9 * 3 * (n + 1) + 2 * n + parameters_size(n)
+    return shared_size(n) + 10 * 3 * (n + 1) + 2 * n + parameters_size(n)
 
 
 @view
@@ -84,9 +87,9 @@ def workspace(n, work):
     flat = 3 * (n + 1)
     kept, room = (part(room, 0, flat), part(room, flat, n)), behind(flat + n, room)
     hung, room = (part(room, 0, flat), part(room, flat, n)), behind(flat + n, room)
-    anchor, other = part(room, 0, flat), part(room, flat, parameters_size(n))
+    anchor, velocity, other = part(room, 0, flat), part(room, flat, flat), part(room, 2 * flat, parameters_size(n))
     blocks = matrix, matrix.diagonal, matrix.lower
-    return Workspace(load, force, move, offset, share, *three, *kept, *hung, anchor, other, *blocks, records, mass)
+    return Workspace(load, force, move, offset, share, *three, *kept, *hung, anchor, velocity, other, *blocks, records, mass)
 
 
 @kernel
@@ -187,22 +190,15 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
 
 
 @kernel
-def move_nodes(body, taken, w):
-    """Move the positions of the body [m] (modified) by a part of w.move.
-
-    Returns the largest motion of w.move over the length of a segment.
-    """
-    chain = body.chain
-    farthest = 0.0
-    for i in range(1, chain.n):
-        step = get(w.move, i)
-        farthest = max(farthest, dot(step, step))
-        put(body.x, i, add_scaled(get(body.x, i), taken, step))
-    return sqrt(farthest) * chain.n / chain.length
+def lowest_tension(kind, tension):
+    """What a tension [N] may fall to in one iteration with this kind of step."""
+    if kind != EITHER_SIGN:
+        return SLOWEST_SLACKENING * tension
+    return -SLOWEST_SLACKENING * tension if tension > 0.0 else SLOWEST_GROWTH * tension
 
 
 @kernel
-def apply_step(body, w):
+def apply_step(body, kind, w):
     """Move the positions of the body [m] and w.tension [N] (both modified) by w.move and towards w.aim.
 
     Shortened so that no node jumps. Returns the largest motion over the length of a segment.
@@ -210,8 +206,13 @@ def apply_step(body, w):
     chain = body.chain
     taken = assembly.longest_part(chain, w.move)
     for s in range(chain.n):
-        w.tension[s] = max(w.tension[s] + taken * (w.aim[s] - w.tension[s]), SLOWEST_SLACKENING * w.tension[s])
-    return move_nodes(body, taken, w)
+        w.tension[s] = max(w.tension[s] + taken * (w.aim[s] - w.tension[s]), lowest_tension(kind, w.tension[s]))
+    farthest = 0.0
+    for i in range(1, chain.n):
+        step = get(w.move, i)
+        farthest = max(farthest, dot(step, step))
+        put(body.x, i, add_scaled(get(body.x, i), taken, step))
+    return sqrt(farthest) * chain.n / chain.length
 
 
 @kernel
@@ -250,17 +251,22 @@ def residual_norm(n, force):
 
 
 @kernel
-def relax(body, compliant, pseudo_transient, load_stiffness, w):
+def loosest(body, load_stiffness):
+    """Tension [N] above which a segment counts as taut in `step_by_compliance`; stiffness as in `relax`."""
+    return LOOSEST * load_stiffness * body.chain.length / body.chain.n
+
+
+@kernel
+def relax(body, kind, pseudo_transient, load_stiffness, w):
     """Newton's method from the positions of the body [m] and w.tension [N] (both modified).
 
-    compliant, pseudo_transient : as the head of this file says. Unless compliant, the matrix is kept while the residual
-    falls fast.  load_stiffness : stiffness [N/m] that the loads alone give a node, the first pseudo-damping (0: not known).
+    kind, pseudo_transient : as the head of this file says. With STIFFNESSES, the matrix is kept while the residual falls
+    fast.  load_stiffness : stiffness [N/m] that the loads alone give a node, the first pseudo-damping (0: not known).
     Returns (True, iterations) or (False, iterations).
     """
     most = MOST_PSEUDO_STEPS if pseudo_transient else MOST_ITERATIONS
     pseudo_damping = load_stiffness if pseudo_transient else 0.0
     least = LEAST_ON_GROUND * pseudo_damping if body.ground.hardness > 0.0 else 0.0
-    loosest = LOOSEST * load_stiffness * body.chain.length / body.chain.n
     last = 0.0
     fresh = False
     for iteration in range(most):
@@ -272,10 +278,10 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
             return True, iteration
         if not residual < inf:
             return False, iteration
-        fresh = compliant or not residual < FAST_DECREASE * last
+        fresh = kind != STIFFNESSES or not residual < FAST_DECREASE * last
         last = residual
-        if compliant:
-            if not step_by_compliance(body, loosest, pseudo_damping, w):
+        if kind != STIFFNESSES:
+            if not step_by_compliance(body, loosest(body, load_stiffness), pseudo_damping, w):
                 return False, iteration + 1
         else:
             if fresh:
@@ -283,22 +289,6 @@ def relax(body, compliant, pseudo_transient, load_stiffness, w):
                 if not factorize(body, pseudo_damping, w):
                     return False, iteration
             step_by_stiffness(body, w)
-        motion = apply_step(body, w)
+        motion = apply_step(body, kind, w)
         pseudo_damping = changed_damping(pseudo_damping, motion, least, load_stiffness)
     return False, most
-
-
-@kernel
-def relax_kept(body, compliant_first, pseudo_transient, load_stiffness, w):
-    """`relax` from what `keep` kept, with the stiffnesses and with the compliances, until one succeeds.
-
-    compliant_first : in which order.  Returns whether one has, and the iterations of both.
-    """
-    iterations = 0
-    for compliant in (compliant_first, not compliant_first):
-        restore(body, w)
-        found, more = relax(body, compliant, pseudo_transient, load_stiffness, w)
-        iterations += more
-        if found:
-            return True, iterations
-    return False, iterations

@@ -1,7 +1,6 @@
 """A chain that lies on the ground where without it the equilibrium would hang below.
 
-Ground continuation: from the equilibrium without ground over ever stiffer grounds, the first so soft that it lets the lowest
-node sink to where it hangs, the last the ground itself. Each equilibrium is the start of the next one.
+From the equilibrium without ground it is led there over ever stiffer grounds (`continuation.GROUND`).
 
 A chain that is longer than its ends' heights and their horizontal distance together has no tension where it lies, and any
 curve on the ground is an equilibrium: the continuation then ends in a chain in compression, or nowhere. `pile` puts one of
@@ -9,21 +8,20 @@ these equilibria together, and load continuation adapts it to the wind. Such a p
 friction holds it where it was put. Source: docs/models/numerics.md, "Initial shape".
 """
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 from tetherfmu.runtime import layout as at
 
 from ..arrays import copy
 from ..compilation import kernel, view
 from ..equations import segment
-from ..equations.ground import carries, softer
+from ..equations.ground import carries
 from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
-from . import load_continuation, newton
+from . import continuation, newton
 from .rigid_body import Body
 
-FIRST_STEP, LARGEST_STEP, SMALLEST_STEP, GROWTH = 3.0, 10.0, 1.01, 1.5  # factor from one stiffness of the ground to the next
-MOST_GROUNDS = 60  # that are tried; it needs 5 to 15
+LIGHTEST = 0.125  # level of the loads at which a pile is first brought to rest
 MOST_COMPRESSION = 1e-3  # compression of a segment that lies over the weight of the chain, above which it is no solution
 MOST_TIGHTENED = 2.0  # tension on the ground over that without it and all friction together
 LONG, FEW = 1.2, 4.0  # over the distance of the feet, and in segments: what lies of a chain that is far too long
@@ -69,53 +67,43 @@ def is_compressed(body, w):
 
 
 @kernel
-def by_ground_continuation(body, w):
+def by_sinking(body, w):
     """From the equilibrium without ground in the body (modified) to that on its ground: (found, Newton iterations)."""
     newton.keep(body, w)
-    level = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))  # stiffness over that of the ground
-    reached, factor, iterations = 0.0, FIRST_STEP, 0
-    for _ in range(MOST_GROUNDS):
-        found, more = newton.relax_kept(on(body, softer(body.ground, level)), False, False, 0.0, w)
+    softest = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))
+    found, iterations = continuation.relax_at(continuation.GROUND, body, softest, False, 0.0, 0.0, w)
+    if found:
+        found, more = continuation.lead(continuation.GROUND, body, softest, 0.0, inf, w)
         iterations += more
-        if found:
-            if level == 1.0:
-                return True, iterations
-            reached, factor = level, min(LARGEST_STEP, factor * GROWTH)
-            newton.keep(body, w)
-        else:
-            factor = sqrt(factor)
-            if reached == 0.0 or factor < SMALLEST_STEP:
-                break
-        level = min(1.0, factor * reached)
-    found, more = slowly(body, w)
-    return found, iterations + more
+    if not found:
+        found, more = slowly(body, w)
+        iterations += more
+    return found, iterations
 
 
 @kernel
 def slowly(body, w):
     """Pseudo-transient continuation from the shape in w.kept and w.kept_tension: (found, Newton iterations)."""
     newton.restore(body, w)
-    return newton.relax(body, False, True, weight_of(body, w) / body.chain.length, w)
+    return newton.relax(body, newton.STIFFNESSES, True, weight_of(body, w) / body.chain.length, w)
 
 
 @kernel
-def by_piling(body, level, fans, w):
+def by_piling(body, level, w):
     """From the first guess of a chain with too much length: (found, iterations).
 
-    level : at which load continuation begins, see `load_continuation.at_level`.  fans : see `pile`.
+    level : at which the continuation of the loads begins.
     """
-    if not pile(body, fans, w):
+    if not pile(body, w):
         return False, 0
     copy(body.x, w.anchor)
     still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.anchor, True)
-    ground, kite = get(body.v, 0), get(body.v, body.chain.n)
-    load_continuation.put_end_velocities(body, level, ground, kite)
-    lighter = load_continuation.at_level(still, level, w)
-    found, iterations = newton.relax(lighter, False, True, weight_of(body, w) / body.chain.length, w)
+    lighter = continuation.at_level(continuation.LOADS, still, level, w)
+    stiffness = weight_of(body, w) / body.chain.length
+    found, iterations = newton.relax(lighter, newton.STIFFNESSES, True, stiffness, w)
     if found and level < 1.0:
-        reached, more = load_continuation.raise_level(still, level, ground, kite, w)
-        found, iterations = reached == 1.0, iterations + more
-    load_continuation.put_end_velocities(body, 1.0, ground, kite)
+        found, more = continuation.lead(continuation.LOADS, still, level, 0.0, inf, w)
+        iterations += more
     return found, iterations
 
 
@@ -145,22 +133,20 @@ def find(body, hangs, w):
     copy(w.tension, w.hung_tension)
     found, iterations = False, 0
     if is_long(body):
-        found, iterations = by_piling(body, load_continuation.LOWEST, False, w)
+        found, iterations = by_piling(body, LIGHTEST, w)
     if not found and hangs:
         copy(w.hung, body.x)
         copy(w.hung_tension, w.tension)
-        found, more = by_ground_continuation(body, w)
+        found, more = by_sinking(body, w)
         iterations += more
         # friction adds no more than its part of the weight; a chain that turns may find another equilibrium, far out
         friction = body.ground.friction * weight_of(body, w)
         found = found and not is_compressed(body, w)
         found = found and largest(w.tension) <= MOST_TIGHTENED * (largest(w.hung_tension) + friction)
-    if not found:
-        found, more = by_piling(body, 1.0, False, w)
-        iterations += more
-    if not found:
-        found, more = by_piling(body, load_continuation.LOWEST, True, w)
-        iterations += more
+    for level in (1.0, LIGHTEST):
+        if not found:
+            found, more = by_piling(body, level, w)
+            iterations += more
     return found, iterations
 
 
@@ -275,22 +261,11 @@ def foot(body, point, away, e):
 
 
 @kernel
-def fanned(chord, from_start, from_end, rest):
-    """Sine by which two segments that reach to the same side turn away from each other, so that a third fits between them.
-
-    chord : distance of their upper ends.  from_start, from_end : how far they reach on the ground.  rest : length of the
-    third [m].
-    """
-    return max(0.0, min(1.0, (rest - chord) / max(from_start + from_end, rest)))
-
-
-@kernel
-def pile(body, fans, w):
+def pile(body, w):
     """First guess of a chain with too much length (positions and w.tension modified); False if it has not.
 
     Straight down from the ends, and on the ground on an arc of a circle, where it is unstretched: an equilibrium without
     wind and motion. The arc lies to the left of the way to the kite.
-    fans : whether a single segment on the ground, instead of an arc, is unstretched, too (`fanned`).
     """
     chain, x = body.chain, body.x
     for s in range(chain.n):
@@ -309,9 +284,6 @@ def pile(body, fans, w):
         back = -e[0], -e[1]
     else:
         e = back = (-across[1] / chord, across[0] / chord) if chord > 0.0 else (0.0, 1.0)
-        if fans and last - first == 1:
-            sine = fanned(chord, from_start, from_end, rest_length(chain, first))
-            back, e = turned(e, sine), turned(e, -sine)
     put(x, first, foot(body, start, from_start, e))
     put(x, last, foot(body, end, from_end, back))
     if last - first < 2:
